@@ -5,7 +5,7 @@
 # make draws  the cases that tests draw, drawn anew: each run has others (two minutes)
 # make docs   the documentation as a site, in build/site
 # make pictures   the paper's figures in the documentation, from a full run (half an hour): docs/images/paper
-# make wheel  the package as others install it, in build/wheel
+# make wheel  the package as others install it, and its source, in build/wheel
 # make crate [CONFIGFILE=mine.yaml]   a finished run as one archive that tells its making (RO-Crate)
 # make validate OREKIT_DATA=<folder>   the dynamics against Orekit's (half an hour): docs/tables/orekit.md
 # make weather   the skill of forecasts of the space weather (some minutes): the table in docs/weather.md
@@ -79,7 +79,9 @@ pictures: $(INSTALLED)
 	$(BIN)/python -m validation.pictures results/figs docs/images/paper
 
 wheel: $(INSTALLED)
-	$(BIN)/python -m pip wheel --quiet --no-deps --no-build-isolation --wheel-dir build/wheel .
+	rm -rf build/wheel && mkdir -p build/wheel
+	$(BIN)/python -c "from setuptools.build_meta import build_sdist as make; make('build/wheel')" > build/sdist.log
+	$(BIN)/python -m pip wheel --quiet --no-deps --no-build-isolation --wheel-dir build/wheel build/wheel/*.tar.gz
 
 crate: $(INSTALLED)
 	$(BIN)/opml pack $(if $(CONFIGFILE),--configfile $(CONFIGFILE))

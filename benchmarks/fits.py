@@ -77,7 +77,7 @@ def _prepare(workers, drawn, progress):
 
 
 def _result(worker: Worker, fitted: Windows, times: list[Timed]) -> Result:
-    """Return what the rounds of a tool's fits gave, its answers held against opml's."""
+    """Return what the rounds of a tool's fits gave, its answers compared with opml's."""
     found: Answers = times[-1].result
     twins: list[Fit] = worker.call("twin", fitted).result
     off = found.states - np.array([twin.best[:6] for twin in twins])

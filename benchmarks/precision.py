@@ -107,7 +107,7 @@ def _tight(worker, arcs, progress):
 
 
 def _point(setting, flown, truth):
-    """Return the point of a flight, held against the truth of its checked arcs."""
+    """Return the point of a flight, compared with the truth of its checked arcs."""
     ends = flown.states[case.spread(len(flown.states), len(truth))]
     return Point(setting, float(np.median(flown.cpu)), measure.apart(ends, truth))
 

@@ -5,6 +5,7 @@ README.md and its like stand where a reader of the files looks for them. A page 
 between files of the project becomes one between pages.
 """
 
+import json
 import posixpath
 import re
 import sys
@@ -33,6 +34,14 @@ PLOTLY = Path(find_spec("plotly").origin).with_name("package_data") / "plotly.mi
 FONTS = Path(find_spec("ziamath").origin).with_name("fonts")  # a wheel with STIX Two Math
 LINKS = [line.split(", ") for line in metadata("opml-orbits").get_all("Project-URL") or ()]
 LINK = re.compile(r"\]\((?!\w+:|#)([^)\s#]+)")
+ARTICLE = re.compile(r"<article[^>]*>(.*)</article>", re.DOTALL)
+TAG = re.compile(r"<(?!/?section\b)[^>]*>|¶")
+# A page from a folder may not read another one: the search finds the text of all here.
+FETCH = """
+window.fetch = async address => new Response(
+  `<div role="main">${PAGES[new URL(address, location).pathname.split("/").pop()]}</div>`
+);
+"""
 IMAGE = re.compile(r'<img [^>]*src="([^"]+)"[^>]*>')
 
 project = "opml"
@@ -59,7 +68,6 @@ html_static_path = ["static", str(FONTS), str(PLOTLY)]
 html_css_files = ["opml.css"]
 html_math_renderer = "mathml"
 html_copy_source = False
-html_show_search_summary = False  # a page from a folder may not read another one
 
 
 def point(app, docname, source):
@@ -97,11 +105,29 @@ def enlarge(app, page, template, context, doctree):
         context["body"] = IMAGE.sub(r'<a href="\1">\g<0></a>', context["body"])
 
 
+def load_texts(app, page, template, context, doctree):
+    """Give the search the text of all pages, to show where the words stand."""
+    if page == "search":
+        app.add_js_file("pages.js")
+
+
+def write_texts(app, exception):
+    """Write the text of all pages by the file's name, with the sections that links lead to."""
+    if exception is None:
+        paths = [app.outdir / f"{page}.html" for page in sorted(app.env.found_docs)]
+        found = {path.name: ARTICLE.search(path.read_text(encoding="utf-8")) for path in paths}
+        texts = {name: " ".join(TAG.sub("", article[1]).split()) for name, article in found.items()}
+        script = f"const PAGES = {json.dumps(texts)};{FETCH}"
+        (app.outdir / "_static" / "pages.js").write_text(script, encoding="utf-8")
+
+
 def setup(app):
     """Register what the settings above name."""
     app.connect("source-read", point)
     app.connect("include-read", point_included)
     app.connect("html-page-context", enlarge)
+    app.connect("html-page-context", load_texts)
+    app.connect("build-finished", write_texts)
     app.add_directive("schematic", Schematic)
     app.add_directive("run-figures", RunFigures)
     app.add_html_math_renderer("mathml", (inline_equation, None), (block_equation, None))

@@ -1,1 +1,1 @@
-"""opml's dynamics held against Orekit's, term by term and end to end; `folders`: results against results."""
+"""opml's dynamics compared with Orekit's, term by term and end to end; `folders`: results against results."""

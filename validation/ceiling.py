@@ -29,7 +29,7 @@ MARKS = (1, 2, 4, 7)
 """Durations that errors are told at [d]."""
 
 _EVERY = 0.25
-"""Time between the epochs that arcs are held against the orbit at [d], and half the width of a mark."""
+"""Time between the epochs that arcs are compared with the orbit at [d], and half the width of a mark."""
 
 _STARTS_EVERY = 6.0
 """Time between the estimates that arcs start from [h], as in the studies."""
@@ -40,7 +40,7 @@ _TABLES = ("earth_orientation", "ephemerides", "gravity_field")
 
 @dataclass(frozen=True)
 class Mornings:
-    """The predictions of a study's mornings, held against the orbit.
+    """The predictions of a study's mornings, compared with the orbit.
 
     flights: by what is known of the weather
     pairs: rows of i, j, t_i and t_j

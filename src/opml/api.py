@@ -580,7 +580,7 @@ def replay(
 
     flight: under the assumed model; train_days: first and last day to train on, of which a learner sees half
     before its first morning; every_hours: between the estimates that ephemerides start from. Raises
-    InputError where nothing can be held against.
+    InputError where nothing can be compared with.
 
     >>> mornings = opml.replay(flight, daily, catalogue, train_days=(0, 1.5), every_hours=1)
     >>> bool((mornings["t_i"] >= mornings["morning"]).all())

@@ -1,6 +1,7 @@
 """The documentation: links lead somewhere, what it lists is what there is, and its site builds."""
 
 import importlib.util
+import json
 import re
 import subprocess
 import sys
@@ -11,6 +12,7 @@ from support import REPOSITORY
 
 import opml
 from opml.environment import solar_activity
+from validation.pages.__main__ import PAGES as WRITTEN
 
 LINK = re.compile(r"\]\((?!\w+:|#)([^)\s#]+)")
 PAGES = [
@@ -23,7 +25,7 @@ PAGES = [
     *(REPOSITORY / "docs").glob("*.md"),
     *(REPOSITORY / "notes").glob("*.md"),
 ]
-NOT_BY_HAND = {"data.md", "reference.md", "changes.md", "contributing.md"}
+NOT_BY_HAND = {"reference.md", "changes.md", "contributing.md", *(path.name for path in WRITTEN)}
 """Pages of docs/ that a program writes, or that only include a file from elsewhere."""
 
 
@@ -69,6 +71,17 @@ def test_the_menu_leads_home_and_has_the_version(site):
     text = (site / "theory.html").read_text(encoding="utf-8")
     assert re.search(r'<a class="reference internal" href="index.html">\s*Home\s*</a>', text)
     assert f'<span class="sidebar-brand-text">opml {opml.__version__}</span>' in text
+
+
+@pytest.mark.slow
+def test_the_search_shows_where_the_words_stand_from_a_folder_too(site):
+    assert '<script src="_static/pages.js"></script>' in (site / "search.html").read_text(encoding="utf-8")
+    script = (site / "_static" / "pages.js").read_text(encoding="utf-8")
+    texts = json.loads(re.search(r"PAGES = ({.*});\n", script)[1])
+    assert set(texts) >= {f"{page.stem}.html" for page in (REPOSITORY / "docs").glob("*.md")}
+    section = r'<section id="which-model-is-selected"> Which model is selected\? Each morning the default'
+    assert re.search(section, texts["uncertainty.html"])
+    assert set(re.findall(r"</?(\w+)", "".join(texts.values()))) == {"section"}
 
 
 @pytest.mark.slow

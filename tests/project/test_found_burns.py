@@ -1,4 +1,4 @@
-"""The burns found in histories of mean elements, held against published ones."""
+"""The burns found in histories of mean elements, compared with published ones."""
 
 import numpy as np
 import pytest

@@ -72,6 +72,7 @@ def test_the_documentation_travels_in_the_wheel(installed, environment, tmp_path
         assert (folder / page.name).read_bytes() == page.read_bytes()
         for image in re.findall(r"\]\((images/[^)]+)", page.read_text(encoding="utf-8")):
             assert (folder / image).is_file()
+    assert (folder / "notebook.ipynb").read_bytes() == (ROOT / "docs" / "notebook.ipynb").read_bytes()
     settings = run(
         sys.executable, installed / "bin" / "opml", "docs", "settings", env=environment, cwd=tmp_path
     )

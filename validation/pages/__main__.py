@@ -1,14 +1,11 @@
-"""Write docs/data.md, config/keys.md and editors' schema of settings: `python -m validation.pages`."""
+"""Write docs/data*.md, config/keys.md and editors' schema of settings: `python -m validation.pages`."""
 
 from opml.base.files import replacing
 from opml.study.settings import editor_schema
 from validation.case import ROOT
 from validation.pages import settings, tables
 
-PAGES = {
-    tables.PAGE: tables.tables_page,
-    settings.KEYS: settings.keys_page,
-}
+PAGES = {**tables.pages(), settings.KEYS: settings.keys_page}
 
 if __name__ == "__main__":
     for path, text in PAGES.items():

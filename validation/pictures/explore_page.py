@@ -44,6 +44,7 @@ def explore_page(satellite: Satellite) -> str:
         read_table(results / "dataset" / rso / f"{stations}.parquet", "dataset"),
         component="e_y",
         epoch=settings.values["epoch"],
+        back="../figures.html",
         note=clauses(describe_run(rso, stations), "models trained on days 0 to 18"),
     )
     return whole.replace(f"<script>{get_plotlyjs()}</script>", '<script src="plotly.min.js"></script>')

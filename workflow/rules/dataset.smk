@@ -54,7 +54,7 @@ rule labels:
         },
         code=code("labels.py"),
     message:
-        "Labels: predictions of {wildcards.rso} by {wildcards.stations} held against later estimates, {wildcards.label}"
+        "Labels: predictions of {wildcards.rso} by {wildcards.stations} compared with later estimates, {wildcards.label}"
     script:
         "../scripts/labels.py"
 

@@ -31,6 +31,7 @@ with job(snakemake):
         read_table(files.dataset, "dataset"),
         component=settings.experiment.component,
         epoch=settings.epoch,
+        back="../../../study.html",
         note=describe_experiment(settings.experiment),
     )
     with replacing(snakemake.output[0]) as temporary:

@@ -1,4 +1,4 @@
-"""An RSO under a force model, and the arcs that it flies."""
+"""An RSO under a force model, and its arcs."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
@@ -20,7 +20,7 @@ _LARGE = 21
 """Degree of the harmonics in the acceleration above which a gravity field is large."""
 
 _NEAR = 8
-"""Degree and order of the part of a large field that neighbours fly under."""
+"""Degree and order of the part of a large field that neighbours are propagated with."""
 
 _STEP_NEAR = 300.0
 """Longest step of their integration at least [s]: this part of a field is smooth."""
@@ -30,7 +30,7 @@ Progress = Callable[[float], None]
 
 
 def near_part(model: ForceModel) -> ForceModel:
-    """Return the part of a force model with a large field that neighbours fly under."""
+    """Return the part of a force model with a large field that neighbours are propagated with."""
     return model.truncated(_NEAR)
 
 
@@ -47,7 +47,7 @@ def beside(path: np.ndarray, near: np.ndarray, neighbour: np.ndarray) -> np.ndar
 
 
 class FlightSettings(JobSettings):
-    """What a job's RSO flies under, and how."""
+    """What a job's RSO is propagated with, and how."""
 
     epoch: str
     force_model: ForceModelSettings
@@ -59,9 +59,9 @@ class FlightSettings(JobSettings):
 class Flight:
     """An RSO under a force model, and how it is integrated.
 
-    Area, mass and Cr of all arcs are the RSO's. threads: number that arcs fly on; progress: called with the
-    share of the work that is done, if not None; propagate: flies the arcs; near: the part of the
-    model that neighbours fly under, where it is made already.
+    Area, mass and Cr of all arcs are the RSO's. threads: number that arcs are propagated on; progress: called
+    with the share of the work that is done, if not None; propagate: propagates the arcs; near: the part of
+    the model that neighbours are propagated with, where it is made already.
     """
 
     model: ForceModel
@@ -105,7 +105,7 @@ class Flight:
         return replace(self, model=model, near=None)
 
     def without_progress(self) -> Self:
-        """Return this flight for work whose caller tells the progress itself."""
+        """Return this flight for work whose caller reports the progress itself."""
         return replace(self, progress=None)
 
     def fly(

@@ -23,7 +23,7 @@ class Kind:
     name: of the setting of its files
     table: name of the schema of its measurements
     stations: name in the place of a station set; '' where stations of the sheet measure
-    taking: the setting that tells how files are taken; '' without any
+    taking: the setting that says how files are taken; '' without any
     needs_taking: whether there is no default of it
     beneath: file of the settings beneath a user's; '' without any
     beneath_alone: the same where no object is measured in another way

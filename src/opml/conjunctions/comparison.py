@@ -1,4 +1,4 @@
-"""Two orbits held against each other: how far apart in RSW, time by time, and how much a covariance holds.
+"""Two orbits compared with each other: how far apart in RSW, time by time, and how much a covariance holds.
 
     table = comparison.compare(comparison.read(["mine.oem"]), comparison.read(["truth.sp3"]))
     print(comparison.summary(table))

@@ -2,7 +2,7 @@
 
 opml screen ours.oem others/*.oem catalogue.tle --within 5 --radius 20
 
-What is not held against ours is logged: ephemerides of our own object, and times that nothing is known of.
+What is not compared with ours is logged: ephemerides of our own object, and times that nothing is known of.
 """
 
 import logging

@@ -16,7 +16,7 @@ from opml.interop.element_sets import mean_elements
 from opml.interop.element_sets.element_set import ElementSet, mean_height
 
 LATENCY = 0.25
-"""Days from the epoch of a set to its publication, where the set does not tell when it was made."""
+"""Days from the epoch of a set to its publication, where the set does not say when it was made."""
 
 SUFFIXES = (".tle", ".txt", ".3le", ".json", ".csv", ".xml", ".kvn", ".omm")
 """Endings of the files of a folder that are read, `.gz` after them or not."""
@@ -34,8 +34,8 @@ class ElementCatalogue:
 
     table: columns number (of the catalogue), t (epoch), known (when it was public; modified Julian days,
         UTC), bstar [1/(6378.135 km)], motion [rad/min], eccentricity, inclination [rad], height [m] (mean,
-        above the equatorial radius), file and line (where the set stands)
-    satellites: what SGP4 flies, a set a row
+        above the equatorial radius), file and line (where the set is)
+    satellites: what SGP4 propagates, a set a row
     """
 
     table: pd.DataFrame
@@ -83,7 +83,7 @@ def read(
 ) -> ElementCatalogue:
     """Read the sets of files and folders, in all formats that `mean_elements` reads.
 
-    latency: days from epoch to publication of sets that do not tell when they were made
+    latency: days from epoch to publication of sets that do not say when they were made
     leave_out_damaged: however many damaged sets there are; otherwise one in twenty of a file at most
 
     Raises InputError where a file is unreadable, or too many of its sets are.
@@ -94,7 +94,7 @@ def read(
 
 
 def _readable(path: Path, leave_out_damaged: bool) -> Iterator[ElementSet]:
-    """Yield the sets of a file that tell their object; the others are counted in the log."""
+    """Yield the sets of a file that name their object; the others are counted in the log."""
     damaged: list[InputError] = []
     sets = mean_elements.read_sets(path, damaged)
     if not leave_out_damaged and _DAMAGED * len(damaged) > len(sets) + len(damaged):

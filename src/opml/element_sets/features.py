@@ -54,7 +54,7 @@ _SETS = 8
 
 _NODES = 9
 _OLD = 20.0
-"""Age [d] against the newest set beyond which a set tells nothing of the level."""
+"""Age [d] against the newest set beyond which a set says nothing about the level."""
 
 _CLIP = 50.0
 

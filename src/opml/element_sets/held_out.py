@@ -51,7 +51,7 @@ class Seasons:
 
     @property
     def mornings(self) -> np.ndarray:
-        """Mornings of both seasons, and those before each that tell of an object's past."""
+        """Mornings of both seasons, and those before each, an object's past."""
         days = [np.arange(first - PAST, last + 1.0) for first, last in (self.train, self.test)]
         return np.union1d(*days) + HOUR_OF_MORNING
 
@@ -85,7 +85,7 @@ def rows(
     files: of element sets
     table: of `densities`; their forecast is learned from what was measured before both seasons
     weather: that of the densities
-    latency: days from epoch to publication of sets that do not tell when they were made
+    latency: days from epoch to publication of sets that do not say when they were made
 
     Raises InputError for unreadable files, weather that ends too early or begins too late, and without rows.
     """

@@ -98,7 +98,7 @@ def read(
 
     paths: files and folders of element sets
     weather: OBSERVED, the packaged weather, or a CSSI file
-    latency: days from epoch to publication of sets that do not tell when they were made
+    latency: days from epoch to publication of sets that do not say when they were made
 
     Raises InputError for an unreadable file, for weather that ends too early, and where no set was public.
     """

@@ -44,7 +44,7 @@ class ImprovedHistory:
         Raises InputError for unreadable files, for weather by the month, and where pymsis is missing.
         """
         nrlmsis.check_installed()
-        # As in a table `element_sets`, a set that does not tell when it was made was known at its epoch, and
+        # As in a table `element_sets`, a set that does not say when it was made was known at its epoch, and
         # how many may be damaged is each object's own setting.
         sets = catalogues.read(paths, latency=0.0, leave_out_damaged=True)
         return cls(sets, density.clean(knowledge.read(str(weather))), model.read())

@@ -1,8 +1,8 @@
 """What SGP4 makes of the newest sets of mornings: errors at later sets, misses of those before.
 
-A row is an object, a morning and a lead. SGP4 flies the newest set that was known on the morning; the state
-of the later set nearest to morning plus lead, at its own epoch, judges it. Where no later set is at hand, as
-today, the row is at morning plus lead and has no error.
+A row is an object, a morning and a lead. SGP4 propagates the newest set that was known on the morning; the
+state of the later set nearest to morning plus lead, at its own epoch, judges it. Where no later set is at
+hand, as today, the row is at morning plus lead and has no error.
 """
 
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ LEADS = IMPROVED_LEADS
 """Days from the morning to what is predicted."""
 
 BACK = 5
-"""Sets before the newest one that it is held against."""
+"""Sets before the newest one that it is compared with."""
 
 OLDEST = 3.0
 """Age of the newest set [d] beyond which an object has no prediction on a morning."""

@@ -1,4 +1,4 @@
-"""Where an object will be by its public element sets, and how surely: the improved set, flown by SGP4.
+"""Where an object will be by its public element sets, and how surely: the improved set, propagated by SGP4.
 
     made = prediction.predict(["sets.tle"], days=7.0)
     made.state("2026-07-18T00:00:00"), made.covariance("2026-07-18T00:00:00")
@@ -129,7 +129,7 @@ class Prediction(PredictedOrbit):
     @property
     def remark(self) -> str:
         """What a message says of it."""
-        return "; ".join([f"{self.way}, flown by SGP4", *self._cautions()])
+        return "; ".join([f"{self.way}, propagated by SGP4", *self._cautions()])
 
     @property
     def way(self) -> str:
@@ -227,9 +227,9 @@ def predict(
 def _basis(past: pd.DataFrame) -> str:
     """Return what the sizes of errors rest on, in words."""
     return (
-        f"from {len(past)} predictions of this object on {past['morning'].nunique()} past mornings, compared "
-        f"with later sets (radial and cross-track: {MORNINGS} mornings at most). Usual errors at its height "
-        "count as eight predictions more; the errors that all its sets share are added"
+        f"by {len(past)} predictions of the object's own {past['morning'].nunique()} mornings, compared with "
+        f"later sets; radial and cross-track by {MORNINGS} mornings at most. The usual errors of objects of "
+        "that height count as eight more predictions, and errors that all sets share are added"
     )
 
 
@@ -300,7 +300,7 @@ def errors_of_sets(catalogue: ElementCatalogue, date: str) -> pd.DataFrame:
 
 
 def _apart(flown: Satrec, judge: Satrec) -> tuple[float, float, float]:
-    """Return how far SGP4 flies from another set at the epoch of that: outwards, ahead, across [m]."""
+    """Return how far SGP4 propagates from another set at the epoch of that: outwards, ahead, across [m]."""
     _, *own = judge.sgp4_tsince(0.0)
     _, position, _ = flown.sgp4(judge.jdsatepoch, judge.jdsatepochF)
     r, s, w = 1e3 * bent_rsw(np.array([position]), np.concatenate(own)[None])[0]
@@ -322,7 +322,7 @@ def _after_storm(kp: np.ndarray, height: float) -> float:
 def public_sets(history: Sequence[ElementSet], date: str, latency: float) -> list[KnownSet]:
     """Return the sets of one object that were known on a date, in the order of their epochs.
 
-    latency: days from epoch to publication of sets that do not tell when they were made
+    latency: days from epoch to publication of sets that do not say when they were made
     """
     t = seconds_since(date, [one.satellite for one in history])
     made = [

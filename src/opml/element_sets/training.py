@@ -69,7 +69,7 @@ def mornings_of(sets: catalogues.ElementCatalogue, air: LearnedAir) -> pd.DataFr
 
 
 def card(rows: pd.DataFrame, files: Iterable[Path]) -> dict[str, Any]:
-    """Return what a model card tells of the rows of a population: data with digests, span, objects, rows."""
+    """Return the data of a population for a model card: files with digests, span, objects, rows."""
     known = rows[rows["is_fit"] & np.isfinite(rows["target"])]
     if known.empty:
         raise InputError("element sets: expected objects with later sets to learn from, got none")

@@ -68,7 +68,7 @@ def first_day(lessons: Lessons, known: Known, *, train_days: Sequence[float]) ->
 def judge(
     dataset: pd.DataFrame, predictions: pd.DataFrame, later: pd.DataFrame | None, *, alike: bool = False
 ) -> pd.DataFrame:
-    """Return what ephemerides are held against: i, j, t_j, t_known and a state for each pair of a dataset.
+    """Return what ephemerides are compared with: i, j, t_j, t_known and a state for each pair of a dataset.
 
     Pairs that were dropped are left out.
     predictions: the table, whose true states are taken where `later` is None
@@ -86,7 +86,7 @@ def judge(
 
 
 def at_starts(judge: pd.DataFrame, starts: pd.DataFrame, spread: pd.DataFrame) -> pd.DataFrame:
-    """Return the rows of `judge` that ephemerides from the `starts` can be held against, with their spread.
+    """Return the rows of `judge` that ephemerides from the `starts` can be compared with, with their spread.
 
     spread: the table of these pairs. Raises InputError where there are none.
     """

@@ -60,6 +60,7 @@ DASHES = ("solid", "dash", "dot", "dashdot")
 """Looks of the models: a color and a dash together belong to one."""
 
 HEAD = '<head><meta name="viewport" content="width=device-width, initial-scale=1"><title>{title}</title>'
+LINK = "font: 12px sans-serif"
 HOW = "Turn the orbit, move the slider to another estimate,<br>click a model in the legend."
 """What a visitor can do."""
 
@@ -73,6 +74,7 @@ def page(
     *,
     component: str,
     epoch: str,
+    back: str,
     note: str = "",
 ) -> str:
     """Return the page as HTML: an orbit over the Earth, and the errors of predictions from one estimate.
@@ -83,6 +85,7 @@ def page(
     dataset: that table of the RSO tested on, which holds the epochs of the estimates
     component: of the error
     epoch: UTC, from which days count
+    back: address of the page that this one belongs to
     note: what was trained and tested
     """
     if not evaluations:
@@ -106,7 +109,8 @@ def page(
     figure = Figure(data=[*fixed, *first], layout=layout)
     text: str = figure.to_html(include_plotlyjs=True, div_id=DIV, config=config, post_script=ON_A_PHONE)
     head = HEAD.format(title=html.escape(note.split(";")[0]))
-    return text.replace("<html>", '<html lang="en">', 1).replace("<head>", head, 1)
+    text = text.replace("<html>", '<html lang="en">', 1).replace("<head>", head, 1)
+    return text.replace("<body>", f'<body><a href="{back}" style="{LINK}">Back</a>', 1)
 
 
 def _picks(evaluation: pd.DataFrame, dataset: pd.DataFrame) -> pd.DataFrame:

@@ -1,23 +1,24 @@
 """Figures of a prediction: the ground track of a day, and errors expected over its days."""
 
-from typing import Any
-
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter
 
 from opml.base.constants import DAY
 from opml.element_sets.passes import Place, in_itrf
 from opml.element_sets.prediction import Prediction
 from opml.figures.ground import draw_land, frame, geodetic_places, split_line
+from opml.figures.line_ends import name_ends
 from opml.figures.style import (
     HIGHLIGHT,
-    MUTED,
     PREDICTED_COLOR,
     RESIDUAL,
     TRUE_COLOR,
+    add_head,
     legend,
     page_figure,
 )
+from opml.figures.ticks import metres, rounded
 from opml.interop.predicted_orbit import PredictedOrbit
 
 _KILO = 1e3
@@ -42,20 +43,25 @@ def ground_track(prediction: PredictedOrbit, places: list[Place]) -> Figure:
 
 
 def expected_errors(prediction: PredictedOrbit) -> Figure:
-    """Draw the expected error along the track by days ahead, and past errors of the object; SGP4's beside."""
-    figure = page_figure(height_mm=75.0)
+    """Draw the expected error along the track by days ahead, past errors of the object, and SGP4's."""
+    figure = page_figure(height_mm=78.0)
     axes = figure.add_subplot()
     past = prediction.past[prediction.past["lead"] <= prediction.days]
     lead = np.linspace(0.0, prediction.days, 100)
-    marks: dict[str, Any] = {"ls": "", "marker": "o", "ms": 2.5, "alpha": 0.5}
+    sigmas = prediction.sigmas(DAY * lead)[:, 1]
+    lines = {"this prediction": (sigmas, past["left"], 0.0, RESIDUAL)}
     if isinstance(prediction, Prediction):
         sgp4 = np.interp(lead, prediction.sizes.index, prediction.sizes["sgp4"])
-        axes.plot(past["lead"] - 0.12, past["error"].abs() / _KILO, color=MUTED, label="SGP4, past", **marks)
-        axes.plot(lead, sgp4 / _KILO, color=TRUE_COLOR, label="SGP4, expected")
-    axes.plot(past["lead"], past["left"].abs() / _KILO, color=RESIDUAL, label="this one, past", **marks)
-    sigmas = prediction.sigmas(DAY * lead)[:, 1]
-    axes.plot(lead, sigmas / _KILO, color=RESIDUAL, label="this one, expected")
-    axes.set(xlabel="days ahead", ylabel="error along the track [km]", yscale="log")
+        lines = {"SGP4": (sgp4, past["error"], -0.12, TRUE_COLOR)} | lines
+    for sizes, errors, aside, color in lines.values():
+        axes.plot(lead, sizes, color=color)
+        axes.plot(past["lead"] + aside, errors.abs(), "o", color=color, ms=2.5, alpha=0.4)
+    axes.set(xlabel="lead time [d]", ylabel="along-track error", yscale="log")
     axes.set_xlim(-0.2, prediction.days + 0.2)
-    legend(figure, columns=4, note="one sigma; points are single predictions, held against what came later")
+    axes.yaxis.set_major_formatter(FuncFormatter(metres))
+    ends = {name: float(line[0][-1]) for name, line in lines.items()}
+    name_ends(axes, ends, {name: line[-1] for name, line in lines.items()})
+    size = metres(rounded(float(sigmas[-1])))
+    note = f"lines: one sigma expected; points: {len(past)} past predictions, compared with what came later"
+    add_head(figure, f"After {prediction.days:g} d the expected along-track error is {size}", note)
     return figure

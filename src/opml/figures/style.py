@@ -47,6 +47,8 @@ NOTE_SIZE = 6.5
 NOTE_ADVANCE = 0.54
 """Mean width of a letter of the note, in parts of its size; lines that are set so stay inside the figure."""
 
+HEADLINE_SIZE = 9.0  # of the type [pt]
+
 POINTS_PER_INCH = 72.0
 LEAST_ALPHA = 0.4
 
@@ -173,6 +175,18 @@ def add_headline(axes: Axes, headline: str, note: str) -> None:
     """Put a sentence that says what a figure shows above its only axes, and a note in small type."""
     axes.figure.suptitle(headline, x=0.01, ha="left", fontsize=9.0, fontweight="bold")
     axes.set_title(note, loc="left", fontsize=NOTE_SIZE, color=PUBLISHED)
+
+
+def add_head(figure: Figure, headline: str, note: str) -> None:
+    """Put a sentence that says what a figure shows above its panels, and a note in small type under it."""
+    wrapped = _wrap(figure, note)
+    room = NOTE_SIZE / HEADLINE_SIZE * (1 + wrapped.count("\n"))
+    title = figure.suptitle(
+        headline + "\n" * math.ceil(room), x=0.01, ha="left", fontsize=HEADLINE_SIZE, fontweight="bold"
+    )
+    below = 1.5 * HEADLINE_SIZE / (figure.get_figheight() * POINTS_PER_INCH)
+    height = title.get_position()[1] - below
+    figure.text(0.01, height, wrapped, va="top", fontsize=NOTE_SIZE, color=PUBLISHED)
 
 
 def _wrap(figure: Figure, note: str) -> str:

@@ -30,7 +30,7 @@ _UTC = ("3", "4", "7")
 """Time scales of a station that are UTC: of the observatory, of GPS, of the BIPM."""
 
 _TWO_WAY = "2"
-_QUALITY, _POOR = 21, "2"  # word of H4 that tells the quality
+_QUALITY, _POOR = 21, "2"  # word of H4 that gives the quality
 _SENT, _BOUNCED, _RECEIVED = "2", "1", "0"
 _WEATHER = (
     (400.0, 1100.0, "a pressure [hPa]"),
@@ -70,7 +70,7 @@ def read(paths: Sequence[FilePath], *, epoch: str, satellite: str | None = None)
 
     Columns: track, the number of the pass; t, when the light was received [s]; station, its number, and
     system, with which it was occupied; flight, of the light there and back [s]; scatter, of the single ranges
-    of a point, one way [m], NaN where nobody tells; wavelength [m]; pressure [Pa], temperature [K] and
+    of a point, one way [m], NaN where not stated; wavelength [m]; pressure [Pa], temperature [K] and
     humidity [1], between those of the pass; path and line. Of passes of a station that overlap, which are one
     that was released again, the newest release counts.
 

@@ -1,4 +1,4 @@
-"""Reader of the state that a first orbit starts from: a TLE or an OMM flown by SGP4, or one of an orbit."""
+"""Reader of the state that a first orbit starts from: a TLE or OMM propagated by SGP4, or an orbit."""
 
 from dataclasses import replace
 
@@ -32,7 +32,7 @@ def read(path: FilePath, *, epoch: str, t: float) -> tuple[float, np.ndarray]:
     epoch: UTC text
     t: [s since `epoch`]
 
-    Mean elements are flown to `t` itself; from an OEM, SP3 or CPF the nearest state is taken. Raises
+    Mean elements are propagated to `t` itself; from an OEM, SP3 or CPF the nearest state is taken. Raises
     InputError, naming file and line or key, for a malformed file and for mean elements that are too old.
     """
     content = contents(path)
@@ -50,7 +50,7 @@ def read(path: FilePath, *, epoch: str, t: float) -> tuple[float, np.ndarray]:
 
 
 def identity(path: FilePath) -> ObjectId:
-    """Return what a file with a state tells of its object. Raises InputError as `check` does."""
+    """Return what a file with a state shows about its object. Raises InputError as `check` does."""
     content = contents(path)
     if oem.matches(content):
         return oem.read(path, epoch=_ANY)[0].identity

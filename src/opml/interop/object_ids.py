@@ -1,4 +1,4 @@
-"""What tells one object in space from another: international designator and catalogue number before the name.
+"""What identifies an object in space: international designator and catalogue number before the name.
 
 Fragments of a break-up share their name, and a designator is written with or without the century and dashes.
 """
@@ -19,7 +19,7 @@ _UNKNOWN = ("", "UNKNOWN", "NONE", "N/A")
 
 @dataclass(frozen=True)
 class ObjectId:
-    """An object, as a file tells it.
+    """An object, as a file names it.
 
     name: many objects may share it
     designator: international, as 1998-067A, or whatever else the file has for one; '' where unknown
@@ -81,7 +81,7 @@ UNKNOWN = ObjectId("")
 
 
 def facts(identity: ObjectId) -> dict[str, Any]:
-    """Return what a table's metadata tell of its object."""
+    """Return what a table's metadata show about its object."""
     return {"object": asdict(identity)}
 
 
@@ -91,7 +91,7 @@ def first_told(told: Iterable[ObjectId]) -> ObjectId:
 
 
 def of_tables(paths: Sequence[FilePath], *, name: str) -> ObjectId:
-    """Return the object that the metadata of some tables tell of, the first that do, under another name."""
+    """Return the object that the metadata of some tables name, the first that do, under another name."""
     told = (ObjectId(**read_metadata(path).get("object", {"name": ""})) for path in paths)
     return replace(first_told(told), name=name)
 

@@ -58,7 +58,7 @@ class Segment:
     covariance_frame: GCRF, or RSW of the states
     remark: comment in the metadata
     degree: of the Hermite interpolation of the states; 0 leaves it open
-    identity: what else than the name tells the object
+    identity: what else than the name identifies the object
     known: when the newest was known that it is made from [s since the epoch]; None: its first state
     density: the part of the covariances that other objects share; None where unknown
     """
@@ -446,7 +446,7 @@ def _covariances(
 
 
 def _density(message: ccsds.Message, scale: str, epoch: str) -> DensityErrors | None:
-    """Return what comments before the covariances tell of the density, None where they tell nothing."""
+    """Return what comments before the covariances show about the density, None where they say nothing."""
     if not message.peek().startswith(_UNCERTAINTY):
         return None
     number, _, value = message.pair()

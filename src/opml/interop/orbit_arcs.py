@@ -40,7 +40,7 @@ class Arc:
     positions: (n, 3) [m]
     velocities: (n, 3) [m/s], not finite where absent
     lines: (n,) line numbers of the nodes
-    identity: what else than the name tells the satellite
+    identity: what else than the name identifies the satellite
     burns: when the file has it manoeuvre [s since the run's epoch]
     """
 
@@ -90,7 +90,7 @@ def line_error(path: FilePath, line: int, expected: str, got: str | bytes) -> In
 
 
 def excerpt(text: str) -> str:
-    """Return what an error shows of a text: one line that is not too long."""
+    """Return an error in one line that is not too long."""
     shown = " ".join("".join(c if c.isprintable() else "?" for c in text).split())
     return f"{shown[:_MOST_SHOWN]}..." if len(shown) > _MOST_SHOWN else shown or "nothing"
 

@@ -1,6 +1,6 @@
 """Reader of points of an orbit for fits, from files in SP3, CPF, OEM or CSV: times, GCRF states, sigmas.
 
-They are taken as they stand, without a curve through them: a fit weighs each by its standard deviations.
+They are taken as they are, without a curve through them: a fit weighs each by its standard deviations.
 """
 
 import logging
@@ -90,7 +90,7 @@ def reach(files: OrbitFiles) -> tuple[float, float]:
 
 
 def beside(files: OrbitFiles) -> tuple[ObjectId, list[Manoeuvre]]:
-    """Return what files tell beside points: the object, and when it manoeuvred; a CSV tells nothing."""
+    """Return what files tell beside points: the object, and when it manoeuvred; a CSV says nothing."""
     arcs = whole_arcs(files) if is_orbit(contents(files.paths[0])) else []
     marked = sorted({t for arc in arcs for t in arc.burns})
     identity = replace(arcs[0].identity, name=arcs[0].identity.name or arcs[0].satellite) if arcs else UNKNOWN
@@ -124,7 +124,7 @@ def _within(files: OrbitFiles, sampling: Sampling) -> list[_Points]:
 
 
 def _tell_outside(arcs: Sequence[Arc], files: OrbitFiles) -> None:
-    """Log the first of the files whose points are all outside of the run, as by a clock that began anew."""
+    """Log the first of the files whose points are all outside of the run, as by a clock that restarted."""
     reached = {arc.path for arc in arcs if arc.t[-1] >= 0.0 and arc.t[0] <= files.duration}
     if left_out := [arc for arc in arcs if arc.path not in reached]:
         one, count = left_out[0], len({arc.path for arc in left_out})

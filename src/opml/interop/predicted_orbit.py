@@ -18,9 +18,9 @@ from opml.orbits.density_error import DensityErrors
 from opml.tables import STATE
 
 LEADS = (0, 1, 3, 5, 7)
-"""Days from the date at which expected errors are told."""
+"""Days from the date at which expected errors are stated."""
 
-UNKNOWABLE = "no manoeuvre after the date is assumed"
+UNKNOWABLE = "burns after the date are not allowed for"
 """What no covariance knows."""
 
 STEP = 60.0

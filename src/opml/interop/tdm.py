@@ -102,7 +102,7 @@ def measurements(paths: Sequence[FilePath], *, epoch: str) -> pd.DataFrame:
 
 
 def identity(measurements: pd.DataFrame) -> ObjectId:
-    """Return what the participant that was measured tells of the object, by `measurements`."""
+    """Return what the participant that was measured shows about the object, by `measurements`."""
     return ObjectId.of_word(str(measurements["rso"].iloc[0]))
 
 

@@ -174,7 +174,7 @@ def _log_facts(facts: dict[str, Any]) -> None:
     if error["rms"] is not None:
         _log.info("each second node is predicted to %.2g m rms, %.2g m at most", error["rms"], error["max"])
     if facts["velocities_left_out"]:
-        _log.info("%d velocities are left out, as positions tell more", facts["velocities_left_out"])
+        _log.info("%d velocities are left out, as positions say more", facts["velocities_left_out"])
     for start, end in facts["gaps"]:
         _log.info("no orbit is known between %.0f s and %.0f s", start, end)
     for seam in facts["seams"]:

@@ -168,7 +168,7 @@ _NEWEST = 3
 """Estimates that are off in the median."""
 
 _FRESH = 2.0 * DAY
-"""Ephemerides that are held against them are no older [s]."""
+"""Ephemerides that are compared with them are no older [s]."""
 
 _APART = 0.25 * DAY
 """Time between two burns that are told apart [s]: the same one may be found a little later."""

@@ -90,7 +90,7 @@ class MorningPlan:
 
     @property
     def base(self) -> float:
-        """The window [h] of the fits that ephemerides start from, and are held against."""
+        """The window [h] of the fits that ephemerides start from, and are compared with."""
         return self.estimation.window_hours
 
     @property

@@ -23,6 +23,9 @@ TITLE = "Which model to use"
 ALL_MODELS = "all models"
 """What the figure shows that an answer holds."""
 
+TURNED = "the orbit to turn, where the extra `explore` is installed"
+"""What a page shows that is made with plotly alone."""
+
 FEWEST = 10
 """Predictions of a duration below which neither their median nor a share of them is told."""
 

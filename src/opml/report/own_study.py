@@ -56,7 +56,7 @@ class OwnStudyReport:
     datasets: Sequence[Dataset]
     learners: Mapping[str, LearnerSettings]  # by name
     component: str
-    label: str  # what predictions are held against to learn from: truth, later or smoothed
+    label: str  # what predictions are compared with to learn from: truth, later or smoothed
     truths: Sequence[str]  # of each RSO: simulated, from files, or none where its tracks were measured
     laws: Sequence[str]  # the models that learn, among those whose mornings are replayed
     seed: int  # of the resampled days on which a law has to prove its worth
@@ -199,7 +199,7 @@ LATER = {
     "later": "the estimate that is made when the track predicted to is over",
     "smoothed": "an estimate from tracks on both sides of the time predicted to",
 }
-"""What a label is held against, in words."""
+"""What a label is compared with, in words."""
 
 
 def _by_model(report: OwnStudyReport) -> Iterator[tuple[str, str, str, list[Experiment]]]:

@@ -101,7 +101,7 @@ class Study:
 
     @cached_property
     def label(self) -> str:
-        """What predictions are held against where an entry names nothing: truth, later or smoothed.
+        """What predictions are compared with where an entry names nothing: truth, later or smoothed.
 
         By default the truth, or later estimates where an RSO of the study was measured: its truth, if it has
         one, only judges.

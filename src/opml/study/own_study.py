@@ -13,7 +13,7 @@ from opml.learning.judge.calibration import marks
 from opml.learning.models.contract import hours_to_fill
 from opml.learning.models.learners import arc_of, learns, resolved
 from opml.naming import Experiment
-from opml.report.answer import ALL_MODELS, Sources
+from opml.report.answer import ALL_MODELS, TURNED, Sources
 from opml.report.own_study import OwnStudyReport, RunFacts
 from opml.study.experiments import FILES, FILTERS, MEASURED, SIMULATED, Study
 from opml.study.settings.model.run import HistorySettings
@@ -311,12 +311,13 @@ class OwnStudy:
             **({} if self.study.is_measured(rso) else {"passes": f"maps/{rso}/{stations}"}),
             "rows": "study/rows",
         }
+        turned = {} if self.study.is_measured(rso) else {TURNED: f"figs/study/{rso}/{stations}_explore.html"}
         return Sources(
             files={name: f"{folder}/{name}.oem" for name in models},
             day=end,
             end=run.duration_days,
             manoeuvres=self._manoeuvres(rso),
-            figures={shows: f"figs/{name}.png" for shows, name in figures.items()},
+            figures={shows: f"figs/{name}.png" for shows, name in figures.items()} | turned,
         )
 
     def _manoeuvres(self, rso: str) -> str:

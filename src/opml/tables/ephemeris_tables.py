@@ -27,7 +27,7 @@ UNSEEN = ["unseen_x", "unseen_z"]
 _HELD_AGAINST = "RSW of the other"
 _WAYS = {"r": "outwards", "s": "ahead along the track, as an arc", "w": "across"}
 
-_KNOWN_STATE = "RSW of the state that it is held against"
+_KNOWN_STATE = "RSW of the state that it is compared with"
 
 REPLAY_COLUMNS = (
     *PAIR,
@@ -96,7 +96,7 @@ EPHEMERIS_SCHEMAS = (
     ),
     Schema(
         "comparison",
-        "a time at which one orbit is held against another",
+        "a time at which one orbit is compared with another",
         (
             text("utc", "time, UTC"),
             real("hours", "h", "time since the first row"),

@@ -56,7 +56,7 @@ _SPLIT = (
     text(
         "stations",
         "station set, then noise seed, window and reading of t_b where they differ from the settings, and "
-        "what errors are held against where it is not the truth",
+        "reference of the errors where it is not the truth",
     ),
     text("train", "training split, then its seed where it differs from the settings"),
     text("learner", "learner"),

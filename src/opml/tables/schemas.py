@@ -8,9 +8,14 @@ from opml.tables.ephemeris_tables import EPHEMERIS_SCHEMAS
 from opml.tables.learning_tables import LEARNING_SCHEMAS
 from opml.tables.morning_tables import MORNING_SCHEMAS
 
-_GROUPS = (
-    *(ENVIRONMENT_SCHEMAS, CATALOG_SCHEMAS, LEARNING_SCHEMAS),
-    *(EPHEMERIS_SCHEMAS, ELEMENT_SCHEMAS, MORNING_SCHEMAS),
-)
+STAGES = {
+    "environment": ENVIRONMENT_SCHEMAS,
+    "catalogue": CATALOG_SCHEMAS,
+    "learning": LEARNING_SCHEMAS,
+    "ephemerides": EPHEMERIS_SCHEMAS,
+    "element sets": ELEMENT_SCHEMAS,
+    "mornings": MORNING_SCHEMAS,
+}
+"""Schemas by the stage of the workflow that makes the tables."""
 
-SCHEMAS: dict[str, Schema] = {schema.name: schema for schemas in _GROUPS for schema in schemas}
+SCHEMAS: dict[str, Schema] = {schema.name: schema for schemas in STAGES.values() for schema in schemas}

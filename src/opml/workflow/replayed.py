@@ -19,7 +19,7 @@ class ReplayedSettings(JobSettings):
 
 
 def read_mornings(files: Any, settings: ReplayedSettings) -> Mornings:
-    """Read the mornings of a job's `replays`, held against the truth where its `judge` has one.
+    """Read the mornings of a job's `replays`, compared with the truth where its `judge` has one.
 
     Raises InputError where a table is missing or damaged, and as `Mornings.from_replays` does.
     """

@@ -1,4 +1,4 @@
-"""Fits that reckon with light time, held against measurements whose light was followed by iteration."""
+"""Fits that reckon with light time, compared with measurements whose light was followed by iteration."""
 
 import numpy as np
 import pytest

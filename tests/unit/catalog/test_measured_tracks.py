@@ -206,6 +206,6 @@ def test_a_copy_with_other_times_and_roundings_is_told(table, message, tmp_path)
     copy = tmp_path / "copy.tdm"
     shifted = table.assign(t=table["t"] + 1e-3, range=table["range"] + 1e-3)
     tdm.write(copy, shifted, epoch=EPOCH, rso="iss")
-    said = "expected no time so close to that of .*iss.tdm, line [0-9]+, .*got one 0.001 s later: does a file"
+    said = "expected no time so close to that of .*iss.tdm, line [0-9]+, .*got one 0.001 s later: is a file"
     with pytest.raises(InputError, match=f"copy.tdm: line [0-9]+: {said}"):
         measured_tracks.check(read(message, copy), stations(), epoch=EPOCH, duration=2 * A_DAY)

@@ -1,4 +1,4 @@
-"""Two orbits held against each other: distances in RSW, what a covariance holds, and all formats."""
+"""Two orbits compared with each other: distances in RSW, what a covariance holds, and all formats."""
 
 import json
 
@@ -159,7 +159,7 @@ def test_the_command_writes_and_prints(truth, tmp_path, capsys):
 def test_orbits_of_other_times_and_objects_are_refused(truth, tmp_path):
     ours = comparison.read([written(tmp_path / "ours.oem", truth)])
     (tmp_path / "sets.tle").write_text(tle_text(history([100.0])) + tle_text(history([100.0]), number=7))
-    assert "which object, got objects 7, 25544" in refusal(comparison.read, [tmp_path / "sets.tle"])
+    assert "names the object, got objects 7, 25544" in refusal(comparison.read, [tmp_path / "sets.tle"])
     assert "sets.tle: expected object 8, got" in refusal(comparison.read, [tmp_path / "sets.tle"], "8")
     with pytest.raises(InputError, match=r"expected two orbits of the same time, got .*ours"):
         comparison.compare(ours, comparison.read([tmp_path / "sets.tle"], "7"))

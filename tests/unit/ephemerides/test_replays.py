@@ -1,4 +1,4 @@
-"""Mornings run again: what they know, what they are held against, and where they start."""
+"""Mornings run again: what they know, what they are compared with, and where they start."""
 
 from dataclasses import replace
 

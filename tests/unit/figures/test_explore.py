@@ -54,7 +54,9 @@ def tables():
 
 def page(tables):
     pytest.importorskip("plotly", reason="plotly comes with the extra `explore`")
-    return explore.page(*tables, component="e_y", epoch="2019-09-03T00:00:00", note="iss by radar")
+    return explore.page(
+        *tables, component="e_y", epoch="2019-09-03T00:00:00", back="study.html", note="iss by radar"
+    )
 
 
 def test_what_changes_with_the_estimate(tables):
@@ -66,6 +68,10 @@ def test_what_changes_with_the_estimate(tables):
     assert before["y"] == pytest.approx(300.0 * np.arange(1, LATER + 1))
     assert law["y"] == pytest.approx(30.0 * np.arange(1, LATER + 1))
     assert svr["y"] == pytest.approx(600.0 * np.arange(1, LATER + 1))
+
+
+def test_the_page_leads_back(tables):
+    assert '<body><a href="study.html"' in page(tables)
 
 
 def test_estimates_with_few_predictions_are_not_offered(tables):
@@ -96,13 +102,15 @@ def test_no_two_models_look_alike():
 
 def test_without_a_model(tables):
     with pytest.raises(InputError, match="at least one model"):
-        explore.page(tables[0], {}, tables[2], component="e_y", epoch="2019-09-03T00:00:00")
+        explore.page(
+            tables[0], {}, tables[2], component="e_y", epoch="2019-09-03T00:00:00", back="study.html"
+        )
 
 
 def test_without_plotly_it_is_one_line(tables, monkeypatch):
     monkeypatch.setitem(sys.modules, "plotly.graph_objects", None)
     with pytest.raises(InputError, match="expected the package plotly, which is not installed"):
-        explore.page(*tables, component="e_y", epoch="2019-09-03T00:00:00")
+        explore.page(*tables, component="e_y", epoch="2019-09-03T00:00:00", back="study.html")
 
 
 @pytest.mark.skipif(BROWSER is None, reason="no Chromium to open the page in")

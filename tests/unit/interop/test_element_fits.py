@@ -32,7 +32,7 @@ def test_the_elements_of_an_orbit_are_found_again():
 
 @pytest.mark.parametrize(
     ("speed", "message"),
-    [(12.0, "an eccentricity below 1, got 1.5"), (2.0, "an orbit that SGP4 can fly about 2024-01-0")],
+    [(12.0, "an eccentricity below 1, got 1.5"), (2.0, "an orbit that SGP4 can propagate about 2024-01-0")],
 )
 def test_what_is_no_orbit_of_a_satellite_has_no_set(speed, message):
     last = np.array([7000.0, 0.0, 0.0, 0.0, speed, 1.0])

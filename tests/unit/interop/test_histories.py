@@ -247,7 +247,7 @@ def test_objects_are_told_apart(read):
     assert of_object(sets, 270_000_001)["t"].tolist() == [0.5 * DAY]
     assert "element sets: expected object 7, got 12345, 270000001" in refusal(of_object, sets, 7)
     with pytest.raises(
-        InputError, match="expected a number that tells which object, got objects 12345, 270000001"
+        InputError, match="expected a number that names the object, got objects 12345, 270000001"
     ):
         of_object(sets)
     assert len(of_object(sets[:3])) == 3
@@ -413,7 +413,7 @@ DAMAGED = {
         ": line 2: expected an inclination from 0 to 180 deg, got 181",
     ),
     "motion": (csv(omm(MEAN_MOTION="1e308")), ": line 2: expected a mean motion above 0 and below 18 rev"),
-    "too low": (csv(omm(MEAN_MOTION="17.9")), ": line 2: expected elements that SGP4 can fly, got"),
+    "too low": (csv(omm(MEAN_MOTION="17.9")), ": line 2: expected elements that SGP4 can propagate, got"),
     "SGP4-XP": (csv(omm(EPHEMERIS_TYPE="4")), ": line 2: EPHEMERIS_TYPE: expected 0 or 2 or 3, got 4"),
     "SGP4-XP in a TLE": (text(tle(kind="4")), ": line 1: expected the ephemeris type 0 or 2 or 3, got 4"),
     "day": (csv(omm(day="32")), ": line 2: EPOCH: expected a time from 1957 to 2099"),
@@ -512,7 +512,7 @@ def test_counts_are_logged(read, caplog):
     caplog.set_level(logging.INFO)
     read(json.dumps([SETS[1], SETS[0], omm(MEAN_MOTION="2", NORAD_CAT_ID="6")]))
     assert "sets of mean elements: 3, of objects: 2" in caplog.text
-    assert "sets that stood after a later one: 1" in caplog.text
+    assert "sets that came after a later one: 1" in caplog.text
     assert "sets with a period of 225 minutes or more: 1" in caplog.text
 
 

@@ -78,7 +78,7 @@ def test_ellipsoids_of_each_duration_hold_nine_tenths_where_a_few_errors_are_far
 
 
 def test_the_doubt_of_later_estimates_is_no_part_of_a_size():
-    """Errors held against estimates that are 40 m off cross-track, and say so."""
+    """Errors compared with estimates that are 40 m off cross-track, and say so."""
     past = replays(days=40)
     noise = 40.0 * np.random.default_rng(4).normal(size=len(past))
     held = past.assign(e_z=past["e_z"] + noise, doubt_z=40.0)

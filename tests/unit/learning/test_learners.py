@@ -327,7 +327,7 @@ def test_every_kind_is_tested_and_described():
 
 
 def is_taken(settings):
-    """Whether settings of a learner hold against their model."""
+    """Whether settings of a learner compare with their model."""
     try:
         return learners.KINDS.validated(settings).kind == settings["kind"]
     except ValidationError:

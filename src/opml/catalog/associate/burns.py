@@ -1,12 +1,12 @@
 """Burns between tracks: where the orbit of the later tracks meets that of the earlier ones.
 
-Both orbits are flown to every time between the tracks. Their difference (p, v) there has the covariance C,
-the sum of both. Where the burn was, p is 0, and what is left of v is the burn:
+Both orbits are propagated to every time between the tracks. Their difference (p, v) there has the covariance
+C, the sum of both. Where the burn was, p is 0, and what is left of v is the burn:
 
     q = p' C_pp^-1 p
     dv = v - C_vp C_pp^-1 p,  covariance C_vv - C_vp C_pp^-1 C_pv
 
-Of the times at which q is about the least, the smallest burn tells the one that is taken. Orbits that a burn
+Of the times at which q is about the least, the one with the smallest burn is taken. Orbits that a burn
 across the track parts meet twice a revolution, so there it may be half revolutions off.
 """
 
@@ -20,7 +20,7 @@ from opml.catalog.fit.neighbour_arcs import NUDGES, fly_beside
 from opml.orbits.elements import rsw_rotation
 
 STEP = 20.0
-"""Time between the epochs at which orbits are held against each other [s]."""
+"""Time between the epochs at which orbits are compared with each other [s]."""
 
 
 _ALIKE = 9.0
@@ -29,7 +29,7 @@ _ALIKE = 9.0
 
 @dataclass(frozen=True)
 class Burn:
-    """A burn that tracks tell.
+    """A burn that tracks show.
 
     t: [s]
     velocity, sigma: (3,) what it changed, and its standard deviation, in RSW [m/s]

@@ -33,7 +33,7 @@ _USUAL = 1.67
 """Median of the largest of seven normal deviates."""
 
 LEAST = 5
-"""Fewest tracks that tell how far is usual."""
+"""Fewest tracks that show how far is usual."""
 
 
 @dataclass(frozen=True)

@@ -1,11 +1,11 @@
 """Tracks that the orbit does not explain: of another object, or after a burn. They are held back from fits.
 
-Each track is held against where the newest estimate predicts it, and against where one does that is a window
+Each track is compared with where the newest estimate predicts it, and with where one does that is a window
 older, which sees what newer fits went along with. One that is far, by the object's own scale, and that no
 fit over the window takes in with about the drag of before, is held back:
 
 * a later track is where it was predicted -> those held back were of another object, and take part in no fit;
-* tracks held back lie on one orbit, which meets the old one -> a burn, and fits begin anew behind it;
+* tracks held back lie on one orbit, which meets the old one -> a burn, and fits restart after it;
 * nothing explains them for longer than a window -> they count again, as forces err more than was known.
 
 What happens at a track follows from the tracks up to it alone.
@@ -149,7 +149,7 @@ class Watch:
         return replace(run, flight=flight, starts=replace(run.starts, flight=flight), settings=settings)
 
     def _accepted(self, estimate: Estimate, away: Sequence[float]) -> Estimate:
-        """Return an estimate that later tracks are held against."""
+        """Return an estimate that later tracks are compared with."""
         for usual, one in zip(self._usual, away, strict=False):
             usual.take(one)
         if estimate.fit.converged:
@@ -198,7 +198,7 @@ class Watch:
         return self._time(track) - begin > self._run.settings.window_hours * HOUR
 
     def _burn(self, away: Sequence[float]) -> Burn | None:
-        """Return the burn that the tracks held back show, if any, and begin anew behind it."""
+        """Return the burn that the tracks held back show, if any, and restart after it."""
         newest, older = self._before[0], self._before[-1]
         went_along = _has_other_drag(newest.parameters[_CD], newest.covariance[_CD, _CD], older)
         before = older if went_along or not self._are_far(away[:1]) else newest
@@ -271,7 +271,7 @@ def estimate_all(
 def with_noise(
     flight: Flight, starts: pd.DataFrame, measured: Measurements, *, settings: Estimation
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """Return the `estimates` table as `estimate_all`, and what the fits tell of the noise, see `biases`."""
+    """Return the `estimates` table as `estimate_all`, and the noise by the fits, see `biases`."""
     if settings.suspect_sigma is None:
         return estimation.with_noise(flight, starts, measured, settings=settings)
     run = Run.of_starts(flight, starts, measured, settings)

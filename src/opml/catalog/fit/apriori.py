@@ -61,7 +61,7 @@ def with_apriori_cd(
 ) -> tuple[np.ndarray, np.ndarray] | None:
     """Return parameters (7,) and covariance (7, 7) of a fit that takes the body's own Cd for a measurement.
 
-    A short fit may tell nothing of Cd, but the state. None where it would move too far for a straight line.
+    A short fit may say nothing about Cd, but the state. None where it would move too far for a straight line.
     """
     if covariance[CD, CD] == 0.0:
         return parameters, covariance

@@ -1,4 +1,4 @@
-"""Constant errors of instruments: how fits bear them, and what residuals tell of them and of the noise.
+"""Constant errors of instruments: how fits bear them, and what residuals show of them and of the noise.
 
 An instrument is one observable of a station. Its constant error b within a window has a standard deviation of
 s beforehand, in those of its noise. To estimate all b besides the orbit, or to let them correlate the noise,
@@ -43,7 +43,7 @@ def whiten(evaluation: Evaluation, instruments: np.ndarray, sigma: float) -> Eva
 
 
 def summary(instruments: np.ndarray, weighted: np.ndarray, sigmas: np.ndarray) -> pd.DataFrame:
-    """Return what residuals tell of the instruments that they are of, one a row.
+    """Return what residuals show about the instruments that they are of, one a row.
 
     instruments: (numbers,) names
     weighted: (numbers,) residuals in standard deviations of the noise
@@ -66,7 +66,7 @@ def instrument_residuals(
     estimates: Sequence[Estimate],
     residuals: Callable[[Sequence[Estimate]], list[np.ndarray]],
 ) -> pd.DataFrame:
-    """Return what residuals tell of each instrument, as `summary`, from all numbers that count; log it.
+    """Return what residuals show about each instrument, as `summary`, from all numbers that count; log it.
 
     They are of the newest estimates that converged and have no track in common.
 

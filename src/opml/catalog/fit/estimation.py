@@ -58,7 +58,7 @@ class Run:
     def of_starts(
         cls, flight: Flight, starts: pd.DataFrame, measured: Measurements, settings: Estimation
     ) -> Self:
-        """Return the run of a table `starts`; its callers tell the progress."""
+        """Return the run of a table `starts`; its callers report the progress."""
         states, ages = starts[STATE].to_numpy(), starts["age"].to_numpy()
         return cls.of_states(flight.without_progress(), states, measured, settings, ages=ages)
 
@@ -107,7 +107,7 @@ class Run:
         candidates: Iterable[np.ndarray],
         methods: Sequence[Method],
     ) -> list[Estimate]:
-        """Return estimates over `windows`, each from the best start that its arc can be flown from.
+        """Return estimates over `windows`, each from the best start that its arc can be propagated from.
 
         candidates: parameters (windows, 7) to start from, as `Starts.in_turn` yields them
         methods: of each window
@@ -199,7 +199,7 @@ class Run:
 def in_turn(
     run: Run, method: Method, windows: Sequence[Window], *, earlier: Sequence[Solution] = ()
 ) -> Iterator[Estimate]:
-    """Yield the fits over windows, batch after batch, each from what earlier ones tell."""
+    """Yield the fits over windows, batch after batch, each from what earlier ones show."""
     usable, spare = run.starts.newest(earlier, None, None)
     for begin in range(0, len(windows), BATCH):
         batch = windows[begin : begin + BATCH]
@@ -222,7 +222,7 @@ def estimate_all(
 def with_noise(
     flight: Flight, starts: pd.DataFrame, measured: Measurements, *, settings: Estimation
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """Return the `estimates` table as `estimate_all`, and what the fits tell of the noise, see `biases`."""
+    """Return the `estimates` table as `estimate_all`, and the noise by the fits, see `biases`."""
     run = Run.of_starts(flight, starts, measured, settings)
     windows = [run.window(track) for track in range(measured.tracks)]
     estimates: list[Estimate] = []
@@ -265,7 +265,7 @@ def estimate_over_windows(
 ) -> pd.DataFrame:
     """Return the rows of `estimates` of a track over windows, each as `estimate_further` has it.
 
-    Their arcs fly side by side, as fast as the longest.
+    Their arcs are propagated side by side, as fast as the longest.
 
     flight: under the assumed model
     starts: the table

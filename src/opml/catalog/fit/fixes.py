@@ -1,4 +1,4 @@
-"""Positions, with velocities or without, as measurements of an orbit: GPS fixes, orbits, flown mean elements.
+"""Positions, with velocities or without, as measurements of an orbit: GPS fixes, orbits, mean elements.
 
 Each is a point: a time, a GCRF state and its standard deviations along the radial direction, along the track
 and across it (RSW). Points are gathered in tracks, as measurements of radars are:
@@ -143,7 +143,7 @@ def of_sets(epochs: np.ndarray, points: Sequence[pd.DataFrame], *, known: np.nda
 
     epochs: (sets,) of the sets, ascending [s]
     points: of each set, as in `stretches`; the last one is at the set's epoch
-    known: (sets,) when the sets were made, NaN where nobody tells [s]
+    known: (sets,) when the sets were made, NaN where not stated [s]
 
     A set counts as known when it and all sets before it are made, as an estimate is made of several. Raises
     InputError for epochs that do not ascend.

@@ -1,8 +1,8 @@
 """Iterations of several fits side by side.
 
-In a large field only the first trial of a fit flies under all of it, with its neighbours. A later trial near
-by parts from it under the first degrees of the field as under all of it, and the partial derivatives are the
-same. So it flies alone, under these.
+In a large field only the first trial of a fit is propagated with all of it, with its neighbours. A later
+trial near by parts from it under the first degrees of the field as under all of it, and the partial
+derivatives are the same. So it is propagated alone, with these.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -17,7 +17,7 @@ from opml.catalog.flight import Flight
 from opml.dynamics.ensemble import REASONS
 
 FASTEST = 1e6
-"""Speed of trials above which their arcs are not flown [m/s]: fits to short tracks of angles wander far."""
+"""Speed of trials above which arcs are not propagated [m/s]: fits to short tracks of angles wander far."""
 
 TOO_FAST = "start arc faster than any orbit"
 """Why such a fit did not begin."""
@@ -54,7 +54,7 @@ class Iterations:
             near = self._near({k: trial for k, trial in trials.items() if k in known}, known)
             for k, evaluation in near.items():
                 fits[k].take(evaluation)
-            # What was tried alone, and came out far from what is known, flies again under all of the field.
+            # What was tried alone, and came out far from what is known, is propagated again with all of it.
             far = {k: trial for k, trial in trials.items() if k not in near}
             for k, around, lost in self._flown(far):
                 if lost:
@@ -70,7 +70,7 @@ class Iterations:
             yield from zip(trials, *fly_around(self.flight, self.epochs, windows, parameters), strict=True)
 
     def _near(self, trials: Mapping[int, np.ndarray], known: Mapping[int, "_Flown"]) -> dict[int, Evaluation]:
-        """Return the evaluations of those trials that are near what flew for the same fits."""
+        """Return the evaluations of those trials that are near what was propagated for the same fits."""
         if not trials or self.flight.for_neighbours() is self.flight:
             return {}
         windows, parameters = [self.windows[k] for k in trials], np.array(list(trials.values()))
@@ -83,7 +83,7 @@ class Iterations:
 
 @dataclass(frozen=True)
 class _Flown:
-    """A trial of a fit that flew under all of the field, and its evaluation."""
+    """A trial of a fit that was propagated with all of the field, and its evaluation."""
 
     around: Around
     evaluation: Evaluation
@@ -94,7 +94,7 @@ class _Flown:
 
 
 def _is_running(fit: Fit) -> bool:
-    """Return whether a fit goes on, at a trial that can be flown."""
+    """Return whether a fit goes on, at a trial that can be propagated."""
     while fit.running and np.linalg.norm(fit.trial[3:6]) > FASTEST:
         fit.reject(TOO_FAST)
     return fit.running

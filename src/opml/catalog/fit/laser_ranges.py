@@ -83,7 +83,7 @@ def table(
     sigma: least standard deviation of a point [m]; the scatter of its ranges counts where that is larger
     offset: of the reflectors from the satellite's centre of mass, towards the station [m]
 
-    Passes that overlap are one track. Raises InputError for a station that is nowhere.
+    Passes that overlap are one track. Raises InputError for a station without coordinates.
     """
     points = points.assign(track=_tracks(points)).sort_values(["track", "t"], ignore_index=True)
     stood, t = positions(points, sites, epoch=epoch), points["t"].to_numpy()
@@ -151,7 +151,7 @@ def of_run(points: pd.DataFrame, duration: float, *, without: Collection[int] = 
 def positions(points: pd.DataFrame, sites: Sites, *, epoch: str) -> np.ndarray:
     """Return the stations' positions (n, 3) in ITRF [m] at the passes of points, without tides.
 
-    epoch: UTC text from which their times count. Raises InputError for a station that is nowhere.
+    epoch: UTC text from which their times count. Raises InputError for a station without coordinates.
     """
     year, month, day, hour, minute, second = epochs.parse(epoch)
     zero, found = pd.Timestamp(year, month, day, hour, minute, int(second)), np.empty((len(points), 3))

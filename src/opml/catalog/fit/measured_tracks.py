@@ -1,6 +1,6 @@
 """Tracks that stations really measured, from the measurements of messages to the `tracking` table.
 
-A message names its stations and times as it likes. Here they are held against the stations of the sheet, the
+A message names its stations and times as it likes. Here they are compared with the stations of the sheet, the
 run, and what an orbit can be, so that a wrong unit is an error before anything is fitted to it.
 """
 
@@ -29,7 +29,7 @@ ENOUGH = 20
 """Measurements of which no angle is as large as a turn in radians by chance."""
 
 _SHORTEST = 60.0
-"""Shortest track whose velocity tells whether it belongs to an orbit [s]."""
+"""Shortest track whose velocity shows whether it belongs to an orbit [s]."""
 
 _CLOSE = 0.1
 """Part of the usual step between measurements within which a station does not measure again."""
@@ -129,7 +129,7 @@ def _joined(table: pd.DataFrame) -> pd.DataFrame:
 def _without_air(table: pd.DataFrame, stations: Mapping[str, Station]) -> pd.DataFrame:
     """Return measurements without what air did to those of stations that keep it.
 
-    Raises InputError for ranges without the elevations that tell how much air there is.
+    Raises InputError for ranges without the elevations that say how much air there is.
     """
     parts = []
     for (name, _), rows in table.groupby(["station", _runs(table)], sort=False):
@@ -192,7 +192,7 @@ def _check_apart(rows: pd.DataFrame) -> None:
         at = int(close.to_numpy().argmax())
         before = ordered.iloc[at - 1]
         expected = f"no time so close to that of {_place_of(before)}, by the same station"
-        got = f"one {gaps.iloc[at]:.3g} s later: does a file stand twice?"
+        got = f"one {gaps.iloc[at]:.3g} s later: is a file given twice?"
         raise _wrong(ordered.iloc[at:], expected, got)
 
 

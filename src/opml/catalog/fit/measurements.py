@@ -153,7 +153,7 @@ class Measurements(ABC):
     def lines(self, rows: Rows) -> tuple[np.ndarray, np.ndarray]:
         """Return where in GCRF (n, 3) [m] lines of sight of rows begin, and unit vectors (n, 3) along them.
 
-        The latter are NaN of rows that tell no direction.
+        The latter are NaN of rows that give no direction.
         """
         nothing = np.full((len(self.times(rows)), 3), np.nan)
         return nothing, nothing
@@ -179,7 +179,7 @@ class Measurements(ABC):
 
     @abstractmethod
     def places(self, rows: Rows) -> np.ndarray:
-        """Return positions (n, 3) in GCRF [m] of rows of measurements, NaN of those that tell none."""
+        """Return positions (n, 3) in GCRF [m] of rows of measurements, NaN of those that give none."""
 
     @abstractmethod
     def evaluation(self, window: Window, states: np.ndarray, *, light_time: bool = False) -> Evaluation:

@@ -1,4 +1,4 @@
-"""Arcs of a trial and its neighbours, which differ in one parameter each and tell the partial derivatives."""
+"""Arcs of a trial and its neighbours, which differ in one parameter each and give the partial derivatives."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -58,7 +58,7 @@ class Around:
     """The arcs of a trial and its neighbours, through the epochs of a window.
 
     states: (8, epochs, 6) GCRF [m, m/s], those of the trial first
-    near: (epochs, 6) the trial's own under the part of the field that neighbours fly under
+    near: (epochs, 6) the trial's own under the part of the field that neighbours are propagated with
     """
 
     states: np.ndarray
@@ -78,8 +78,8 @@ def fly_around(
 
     The status is an index into REASONS.
 
-    In a large field the trials alone fly under all of it. Two-day fits of Swarm A under 70x70 then have the
-    same answers to 0.002 of their sigma, in a third of the time.
+    In a large field the trials alone are propagated with all of it. Two-day fits of Swarm A under 70x70 then
+    have the same answers to 0.002 of their sigma, in a third of the time.
     """
     near = flight.for_neighbours()
     count = len(_NEIGHBOURS)

@@ -25,7 +25,7 @@ def fit_without_outliers(
 ) -> list[Estimate]:
     """Return estimates fitted without outliers, first those from the start, until these stay the same.
 
-    Each time all numbers are judged anew, so that one that a bad orbit made an outlier comes back.
+    Each time all numbers are judged again, so that one that a bad orbit made an outlier comes back.
 
     limit: size of a residual beyond which it is an outlier, in standard deviations
     fit: runs the fits of estimates to their ends
@@ -33,7 +33,7 @@ def fit_without_outliers(
     """
 
     def judge(estimate: Estimate, weighted: np.ndarray) -> Estimate:
-        """Return an estimate that goes on from its best; as it is where its arc tells no residuals."""
+        """Return an estimate that goes on from its best; as it is where its arc has no residuals."""
         if not np.isfinite(weighted).all():
             return estimate
         again = Fit(estimate.fit.best, estimate.fit.method)

@@ -101,7 +101,8 @@ class Leg:
     def fly(cls, flight: Flight, parameters: np.ndarray, begin: float, seen: np.ndarray) -> Self:
         """Return the leg from parameters (7,) at `begin` [s] to the epochs `seen` (n,) of the next track.
 
-        It flies under what is known when that track begins. Raises LostError where it comes down before.
+        It is propagated with what is known when that track begins. Raises LostError where it comes down
+        before.
         """
         grid = np.linspace(begin, seen[0], math.ceil((seen[0] - begin) / STEP) + 1)
         known = flight.under(flight.model.known_at(float(seen[0])))
@@ -156,7 +157,7 @@ def meet(evaluate: Callable[[np.ndarray], Evaluation], mean: np.ndarray, root: n
     evaluate: residuals and partial derivatives at parameters (7,); called again where they bend
     """
     # Steps are taken in u, where parameters are mean + root u: what was known is a unit normal there, and no
-    # eigenvalue of N is below 1, however near singular the covariance is. Each pass linearises anew.
+    # eigenvalue of N is below 1, however near singular the covariance is. Each pass linearises again.
     u, passes, step = np.zeros(7), 0, np.inf
     while step > _CONVERGED and passes < _PASSES:
         evaluation = evaluate(mean + root @ u)
@@ -315,7 +316,7 @@ def filter_all(
 
     Up to the first batch fit that they can begin at, and where an arc does not reach the next track, the row
     is that of the batch fit, as it is for tracks that are held back and those that show a burn, from which
-    filters begin anew. weighted_rms is that of the innovations of the track. Raises InputError for
+    filters restart. weighted_rms is that of the innovations of the track. Raises InputError for
     tracks whose estimates are not at their beginnings, as filters go forwards.
     """
     if not np.array_equal(measured.at, measured.begins):

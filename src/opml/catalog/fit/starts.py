@@ -106,8 +106,8 @@ class Starts:
     def with_known_cd(self, solution: Solution) -> StartParameters | None:
         """Return what others may start from, had Cd been known beforehand at its a-priori value.
 
-        A short fit may tell nothing of Cd, but the whole state. None where it did not converge, or its Cd is
-        so far off that the state would not move in a straight line.
+        A short fit may say nothing about Cd, but the whole state. None where it did not converge, or its Cd
+        is so far off that the state would not move in a straight line.
         """
         if not solution.converged:
             return None

@@ -1,7 +1,7 @@
 """Labels from later estimates: what a catalogue without a truth holds its predictions against.
 
-The prediction from t_i to t_j is held against the estimate at t_j. That estimate is known when its last track
-is over: the track of t_j, or a later track where the estimate is smoothed.
+The prediction from t_i to t_j is compared with the estimate at t_j. That estimate is known when its last
+track is over: the track of t_j, or a later track where the estimate is smoothed.
 """
 
 import numpy as np

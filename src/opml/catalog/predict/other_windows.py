@@ -57,7 +57,7 @@ def build_arcs(
 
     In RSW of the predicted state [m, m/s]: l_arc_* is the prediction less that of the arc; v_arc_* how the
     arc's prediction answers to its Cd along the fit's covariance. Where the arc did not converge or does not
-    reach t_j, it tells nothing: l and v are 0, cd_arc is that of the sheet.
+    reach t_j, it says nothing: l and v are 0, cd_arc is that of the sheet.
     """
     predicted = predictions[STATE].to_numpy()
     arc, nudged = (
@@ -97,7 +97,7 @@ def build_past(
 def build_held(
     flight: Flight, predictions: pd.DataFrame, *, arc_estimates: pd.DataFrame, memory_days: float
 ) -> pd.DataFrame:
-    """Return the `held` table of `held_beside`, whose arcs fly here.
+    """Return the `held` table of `held_beside`, whose arcs are propagated here.
 
     flight: under the assumed model
     """
@@ -193,7 +193,7 @@ def past_cd(estimates: pd.DataFrame, *, apriori: float, memory_days: float) -> p
 
     Each estimate that converged counts by 1 / (its formal variance + spread^2), fading by e in memory_days,
     until a burn in its window is known, where burns are excluded. `apriori`, the value of the sheet, counts
-    as an estimate with a deviation of APRIORI_SIGMA of itself. So a fit that tells nothing of Cd moves
+    as an estimate with a deviation of APRIORI_SIGMA of itself. So a fit that says nothing about Cd moves
     nothing, and of many good fits none counts alone. The spread is CD_SPREAD of the mean before each
     estimate, which is the sheet's value until there is a past.
     """

@@ -2,7 +2,7 @@
 
 From each estimate arcs fly with a tenth more drag, and under many futures of the space weather. What parts
 them from the prediction is known at t_i. Drag alone parts them, so the Earth's flattening is all the gravity
-they need; and their Cd is the mean of its past, as one short fit may tell nothing of it.
+they need; and their Cd is the mean of its past, as one short fit may say nothing about it.
 """
 
 from collections.abc import Sequence
@@ -21,7 +21,7 @@ from opml.orbits.elements import rsw_rotation
 from opml.tables import SPREAD, STATE
 
 FLATTENED = ForceModelSettings(degree=2, order=0, third_bodies=[])
-"""Settings of the force model that the arcs fly under."""
+"""Settings of the force model that the arcs are propagated with."""
 
 LONGEST_STEP = 300.0
 """Longest step of their integration [s]: differences of arcs need no more."""

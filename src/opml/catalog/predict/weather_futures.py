@@ -1,8 +1,8 @@
 """Predictions under many futures of the space weather: a distribution where no single forecast is good.
 
-Each future is flown from an estimate of its own, drawn from the fit's covariance, as far as fits scatter. So
-the sample has the uncertainty of the weather, which lasts, and that of the fit, which counts in the first
-hours, or where measurements are poor.
+Each future is propagated from an estimate of its own, drawn from the fit's covariance, as far as fits
+scatter. So the sample has the uncertainty of the weather, which lasts, and that of the fit, which counts in
+the first hours, or where measurements are poor.
 """
 
 import numpy as np

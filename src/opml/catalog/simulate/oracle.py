@@ -1,6 +1,6 @@
 """What only a simulation knows: which part of a prediction's error comes from what.
 
-No catalogue has these numbers, and no corrector is given them. They tell how low a correction could go.
+No catalogue has these numbers, and no corrector is given them. They show how low a correction could go.
 """
 
 import numpy as np

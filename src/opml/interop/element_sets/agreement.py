@@ -1,9 +1,9 @@
-"""What sets of mean elements are worth by their own past: how far each is from the sets before it.
+"""How accurate sets of mean elements are by their own past: how far each is from the sets before it.
 
-SGP4 from the newest good set before a set is held against SGP4 from the set itself, at the points that stand
+SGP4 from the newest good set before a set is compared with SGP4 from the set itself, at the points that stand
 for it. A set that is many times farther off than usual is left out: its object burned, or it is another's.
 Where the next set agrees with it, the object burned, and sets count again. After several in a row that agree
-with none, as while an orbit is raised, a new past begins. No set touches what an earlier one is worth.
+with none, as while an orbit is raised, a new past begins. No set changes how an earlier one is weighed.
 """
 
 import logging
@@ -79,12 +79,12 @@ class _Past:
 def weighed(
     sets: pd.DataFrame, *, epoch: str, sampling: SetSampling, manoeuvres: Sequence[Manoeuvre] = ()
 ) -> pd.DataFrame:
-    """Return what each set of one object is worth: whether it `counts`, and its sigmas in RSW [m].
+    """Return how accurate each set of one object is: whether it `counts`, and its sigmas in RSW [m].
 
     sets: table `element_sets` of one object
     epoch: UTC text, the table's
     sampling: of the points that stand for a set
-    manoeuvres: across which no sets are held against each other, once known
+    manoeuvres: across which no sets are compared with each other, once known
 
     Sets that do not count are logged.
     """
@@ -117,6 +117,6 @@ def _agree(past: _Past, earlier: pd.Series, later: pd.Series, epoch: str, sampli
 
 
 def place(one: pd.Series, epoch: str) -> str:
-    """Return where a set stands in its file, and of when it is, for a log."""
+    """Return where a set is in its file, and of when it is, for a log."""
     (time,) = ccsds.utc_texts(epoch, np.array([one["t"]]))
     return f"{one['file']}: line {one['line']}: the set of {time}"

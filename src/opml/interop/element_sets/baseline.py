@@ -1,4 +1,4 @@
-"""SGP4 from the newest set of mean elements, held against predictions: what everybody has, as a baseline."""
+"""SGP4 from the newest set of mean elements, compared with predictions: what everybody has, as a baseline."""
 
 import numpy as np
 import pandas as pd
@@ -13,10 +13,11 @@ def build(predictions: pd.DataFrame, sets: pd.DataFrame, *, epoch: str, name: st
 
     sets: table `element_sets` of one object
     epoch: UTC text, the table's
-    name: of what SGP4 flies, the prefix of the columns
+    name: of what SGP4 propagates, the prefix of the columns
 
-    SGP4 flies the set with the newest epoch up to t_i. An estimate is at the epoch of a set and made of it,
-    so both are known at the same time. Columns are the prediction less SGP4's, in RSW of the predicted state
+    SGP4 propagates the set with the newest epoch up to t_i. An estimate is at the epoch of a set and made of
+    it, so both are known at the same time. Columns are the prediction less SGP4's, in RSW of the predicted
+    state
     [m, m/s], NaN where there is no such set or SGP4 fails.
     """
     predicted = np.ascontiguousarray(predictions[STATE])

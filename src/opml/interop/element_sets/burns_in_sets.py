@@ -48,7 +48,7 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class KnownSet:
-    """A set of mean elements: its epoch, when it was made [s], and what SGP4 flies."""
+    """A set of mean elements: its epoch, when it was made [s], and what SGP4 propagates."""
 
     t: float
     made: float
@@ -95,17 +95,17 @@ class _Past:
 def manoeuvres_of(
     sets: pd.DataFrame, named: Sequence[Manoeuvre], *, epoch: str, find: bool
 ) -> list[Manoeuvre]:
-    """Return the manoeuvres of an object, in order of time; windows of fits begin anew behind each.
+    """Return the manoeuvres of an object, in order of time; windows of fits restart after each.
 
     named: those that somebody named
-    find: whether those that its history tells of stand beside them
+    find: whether those that its history shows are added
     """
     burns = [*named, *(find_burns(sets, epoch=epoch) if find else [])]
     return sorted((replace(one, anew=True) for one in burns), key=lambda one: one.t)
 
 
 def find_burns(sets: pd.DataFrame, *, epoch: str) -> list[Manoeuvre]:
-    """Return the burns that a history tells of, in order of time.
+    """Return the burns that a history shows, in order of time.
 
     sets: table `element_sets` of one object
     epoch: UTC text, the table's
@@ -116,7 +116,7 @@ def find_burns(sets: pd.DataFrame, *, epoch: str) -> list[Manoeuvre]:
 
 
 def burns_among(sets: Iterable[KnownSet], *, epoch: str) -> list[Manoeuvre]:
-    """Return the burns that sets of one object in order of time tell of; each is logged."""
+    """Return the burns that sets of one object in order of time show; each is logged."""
     burns, past = [], _Past()
     followed: KnownSet | None = None
     off: list[KnownSet] = []  # those after it, which do not follow from it

@@ -56,7 +56,7 @@ def fit(t: np.ndarray, positions: np.ndarray, *, at: float, known: np.ndarray, e
     found = _nearest(np.append(osculating, 0.0), lambda x: _misses(x, time, since, positions))
     rms = math.sqrt(np.mean(np.sum(_misses(found, time, since, positions) ** 2, axis=1)))
     if not rms < _LOST:
-        raise InputError(f"mean elements: expected an orbit that SGP4 can fly about {time}, got none")
+        raise InputError(f"mean elements: expected an orbit that SGP4 can propagate about {time}, got none")
     return _satellite(found, time)
 
 

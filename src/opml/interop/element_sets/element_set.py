@@ -39,7 +39,7 @@ _Piece = TypeVar("_Piece")
 class ElementSet:
     """A set of mean elements.
 
-    path, line: where it stands, a TLE by its line 1
+    path, line: where it is, a TLE by its line 1
     number: catalogue number, 0 where the file has none
     created: UTC text, '' where unknown
     satellite: the elements, initialised; sgp4's own number is 0 beyond those of TLEs
@@ -56,7 +56,7 @@ class ElementSet:
 
 
 def satellite(epoch: str, elements: Sequence[float]) -> Satrec:
-    """Return the satellite of mean elements that SGP4 flies.
+    """Return the satellite of mean elements that SGP4 propagates.
 
     epoch: UTC text
     elements: mean motion [rad/min], eccentricity, inclination, right ascension of the node, argument of
@@ -111,7 +111,7 @@ def _initialised(days: float, elements: Sequence[float]) -> Satrec:
     number = 0  # on which no orbit depends
     made.sgp4init(
         WGS72,
-        "i",  # as TLEs are flown
+        "i",  # as TLEs are propagated
         number,
         days,
         bstar,
@@ -159,7 +159,7 @@ def each(
 
 
 def check_orbit(path: FilePath, line: int, satellite: Satrec) -> None:
-    """Raise InputError, naming the line, for elements that are none of an orbit, or that SGP4 cannot fly."""
+    """Raise InputError, naming the line, for elements of no orbit, or that SGP4 cannot propagate."""
     motion, eccentricity = satellite.no_kozai * PER_DAY, satellite.ecco
     inclination = math.degrees(satellite.inclo)
     angles = map(math.degrees, (satellite.nodeo, satellite.argpo, satellite.mo))
@@ -174,4 +174,4 @@ def check_orbit(path: FilePath, line: int, satellite: Satrec) -> None:
         if not abs(angle) <= 360.0 + _ROUNDING:
             raise line_error(path, line, "angles of at most 360 deg", f"{angle:.7g}")
     if satellite.error:
-        raise line_error(path, line, "elements that SGP4 can fly", SGP4_ERRORS[satellite.error])
+        raise line_error(path, line, "elements that SGP4 can propagate", SGP4_ERRORS[satellite.error])

@@ -36,7 +36,7 @@ def fit_elements(ephemeris: Segment, *, epoch: str) -> Satrec:
 
 
 def residual(satellite: Satrec, ephemeris: Segment, *, epoch: str) -> str:
-    """Return a sentence, and log it, that tells how far SGP4 from mean elements is from an ephemeris.
+    """Return a sentence, and log it, that says how far SGP4 from mean elements is from an ephemeris.
 
     epoch: UTC text from which its times count
 
@@ -58,7 +58,7 @@ def residual(satellite: Satrec, ephemeris: Segment, *, epoch: str) -> str:
 
 
 def _microseconds_after_tick(time: str) -> int:
-    """Return by how much a UTC text is after the newest epoch that a TLE can tell [microseconds]."""
+    """Return by how much a UTC text is after the newest epoch that a TLE can hold [microseconds]."""
     moment = datetime.fromisoformat(time)
     midnight = moment.replace(hour=0, minute=0, second=0, microsecond=0)
     return (moment - midnight) // timedelta(microseconds=1) % _TLE_TICK

@@ -4,7 +4,7 @@
     goce = histories.of_object(history.sets, 34602)
     states = histories.predict(goce, epoch="2024-01-01T00:00:00", known=3600.0, t=np.array([7200.0]))
 
-The prediction by the newest public set is what everybody has, and what any other prediction is held against.
+The prediction by the newest public set is what everybody has, and what any other prediction is compared with.
 """
 
 import logging
@@ -30,7 +30,7 @@ from opml.interop.orbit_arcs import line_error
 from opml.tables import ELEMENTS, SCHEMAS
 
 _TLE_DAY = 1e8
-"""Parts of a day that the epoch of a TLE tells; an OMM's epoch has two digits more."""
+"""Parts of a day that the epoch of a TLE resolves; an OMM's epoch has two digits more."""
 
 _SAME = 1e-12
 """Relative difference of elements that two notations of the same number may have."""
@@ -50,9 +50,9 @@ class History:
     sets: table `element_sets`, by object and epoch
     doubles: number of sets that were there already
     superseded: number of sets in whose place others of the same epoch came
-    out_of_order: number of sets that stood after a later one of their object
+    out_of_order: number of sets that came after a later one of their object
     damaged: errors of the sets that are left out
-    objects: what the newest set of each catalogue number tells of its object
+    objects: what the newest set of each catalogue number shows about its object
     """
 
     sets: pd.DataFrame
@@ -105,7 +105,7 @@ def of_object(sets: pd.DataFrame, number: int | None = None) -> pd.DataFrame:
     numbers = sets["number"].unique()
     known = ", ".join(map(str, numbers[:_MOST_LOGGED])) + (", ..." if len(numbers) > _MOST_LOGGED else "")
     if number is None and len(numbers) > 1:
-        raise InputError(f"element sets: expected a number that tells which object, got objects {known}")
+        raise InputError(f"element sets: expected a number that names the object, got objects {known}")
     chosen = sets if number is None else sets[sets["number"] == number].reset_index(drop=True)
     if chosen.empty:
         expected = "a set" if number is None else f"object {number}"
@@ -119,7 +119,7 @@ def newest_before(sets: pd.DataFrame, t: float) -> int | None:
     sets: table `element_sets` of one object
     t: [s], of the same epoch
 
-    A set was known when it was made; where the file does not tell, at its own epoch. Raises InputError for a
+    A set was known when it was made; where the file does not say, at its own epoch. Raises InputError for a
     table of several objects.
     """
     if (objects := sets["number"].nunique()) > 1:
@@ -153,7 +153,7 @@ def states_of(row: pd.Series, *, epoch: str, t: np.ndarray) -> np.ndarray:
 
 
 def satellite(row: pd.Series, *, epoch: str) -> Satrec:
-    """Return the satellite of a row of a table `element_sets` that SGP4 flies.
+    """Return the satellite of a row of a table `element_sets` that SGP4 propagates.
 
     epoch: UTC text, the table's
     """
@@ -163,7 +163,7 @@ def satellite(row: pd.Series, *, epoch: str) -> Satrec:
 
 
 def _numbered(one: ElementSet) -> ElementSet:
-    """Return the set. Raises InputError where it does not tell its object."""
+    """Return the set. Raises InputError where it does not name its object."""
     if one.number == 0:
         raise line_error(one.path, one.line, "a catalogue number above 0", "none")
     return one
@@ -190,7 +190,7 @@ def _distinct(issues: Sequence[ElementSet]) -> list[ElementSet]:
         if not distinct or not _same(distinct[-1], issue):
             distinct.append(issue)
         elif not distinct[-1].created:
-            distinct[-1] = issue  # which may tell when it was made
+            distinct[-1] = issue  # which may say when it was made
     return distinct
 
 
@@ -236,7 +236,7 @@ def _log_counts(history: History) -> None:
     if deep := int(sets["is_deep"].sum()):
         _log.info("sets with a period of 225 minutes or more: %d", deep)
     if history.out_of_order:
-        _log.info("sets that stood after a later one: %d", history.out_of_order)
+        _log.info("sets that came after a later one: %d", history.out_of_order)
     if history.doubles:
         _log.warning("sets left out that were there already: %d", history.doubles)
     if history.superseded:

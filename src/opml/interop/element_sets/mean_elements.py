@@ -1,4 +1,4 @@
-"""Mean elements flown by SGP4, from TLEs or OMMs in KVN, JSON, XML or CSV, and RSOs from them.
+"""Mean elements propagated by SGP4, from TLEs or OMMs in KVN, JSON, XML or CSV, and RSOs from them.
 
     opml rso iss.tle --name mine --epoch 2016-09-28T12:09:45 \\
         --area-to-mass 0.05 --cd 2.2 --cr 1.25 >> config/rsos.tsv
@@ -29,7 +29,7 @@ from opml.orbits.elements import coe_from_cartesian, mean_from_true_anomaly
 from opml.orbits.sheets import Rso
 
 WARN_DAYS = 7.0
-"""Days from the elements' epoch beyond which SGP4 flies them with a warning.
+"""Days from the elements' epoch beyond which SGP4 propagates them with a warning.
 
 A satellite departs from the orbit of its TLE by 1 to 3 km per day (documentation of the package sgp4), in a
 week by more than the median error of the paper case's predictions, 5 km.

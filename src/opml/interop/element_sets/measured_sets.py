@@ -19,10 +19,10 @@ USUAL_REACH = DAY
 """Time before the epoch of a set over which its points lie where its span is unknown [s]."""
 
 PAST = 60.0 * DAY
-"""Sets so long before a run tell what its first ones are worth [s]."""
+"""Sets so long before a run show how accurate its first ones are [s]."""
 
 _NUMBERS = 6
-"""What a set tells of an orbit, however many points it gives."""
+"""What a set shows about an orbit, however many points it gives."""
 
 _LEAST = 0.5
 """Part of a set's points, of a day at most, that lie within the run and after a manoeuvre, at least."""
@@ -76,7 +76,7 @@ class MeasuredSets:
     """The sets of a run that count, in ascending order.
 
     epochs: (sets,) of their last points [s]
-    known: (sets,) when they were made, NaN where nobody tells [s]
+    known: (sets,) when they were made, NaN where not stated [s]
     points: of each set: t, state in GCRF, standard deviations in RSW
     """
 
@@ -86,7 +86,7 @@ class MeasuredSets:
 
 
 def of_run(sets: pd.DataFrame, duration: float) -> pd.DataFrame:
-    """Return the sets that count for a run of a duration [s]: its own, and those that tell their worth."""
+    """Return the sets that count for a run of a duration [s]: its own, and those that show their accuracy."""
     return sets[(sets["t"] >= -PAST) & (sets["t"] <= duration)].reset_index(drop=True)
 
 
@@ -128,7 +128,7 @@ def measured(
 
 
 def _over_spans(sets: pd.DataFrame, epoch: str, manoeuvres: Sequence[Manoeuvre]) -> np.ndarray:
-    """Return how far points of sets (n,) reach back [s]: over what was fitted where sets up to each tell."""
+    """Return how far points of sets (n,) reach back [s]: over what was fitted where sets show it."""
     lengths = spans.fit_spans(sets, epoch=epoch, manoeuvres=manoeuvres)
     is_known = np.isfinite(lengths)
     if is_known.any():

@@ -84,7 +84,7 @@ class Pair(NamedTuple):
 
 
 class Record(NamedTuple):
-    """A set as it stands in a text, with the line where it begins."""
+    """A set as written in a text, with the line where it begins."""
 
     line: int
     pairs: list[Pair]
@@ -130,7 +130,7 @@ def element_set(path: FilePath, record: Record) -> ElementSet:
 
 
 def satellite(values: Mapping[str, str]) -> Satrec:
-    """Return what SGP4 flies of a message's values, with all that a TLE has beside its orbit."""
+    """Return what SGP4 propagates of a message's values, with all that a TLE has beside its orbit."""
     made = Satrec()
     omm.initialize(made, {**_UNUSED, **values})
     return made
@@ -302,7 +302,7 @@ class _Messages(ContentHandler, LexicalHandler):
         self._leaf, self._text, self._unit, self._inside = "", "", "", False
 
     def setDocumentLocator(self, locator: Any) -> None:
-        """Keep what tells the line."""
+        """Keep what names the line."""
         self._place = locator
 
     def startDTD(self, *_: Any) -> None:

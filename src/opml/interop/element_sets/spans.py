@@ -18,7 +18,7 @@ from opml.orbits.elements import in_rsw
 from opml.orbits.manoeuvres import Manoeuvre, contain_any
 
 _BACK = np.arange(0.0, 5.0 * DAY, 1800.0)
-"""Times before the later epoch at which two sets are held against each other [s]."""
+"""Times before the later epoch at which two sets are compared with each other [s]."""
 
 _GAPS = (0.1 * DAY, 3.0 * DAY)
 """Least and longest time between the epochs of two sets."""
@@ -48,7 +48,7 @@ def fit_spans(sets: pd.DataFrame, *, epoch: str, manoeuvres: Sequence[Manoeuvre]
 
     sets: table `element_sets` of one object
     epoch: UTC text, the table's
-    manoeuvres: pairs of sets with one between them or shortly before tell nothing, from when it is known
+    manoeuvres: pairs of sets with one between them or shortly before say nothing, from when it is known
 
     The first pairs of a history tell, so that the span hardly changes once it is found.
     """

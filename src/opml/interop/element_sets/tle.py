@@ -30,7 +30,7 @@ FOR_TESTS = 99999
 """Catalogue number of an object of which none is known."""
 
 EPHEMERIS_TYPES = ("0", "2", "3")
-"""Types of elements that SGP4 flies, 0 in what is published; 4 are those of SGP4-XP, another theory."""
+"""Types of elements that SGP4 propagates, 0 in what is published; 4 are those of SGP4-XP, another theory."""
 
 _FIRST_YEAR = 57
 """Two digits of the first year of a TLE, 1957; smaller ones are of this century."""

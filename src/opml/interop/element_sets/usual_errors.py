@@ -25,7 +25,7 @@ HEIGHTS = 1e3 * np.array([300.0, 400.0, 450.0, 500.0, 550.0, 600.0, 700.0, 850.0
 """Edges of the bands of mean height [m] that errors were learned in."""
 
 LONGEST = 10.0
-"""Time from the epoch [d] beyond which nothing is told: seven days and a half were learned from."""
+"""Time from the epoch [d] beyond which nothing is stated: seven days and a half were learned from."""
 
 UNSEEN = np.array([100.0, 500.0, 160.0])
 """What sets err alike [m] in RSW, so that none shows it in another: by orbits of Sentinel-3A and Jason-3."""
@@ -46,7 +46,7 @@ def are_known(satellite: Satrec) -> bool:
 
 
 def usual(satellite: Satrec, days: np.ndarray) -> np.ndarray:
-    """Return standard deviations (n, 3) in RSW [m] of what SGP4 makes of a set, held against later ones.
+    """Return standard deviations (n, 3) in RSW [m] of what SGP4 makes of a set, compared with later ones.
 
     days: (n,) times from the epoch
 
@@ -57,7 +57,7 @@ def usual(satellite: Satrec, days: np.ndarray) -> np.ndarray:
 
 
 def expected(satellite: Satrec, days: np.ndarray) -> np.ndarray:
-    """Return standard deviations (n, 3) in RSW [m] of what SGP4 makes of a set, held against the truth."""
+    """Return standard deviations (n, 3) in RSW [m] of what SGP4 makes of a set, compared with the truth."""
     return np.asarray(np.hypot(usual(satellite, days), UNSEEN))
 
 

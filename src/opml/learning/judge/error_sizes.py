@@ -273,7 +273,7 @@ def _fit_axis(
     """Return a, b and c of an axis by quantile regression.
 
     size: (n,) of the errors [m]
-    doubt: (n,) standard deviations of what they are held against [m]
+    doubt: (n,) standard deviations of what they are compared with [m]
     weight: (n,); an error counts in units of the typical error of its day of duration
     """
     from scipy.optimize import minimize

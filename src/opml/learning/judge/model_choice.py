@@ -181,7 +181,7 @@ class Mornings:
         """Return the same mornings, and choices, with errors against the truth in the place of labels.
 
         truth: table `dataset`, with true errors
-        labelled: the table `labelled` of the same pairs, which replays were held against
+        labelled: the table `labelled` of the same pairs, which replays were compared with
 
         Pairs without a true state are left out. RSW of the true state and of a label differ by less than
         counts.

@@ -1,4 +1,4 @@
-"""Settings held against their models; the first thing that is wrong with them is told in one line."""
+"""Settings checked against their models; the first thing that is wrong with them is stated in one line."""
 
 import difflib
 import reprlib

@@ -72,7 +72,7 @@ def starts(
 
 
 def starts_from_state(flight: Flight, measured: Measurements, known: TimedState) -> pd.DataFrame:
-    """Return the `starts` table of a known state, flown under the assumed model to every track.
+    """Return the `starts` table of a known state, propagated with the assumed model to every track.
 
     Raises InputError where the first day's tracks are far from it.
     """

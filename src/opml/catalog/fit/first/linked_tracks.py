@@ -182,7 +182,7 @@ def _starts(run: Run, last: Estimate, window: Window) -> np.ndarray:
 
 
 def _flown(run: Run, begin: Window, parameters: np.ndarray, end: Window) -> np.ndarray:
-    """Return parameters (n, 7) at the epoch of a window flown to that of another, NaN where lost."""
+    """Return parameters (n, 7) at the epoch of a window propagated to that of another, NaN where lost."""
     epochs, count = run.measured.epochs[[begin.at, end.at]], len(parameters)
     arcs = fly_parameters(run.flight, epochs, parameters, np.zeros(count, int), np.ones(count, int))
     return np.column_stack([np.vstack([arcs.path(k) for k in range(count)]), parameters[:, 6]])

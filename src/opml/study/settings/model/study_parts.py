@@ -38,7 +38,7 @@ class ClaimSettings(Item):
 
     says: Text = setting("what the paper says", unit="text")
     holds: Holds = setting("what then holds of our numbers")
-    limit: Absent[float] = setting("number that they are held against", unit="% or km", default=None)
+    limit: Absent[float] = setting("number that they are compared with", unit="% or km", default=None)
     start: Absent[Positive] = setting("mean error before the correction", unit="km", default=None)
     share: Absent[Share] = setting("how far a number may be off, or what is left of it", default=None)
     beside: Absent[Names] = setting("evaluations whose numbers are shown with the entry's own", default=None)
@@ -153,7 +153,7 @@ class EvaluationSettings(Entry):
     """One model on one test."""
 
     target: Absent[str] = setting("RSO to test on, where it is another one", unit="name", default=None)
-    label: Absent[Label] = setting("what errors are held against, in place of `study.label`", default=None)
+    label: Absent[Label] = setting("reference of the errors, in place of `study.label`", default=None)
     published: Absent[Positive] = setting("the paper's P_ML", unit="%", default=None)
 
 
@@ -339,7 +339,7 @@ class OwnStudySettings(Section):
         default=None,
     )
     label: Absent[Label] = setting(
-        "what errors are held against to learn from: `truth`, or estimates, `later` or `smoothed`; by default"
+        "reference of the errors to learn from: `truth`, or estimates, `later` or `smoothed`; by default"
         " `truth`, or `later` where an RSO of the study was measured",
         see="labels.md",
         default=None,

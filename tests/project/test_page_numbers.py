@@ -1,0 +1,121 @@
+"""Numbers in sentences are those of the tables of the same page, or of the page that they are from."""
+
+import re
+
+import pytest
+from support import REPOSITORY
+
+from validation.pictures import where_learning_helps
+from validation.pictures.page_tables import catalogue, rows
+
+
+def page(name):
+    return (REPOSITORY / f"{name}.md").read_text(encoding="utf-8")
+
+
+def sentences(name):
+    return " ".join(page(name).split())
+
+
+@pytest.fixture(scope="module")
+def improved():
+    """Cells of improved sets by the first word of the season."""
+    return {season.split()[0]: cells for (season, way), cells in catalogue().items() if way == "improved"}
+
+
+def test_the_share_of_sgp4_s_error_is_that_of_the_catalogue(improved):
+    week = [cells[-1][0] for cells in improved.values()]
+    assert f"after a week to {min(week[:3])} to {max(week[:3])} %" in sentences("docs/reality")
+    assert f"at solar minimum they do not ({week[3]} %)" in sentences("docs/reality")
+
+
+def test_each_median_of_improved_sets_is_inside_its_interval(improved):
+    assert len(improved) == 5
+    for median, _, low, high in (cell for cells in improved.values() for cell in cells):
+        assert low <= median <= high
+
+
+def test_trees_relative_to_density_are_those_of_the_rows():
+    ratios = next(iter(where_learning_helps.from_catalogue().values()))
+    said = re.search(r"trees have ((?:\d+ \(\d+ to \d+\)(?:, | and )?){4}) %", sentences("docs/learning"))[1]
+    stated = [tuple(map(int, numbers)) for numbers in re.findall(r"(\d+) \((\d+) to (\d+)\)", said)]
+    for ratio, (middle, low, high) in zip(ratios, stated, strict=True):
+        assert ratio == pytest.approx(middle, abs=2.0)
+        assert low <= ratio <= high
+
+
+def test_what_learning_costs_a_satellite_is_the_skill_of_its_table():
+    table = {first: cells for first, *cells in rows("docs/reality", "## Swarm A")}
+    skill = int(table["`mechanism`, the best that learned"][-1])
+    assert f"retrained each morning it is {-skill} % worse than the best" in sentences("docs/reality")
+    errors = where_learning_helps.from_own_past()
+    assert errors["Swarm A"] == 100.0 - skill
+    assert min(errors.values()) > 100.0
+    assert "No model that learned from one satellite's own past did better" in sentences("docs/reality")
+
+
+def test_what_a_coarser_field_costs_is_in_the_notes():
+    (chosen,) = [cells for cells in rows("notes/reality", "## Swarm A") if cells[0] == "chosen by the past"]
+    day, _, four, week = (cell.split(" / ")[0] for cell in chosen[1:5])
+    assert f"errors of {day}, {four} and {week} m after 1, 4 and 7 days" in sentences("docs/reality")
+
+
+def test_the_storm_is_covered_as_long_as_the_table_has_it():
+    (storm,) = [cells for cells in rows("docs/uncertainty", "## Results") if cells[0].startswith("storm")]
+    shares = [int(cell.split(" %")[0]) for cell in storm[2:]]
+    assert min(shares[:3]) >= 85 > shares[3]
+    assert "That of March 2015 is covered for five days" in sentences("docs/uncertainty")
+
+
+def alarms(start):
+    """Alarms per collision, and shares flagged [%], of the row that starts with a text."""
+    (cells,) = [
+        cells for cells in rows("docs/conjunctions", "## How much corrections help") if cells[0] == start
+    ]
+    return [tuple(map(int, cell.split(" / "))) for cell in cells[1:]]
+
+
+def test_corrected_ephemerides_raise_a_tenth_of_the_alarms():
+    fits, selected = (
+        alarms("Swarm A, 12-hour fits, their own covariance"),
+        alarms("Swarm A, selected each day"),
+    )
+    assert selected[0][0] / fits[0][0] == pytest.approx(0.1, abs=0.02)
+    assert "After a day, corrected ephemerides raise a tenth of the alarms" in sentences("docs/conjunctions")
+    assert [share for _, share in selected] == [100] * 4
+    assert fits[-1][1] < 50
+
+
+def test_alarms_are_those_of_the_notes():
+    even = {
+        cells[0]: [round(float(cell.split(",")[0])) for cell in cells[2:]]
+        for cells in rows("notes/conjunctions", "## Draws")
+        if cells[1:2] == ["even"]
+    }
+    assert [count for count, _ in alarms("Swarm A, 12-hour fits")] == even[
+        "12-hour fits, covariance of past errors"
+    ]
+    own = alarms("Swarm A, 12-hour fits, their own covariance")
+    assert [count for count, _ in own] == even["12-hour fits, the fit's own"]
+    larets = next(cells for cells in rows("notes/conjunctions", "## Draws") if "Larets, chosen" in cells[0])
+    assert [tuple(map(int, cell.split(" / "))) for cell in larets[2:]] == alarms("Larets, selected each day")
+
+
+def test_every_conjunction_of_cara_is_counted_once():
+    inside, all_of_them = re.search(
+        r"Of (\d+) conjunctions of NASA's CARA (\d+) are within", sentences("docs/conjunctions")
+    ).groups()[::-1]
+    assert int(inside) + len(re.findall(r"one is 2 % low|one 12 % high", page("docs/conjunctions"))) == int(
+        all_of_them
+    )
+    assert f"the probabilities of {all_of_them} real conjunctions" in sentences("docs/conjunctions")
+
+
+def test_the_picture_of_learning_has_every_season_and_satellite():
+    seasons, satellites = where_learning_helps.from_catalogue(), where_learning_helps.from_own_past()
+    figure = where_learning_helps.gains(seasons, satellites)
+    labels = [label.get_text() for label in figure.axes[0].get_yticklabels()]
+    assert len(labels) == len(seasons) + len(satellites) == 9
+    assert labels[0] == "catalogue, summer of 2026, 05-31 to 07-31: 459 objects"
+    drawn = [list(line.get_xdata()) for line in figure.axes[0].lines[:4]]
+    assert drawn == [[values[k] for values in seasons.values()] for k in range(4)]
