@@ -22,6 +22,7 @@ onload = () => {{
       box(one).left, box(one).right, box(one).bottom]),
     lines: [...page.querySelectorAll(".line")].map(one => page.defaultView.getComputedStyle(one).color),
     marks: [...page.querySelectorAll(".marks")].map(one => one.scrollWidth - one.clientWidth),
+    tables: [...page.querySelectorAll("table")].map(one => one.scrollWidth - one.clientWidth),
     pictures: [...page.images].map(one => [one.naturalWidth, box(one).right]),
   }});
 }}
@@ -30,7 +31,7 @@ onload = () => {{
 
 
 def laid_out(page, folder, *, width):
-    """Return what a browser says of a page at a width [px]: how far it and its cards and pictures reach."""
+    """Return what a browser says of a page at a width [px]: how far all on it reaches."""
     if BROWSER is None:
         pytest.skip("no Chromium or Chrome is installed")
     framed = folder / "framed.html"

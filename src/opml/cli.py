@@ -4,6 +4,7 @@ import argparse
 import io
 import logging
 import os
+import re
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -187,11 +188,19 @@ def _compare(options: argparse.Namespace) -> None:
     print(comparison.summary(table))
 
 
+_UTC = "UTC, as 2026-07-15 or 2026-07-15T06:00:00"
+
+
+def _instant(text: str) -> str:
+    """Return UTC text, of a day alone when it begins."""
+    return f"{text}T00:00:00" if re.fullmatch(r"[\d-]{10}", text) else text
+
+
 def _add_improve(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("sets", nargs="+", help="files and folders of TLEs or OMMs (JSON, CSV, XML, KVN)")
     parser.add_argument("-o", "--output", required=True, help="better sets: .tle, .json, .csv, .xml or .kvn")
     parser.add_argument("--table", help="what was done, and the errors expected: .csv, .json or .parquet")
-    parser.add_argument("--date", help="UTC, as 2026-07-15T06:00:00: only what was public then counts (now)")
+    parser.add_argument("--date", type=_instant, help=f"{_UTC}: only what was public then counts (now)")
     parser.add_argument("--latency", type=float, help="hours from epoch to publication (6; 0 without --date)")
     parser.add_argument("--weather", default="OBSERVED", help="space weather, CSSI (that of the package)")
     parser.add_argument("--model", help="a model of `opml train` (that of the package)")
@@ -220,7 +229,7 @@ def _add_predict(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("-o", "--output", action="append", default=[], help=_PREDICTED)
     parser.add_argument("--object", help="name, designator or number, where the files have several objects")
     parser.add_argument("--days", type=float, default=7.0, help="length of the prediction (7)")
-    parser.add_argument("--date", help="UTC, as 2026-07-15T06:00:00 (when the newest was known)")
+    parser.add_argument("--date", type=_instant, help=f"{_UTC} (when the newest was known)")
     parser.add_argument("--weather", default="OBSERVED", help="space weather, CSSI (that of the package)")
     parser.add_argument("--station", action="append", default=[], help="latitude,longitude,altitude [deg, m]")
     sets = parser.add_argument_group("of element sets")
@@ -231,9 +240,7 @@ def _add_predict(parser: argparse.ArgumentParser) -> None:
     measured.add_argument("--radars", default="config/stations.tsv", help="sheet of the stations of tracks")
 
 
-_PREDICTED = (
-    "what is written, by suffix, as often as wanted: .oem, .tle, .kvn, .xml, .csv, .json, .czml, .html"
-)
+_PREDICTED = "what is written, each by its suffix: .oem, .tle, .kvn, .xml, .csv, .json, .czml, .html"
 
 
 def _predict(options: argparse.Namespace) -> None:
@@ -362,9 +369,7 @@ def _add_task(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("sets", nargs="+", help="files and folders of TLEs")
     parser.add_argument("-o", "--output", required=True, help="the task's folder; the truth gets -truth")
     parser.add_argument("--weather", default="OBSERVED", help="space weather, CSSI (that of the package)")
-    parser.add_argument(
-        "--forecasts", metavar="FILE", help="weather as it was forecast: CSV, a column issued"
-    )
+    parser.add_argument("--forecasts", metavar="FILE", help="weather as forecast: CSV, a column issued")
 
 
 def _task(options: argparse.Namespace) -> None:
@@ -404,9 +409,7 @@ def _add_score(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("task", help="a task's folder, or SAMPLE")
     parser.add_argument("answers", help="a CSV or OEM, or a folder of them")
     parser.add_argument("--truth", help="folder of the truth (the task's name with -truth)")
-    parser.add_argument(
-        "-o", "--output", action="append", default=[], help="page, JSON, line: .html .json .tsv"
-    )
+    parser.add_argument("-o", "--output", action="append", default=[], help=".html, .json or .tsv (a line)")
 
 
 def _score(options: argparse.Namespace) -> None:
@@ -450,9 +453,7 @@ def _completion(options: argparse.Namespace) -> None:
 
 def _add_pack(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--configfile", nargs="*", default=[], help="files of settings that the run had")
-    parser.add_argument(
-        "--config", nargs="*", default=[], metavar="KEY=VALUE", help="further settings of the run"
-    )
+    parser.add_argument("--config", nargs="*", default=[], metavar="KEY=VALUE", help="further settings")
 
 
 def _pack(options: argparse.Namespace) -> None:

@@ -167,7 +167,8 @@ def improve(known: PublicData, model: CatalogueModel, *, progress: Progress = _l
     mixed = ways.mixed(rows, tried, ways.of_objects(weights, rows))
     table = _table(newest, today - newest["t"], why, weights, now.join(mixed[["correction", "sigma"]]))
     sets = [Better(one.file, one.line, one.motion, one.bstar) for one in table.itertuples(index=False)]
-    progress(", ".join(f"{name} {count}" for name, count in table["applied"].value_counts().items()))
+    counts = table["applied"].value_counts().items()
+    progress(f"used: {', '.join(f'{name} {count}' for name, count in counts)}")
     judged = rows.loc[np.isfinite(rows["error"]), ["morning", "error"]].join(mixed, how="inner")
     past = judged.assign(left=judged["error"] - judged["correction"])[_PAST_COLUMNS].reset_index(drop=True)
     return Improved(table.drop(columns=["file", "line"]), sets, known.date, past)

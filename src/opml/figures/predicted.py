@@ -16,7 +16,7 @@ from opml.figures.style import (
     TRUE_COLOR,
     add_head,
     legend,
-    page_figure,
+    screen_figure,
 )
 from opml.figures.ticks import metres, rounded
 from opml.interop.predicted_orbit import PredictedOrbit
@@ -28,23 +28,24 @@ def ground_track(prediction: PredictedOrbit, places: list[Place]) -> Figure:
     """Draw where the object passes over the Earth on the first day, and the places that look at it."""
     t = np.arange(0.0, DAY * min(prediction.days, 1.0), 30.0)
     longitude, latitude, height = geodetic_places(in_itrf(prediction, t))
-    figure = page_figure(height_mm=100.0)
+    figure = screen_figure()
     axes = figure.add_subplot()
     draw_land(axes)
     axes.plot(*split_line(longitude, latitude), color=PREDICTED_COLOR, lw=0.8, label="ground track")
     axes.plot(longitude[:1], latitude[:1], "o", color=RESIDUAL, label="beginning")
     for place in places:
         x = (np.degrees(place.longitude) + 180.0) % 360.0 - 180.0
-        axes.plot(x, np.degrees(place.latitude), "^", color=HIGHLIGHT, mec="white", label=place.name)
+        axes.plot(x, np.degrees(place.latitude), "^", color=HIGHLIGHT, mec=TRUE_COLOR, ms=6, label=place.name)
     frame(axes)
+    axes.set_xticks(np.arange(-180, 181, 60))
     note = f"24 h from {prediction.date} UTC, {height.mean() / _KILO:.0f} km high"
-    legend(figure, columns=4, note=note)
+    legend(figure, columns=3, note=note)
     return figure
 
 
 def expected_errors(prediction: PredictedOrbit) -> Figure:
     """Draw the expected error along the track by days ahead, past errors of the object, and SGP4's."""
-    figure = page_figure(height_mm=78.0)
+    figure = screen_figure()
     axes = figure.add_subplot()
     past = prediction.past[prediction.past["lead"] <= prediction.days]
     lead = np.linspace(0.0, prediction.days, 100)

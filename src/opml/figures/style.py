@@ -21,6 +21,7 @@ from opml.base.files import FilePath, replacing
 COLUMN_WIDTH_MM = 88.0  # one column of a two-column page
 PAGE_WIDTH_MM = 180.0  # both columns
 PAGE_HEIGHT_MM = 297.0
+SCREEN_WIDTH_MM = 100.0
 MM_PER_INCH = 25.4
 
 # Okabe & Ito's palette (Color Universal Design, 2008): told apart under every common colour blindness.
@@ -91,6 +92,11 @@ def space_figure(*, height_mm: float) -> tuple[Figure, Axes3D]:
 def page_figure(*, height_mm: float) -> Figure:
     """Return an empty figure of page width without axes; its layout follows its contents."""
     return _figure(PAGE_WIDTH_MM, height_mm)
+
+
+def screen_figure() -> Figure:
+    """Return an empty figure whose words a phone still shows large enough."""
+    return _figure(SCREEN_WIDTH_MM, 0.7 * SCREEN_WIDTH_MM)
 
 
 def panel_figure(

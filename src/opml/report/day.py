@@ -9,7 +9,7 @@ from opml.base.progress import counted
 from opml.mornings.calendar import HORIZON
 from opml.mornings.outcomes import DO_NOT_USE, FAILED, GOOD, UNPROVEN, WIDE
 from opml.report.document import Block, Card, Cards, Heading, Paragraph, Table, as_it_is
-from opml.report.results import NO_VALUE, length
+from opml.report.results import NO_VALUE, length, with_unit
 
 Outcome = Mapping[str, Any]
 Weather = Sequence[Mapping[str, Any]]
@@ -113,7 +113,7 @@ def _card(outcome: Outcome) -> Card:
 def _expected(outcome: Outcome) -> str:
     """Return the errors that the ephemeris of today states, in words."""
     sigmas = {one["day"]: one["along_track_sigma_m"] for one in outcome["expected"]}
-    parts = [f"{_with_unit(sigmas[day])} after {day} d" for day in LEADS if day in sigmas]
+    parts = [f"{with_unit(sigmas[day])} after {day} d" for day in LEADS if day in sigmas]
     return ", ".join(parts) or "none, as none was issued"
 
 
@@ -121,7 +121,7 @@ def _beside_sgp4(outcome: Outcome) -> Iterator[str]:
     """Yield how far what was flown was off, and SGP4 beside it, where mean elements were taken."""
     by_day = {one["day"]: one for one in outcome["beside_sgp4"]}
     parts = [
-        f"{_with_unit(by_day[day]['flown_m'])} ({_with_unit(by_day[day]['sgp4_m'])}) after {day} d"
+        f"{with_unit(by_day[day]['flown_m'])} ({with_unit(by_day[day]['sgp4_m'])}) after {day} d"
         for day in LEADS
         if day in by_day
     ]
@@ -142,11 +142,6 @@ def _yesterday(outcome: Outcome) -> str:
     before = (date.fromisoformat(outcome["date"]) - timedelta(days=1)).isoformat()
     is_there = any(one["date"] == before for one in outcome["mornings"])
     return f"; [yesterday's](../{before}/{outcome['object']}/)" if is_there else ""
-
-
-def _with_unit(metres: float) -> str:
-    """Return a length in metres, in kilometres from ten on."""
-    return f"{length(metres)} m" if metres < 1e4 else f"{metres / 1e3:.0f} km"
 
 
 def _row(outcome: Outcome) -> list[str]:

@@ -54,6 +54,13 @@ class Picture:
 
 
 @dataclass(frozen=True)
+class Pictures:
+    """Narrow pictures side by side, as many as the page has room for."""
+
+    pictures: Sequence[Picture]
+
+
+@dataclass(frozen=True)
 class Card:
     """A small panel: a title, a line that says most, texts, and a row of marks.
 
@@ -74,7 +81,7 @@ class Cards:
     cards: Sequence[Card]
 
 
-Block = Heading | Paragraph | Items | Table | Picture | Cards
+Block = Heading | Paragraph | Items | Table | Picture | Pictures | Cards
 
 
 def link_to(heading: str) -> str:
@@ -142,9 +149,11 @@ _STYLE = (
     "a{color:var(--link)}img{max-width:100%;background:#fff}"
     "table{border-collapse:collapse;margin:1em 0;display:block;overflow-x:auto}"
     "th,td{border-bottom:1px solid var(--line);padding:.3em .7em;text-align:left;vertical-align:top}"
-    "@media(max-width:30em){th,td{padding:.3em .35em}}"
+    "@media(max-width:30em){th,td{padding:.3em .3em;font-size:.85em}}"
     "th{border-bottom-width:2px}.number{text-align:right;font-variant-numeric:tabular-nums}"
+    ".time{white-space:nowrap}"
     ".cards{display:grid;grid-template-columns:repeat(auto-fill,minmax(19em,1fr));gap:1em}"
+    ".pictures{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,26em),1fr));gap:1em}"
     ".cards section{border:1px solid var(--line);border-left:.5em solid var(--kind);padding:.2em 1em}"
     ".cards p{margin:.4em 0}.cards h2{margin:.3em 0 0}.line{font-weight:bold;color:var(--kind)}"
     ".marks{display:flex}.marks span{color:var(--kind);flex:0 0 3.33%;text-align:center;font-size:.7em}"
@@ -161,6 +170,8 @@ _MARKS = str.maketrans({"`": "'", "*": "\u2217", "[": "(", "]": ")", "|": "/"})
 _NUMBERS = re.compile(r"-|[-+]?\.?\d[\d.,e+\-]*( %)?( / [-+]?\d[\d.e+\-]*| \([^a-z]+ to [^a-z]+\))?")
 """A cell of a number, of two, or of one with its interval."""
 
+_TIME = re.compile(r"[\dT:-]+Z")
+
 
 def _markdown(block: Block) -> str:
     match block:
@@ -175,6 +186,8 @@ def _markdown(block: Block) -> str:
             return "\n".join(f"| {' | '.join(line)} |" for line in lines)
         case Picture(_, link, shows):
             return f"![{shows}]({link})"
+        case Pictures(pictures):
+            return "\n\n".join(map(_markdown, pictures))
         case Cards(cards):
             return "\n\n".join(map(_markdown_card, cards))
 
@@ -204,6 +217,8 @@ def _html(block: Block) -> str:
         case Picture(file, _, shows):
             data = base64.b64encode(Path(file).read_bytes()).decode()
             return f'<p><img alt="{html.escape(shows)}" src="data:image/png;base64,{data}"></p>'
+        case Pictures(pictures):
+            return '<div class="pictures">\n' + "\n".join(map(_html, pictures)) + "\n</div>"
         case Cards(cards):
             return '<div class="cards">\n' + "\n".join(map(_html_card, cards)) + "\n</div>"
 
@@ -225,8 +240,10 @@ def _class(kind: str) -> str:
 
 
 def _kind(cells: Sequence[str]) -> str:
-    """Return the class of a column's cells, ` class=number` where all of them are numbers."""
-    return ' class="number"' if cells and all(_NUMBERS.fullmatch(cell) for cell in cells) else ""
+    """Return the class of a column's cells, ` class=number` or `time` where all of them are one."""
+    kinds = {"number": _NUMBERS, "time": _TIME}
+    found = [name for name, form in kinds.items() if cells and all(map(form.fullmatch, cells))]
+    return f' class="{found[0]}"' if found else ""
 
 
 def _row(cells: Sequence[str], tag: str, kinds: Sequence[str]) -> str:

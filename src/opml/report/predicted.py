@@ -1,33 +1,38 @@
 """The page of a prediction: what was used and why, errors to expect, passes."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
 import pandas as pd
 
 from opml.element_sets.passes import LEVEL, Place
 from opml.element_sets.prediction import Prediction
 from opml.interop.predicted_orbit import UNKNOWABLE, PredictedOrbit
-from opml.report.document import Block, Heading, Paragraph, Picture, Table, as_it_is
-from opml.report.results import length
+from opml.report.document import Block, Heading, Paragraph, Picture, Pictures, Table, as_it_is
+from opml.report.results import length, with_unit
 
 _SECONDS, _DATE = len("2016-09-28T12:09:45"), len("2016-09-28T")
 
 
 def document(
-    prediction: PredictedOrbit, passes: Mapping[Place, pd.DataFrame], pictures: tuple[Picture, Picture]
+    prediction: PredictedOrbit, passes: Mapping[Place, pd.DataFrame], pictures: Sequence[Picture]
 ) -> list[Block]:
-    """Return the page; passes: by place; pictures: the ground track, and errors over days."""
-    track, errors = pictures
+    """Return the page; passes: by place; pictures: errors over days, and the ground track."""
+    rows = prediction.expected().dropna(axis="columns", how="all")
     return [
         Heading(as_it_is(f"{prediction.identity}: {prediction.days:g} days from {_z(prediction.date)}"), 1),
+        _in_short(rows),
         *_how(prediction),
-        _expected(prediction),
-        errors,
+        Pictures(pictures),
+        _expected(rows),
         Paragraph(f"One sigma each: {prediction.basis}; {UNKNOWABLE}."),
-        Heading("Where it goes"),
-        track,
         *(block for where, rows in passes.items() for block in _passes(where, rows)),
     ]
+
+
+def _in_short(rows: pd.DataFrame) -> Paragraph:
+    later = rows[rows["lead"] > 0.0].to_dict("records")
+    parts = (f"**{with_unit(row['along_track'])}** after {row['lead']:g} d" for row in later)
+    return Paragraph(f"Expected error along the track, one sigma: {', '.join(parts)}.")
 
 
 def _how(prediction: PredictedOrbit) -> Iterator[Block]:
@@ -45,21 +50,17 @@ def _how(prediction: PredictedOrbit) -> Iterator[Block]:
     )
 
 
-def _expected(prediction: PredictedOrbit) -> Table:
+def _expected(rows: pd.DataFrame) -> Table:
     names = {
         "along_track": "along track [m]",
         "radial": "radial [m]",
         "cross_track": "cross-track [m]",
         "sgp4_along_track": "SGP4 along track [m]",
     }
-    rows = prediction.expected().dropna(axis="columns", how="all")
     told = {name: words for name, words in names.items() if name in rows}
     return Table(
-        ["days ahead", "UTC", *told.values()],
-        [
-            [str(row["lead"]), _z(row["utc"]), *(length(row[name]) for name in told)]
-            for row in rows.to_dict("records")
-        ],
+        ["days ahead", *told.values()],
+        [[str(row["lead"]), *(length(row[name]) for name in told)] for row in rows.to_dict("records")],
     )
 
 

@@ -38,6 +38,11 @@ class Results:
         return f"{row['p_ml']:.1f} ({row['p_ml_low']:.1f} to {row['p_ml_high']:.1f})"
 
 
+def with_unit(metres: float) -> str:
+    """Return a length in metres, in kilometres from ten on."""
+    return f"{length(metres)} m" if metres < 1e4 else f"{metres / 1e3:.0f} km"
+
+
 def length(value: float) -> str:
     """Return a length [m] as a cell: metres, below a hundred to three digits."""
     return f"{value:.0f}" if value >= 100.0 else f"{value:.3g}"

@@ -1,6 +1,7 @@
 """The pages of the documentation, which travel with the package."""
 
 import re
+from collections import Counter
 from difflib import get_close_matches
 
 from opml.base.errors import InputError
@@ -17,27 +18,40 @@ def page(name: str) -> str:
     Raises InputError where there is no such page.
     """
     if name not in _names():
-        near = get_close_matches(name, _names(), n=3, cutoff=0.5)
-        expected = f"a page such as {' or '.join(near)}" if near else "a page that `opml docs` lists"
+        near = " or ".join(_pages_of_command(name) or get_close_matches(name, _names(), n=3, cutoff=0.5))
+        expected = f"a page such as {near}" if near else "a page that `opml docs` lists"
         raise InputError(f"docs: expected {expected}, got {name}")
-    text = (MANUAL / f"{name}.md").read_text(encoding="utf-8")
-    return _INCLUDED.sub(lambda found: (MANUAL / found[1]).read_text(encoding="utf-8"), text).rstrip("\n")
+    return _INCLUDED.sub(lambda found: (MANUAL / found[1]).read_text(encoding="utf-8"), _text(name)).rstrip(
+        "\n"
+    )
 
 
 def contents() -> str:
     """Return the folder of the pages, and their names and titles in the order of the site."""
     lines = [f"`opml docs PAGE` prints a page of {MANUAL.resolve()}"]
-    for caption, name in _CAPTION_OR_PAGE.findall(_index()):
-        lines += ["", caption] if caption else [f"  {name:16}{_title(page(name))}"]
+    for caption, name in _CAPTION_OR_PAGE.findall(_text("index")):
+        lines += ["", caption] if caption else [f"  {one:19}{_title(page(one))}" for one in _parts(name)]
     return "\n".join(lines)
 
 
-def _index() -> str:
-    return (MANUAL / "index.md").read_text(encoding="utf-8")
+def _pages_of_command(name: str) -> list[str]:
+    """Return the pages that show `opml NAME`, at most two, those that show it most often first."""
+    counts = Counter({one: _text(one).count(f"opml {name} ") for one in _names()})
+    return [one for one, count in counts.most_common(2) if count]
+
+
+def _text(name: str) -> str:
+    return (MANUAL / f"{name}.md").read_text(encoding="utf-8")
 
 
 def _names() -> list[str]:
-    return [name for _, name in _CAPTION_OR_PAGE.findall(_index()) if name]
+    found = [name for _, name in _CAPTION_OR_PAGE.findall(_text("index")) if name]
+    return [part for name in found for part in _parts(name)]
+
+
+def _parts(name: str) -> list[str]:
+    """Return the name of a page, and of those that it is divided into."""
+    return [name, *sorted(path.stem for path in MANUAL.glob(f"{name}_*.md"))]
 
 
 def _title(text: str) -> str:

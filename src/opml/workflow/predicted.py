@@ -79,8 +79,8 @@ def _page(path: FilePath, prediction: PredictedOrbit, places: Sequence[Place]) -
     from opml.report.document import Picture, html_page
 
     drawn = {
-        "track.png": (figures.ground_track(prediction, list(places)), "Ground track of the first day"),
         "errors.png": (figures.expected_errors(prediction), "Expected errors along the track by days ahead"),
+        "track.png": (figures.ground_track(prediction, list(places)), "Ground track of the first day"),
     }
     with tempfile.TemporaryDirectory() as folder, replacing(path) as temporary:
         pictures = []
@@ -88,7 +88,7 @@ def _page(path: FilePath, prediction: PredictedOrbit, places: Sequence[Place]) -
             save_png(figure, Path(folder, name))
             pictures.append(Picture(Path(folder, name), name, shows))
         over = {where: passes(prediction, where) for where in places}
-        blocks = report.document(prediction, over, (pictures[0], pictures[1]))
+        blocks = report.document(prediction, over, pictures)
         temporary.write_text(html_page(blocks, title=str(prediction.identity)), encoding="utf-8")
 
 

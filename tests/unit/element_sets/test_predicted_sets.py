@@ -19,6 +19,7 @@ from opml.base.errors import InputError
 from opml.element_sets import catalogue, corrector, passes, prediction, ways
 from opml.interop import oem
 from opml.interop.element_sets import element_set, mean_elements, tle, usual_errors
+from opml.report.results import with_unit
 from opml.workflow import predicted
 
 DATE = "2026-01-08T06:00:00"
@@ -214,6 +215,21 @@ def test_a_phone_shows_all_of_the_page(made, tmp_path):
     assert page["across"] <= 390
     assert len(page["pictures"]) == 2
     assert all(drawn and right <= 390 for drawn, right in page["pictures"])
+    assert all(drawn < 4 * right for drawn, right in page["pictures"]), "words in pictures are too small"
+    assert page["tables"] == [0, 0]
+
+
+def test_the_page_begins_with_the_errors_to_expect(made, tmp_path):
+    predicted.write(tmp_path / "mine.html", made, [])
+    _, _, page = (tmp_path / "mine.html").read_text().partition("</h1>")
+    error = made.expected().set_index("lead")["along_track"].loc[1]
+    assert page.lstrip().startswith("<p>Expected error along the track, one sigma: ")
+    assert f"<strong>{with_unit(error)}</strong> after 1 d" in page.partition("</p>")[0]
+
+
+def test_a_day_alone_begins_at_midnight(file, capsys):
+    assert cli.main(["predict", str(file), "--date", DATE[:10]]) == 0
+    assert f" from {DATE[:10]}T00:00:00 UTC: " in capsys.readouterr().out
 
 
 REFUSED = {
