@@ -33,9 +33,8 @@ _ROUGH_MISS = 0.01  # of a miss that the states of a message may be off, as they
 _UNIT = re.compile(r"\s*\[([^\]]*)\]$")
 _RADIUS = re.compile(r"^\s*COMMENT\s+HBR\s*=\s*(\S+?)\s*(?:\[(\w+)\])?\s*$", re.MULTILINE)
 _SENSITIVITY = "DCP Sensitivity Vector RTN"
-_UNCERTAINTY = "DCP Density Forecast Uncertainty"
 _DENSITY_KEYS = {
-    _UNCERTAINTY: "DENSITY_FORECAST_UNCERTAINTY",
+    ccsds.DENSITY_COMMENT: ccsds.DENSITY_KEY,
     f"{_SENSITIVITY} Pos": "DCP_SENSITIVITY_VECTOR_POSITION",
     f"{_SENSITIVITY} Vel": "DCP_SENSITIVITY_VECTOR_VELOCITY",
 }
@@ -145,7 +144,7 @@ def _participant_lines(participant: Participant, number: int) -> Iterator[str]:
 
 def _density_lines(density: DensityError) -> Iterator[str]:
     """Yield the comments of the dynamic consider parameter."""
-    yield f"COMMENT {_UNCERTAINTY} = {density.uncertainty!r}"
+    yield f"COMMENT {ccsds.DENSITY_COMMENT} = {density.uncertainty!r}"
     for kind, part, unit in zip(
         ("Pos", "Vel"), np.split(density.sensitivity, 2), ("m", "m/sec"), strict=True
     ):

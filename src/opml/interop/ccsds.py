@@ -39,6 +39,9 @@ SCALES = ("UTC", "TAI", "TT", "GPS")
 FRAMES = {"GCRF": np.eye(3), "ICRF": np.eye(3), "EME2000": np.asarray(erfa.bp06(2451545.0, 0.0)[0]).T}
 """Rotations of the frames for reading to GCRF; EME2000 differs by the bias (IERS Conventions 2010, 5.6)."""
 
+DENSITY_COMMENT, DENSITY_KEY = "DCP Density Forecast Uncertainty", "DENSITY_FORECAST_UNCERTAINTY"
+"""The standard deviation of the density forecast, in comments and as the key of CDM 2.0."""
+
 
 class Message:
     """A message, read line by line without empty lines and comments."""

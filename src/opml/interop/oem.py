@@ -30,9 +30,9 @@ _LOWER = np.tril_indices(6)
 _COVARIANCES = [f"cov_{STATE[a]}_{STATE[b]}" for a, b in zip(*_LOWER, strict=True)]
 
 _RSW = "RSW"
-_UNCERTAINTY, _SENSITIVITY = "DENSITY_FORECAST_UNCERTAINTY", "DCP_SENSITIVITY_VECTOR"
+_SENSITIVITY = "DCP_SENSITIVITY_VECTOR"
 _DENSITY_KEYS = {
-    "DCP Density Forecast Uncertainty": _UNCERTAINTY,
+    ccsds.DENSITY_COMMENT: ccsds.DENSITY_KEY,
     "DCP Sensitivity Vector RTN [m, m/s]": _SENSITIVITY,
 }
 """What comments before the covariances have: the uncertainty, and a time with its vector in each line."""
@@ -447,7 +447,7 @@ def _covariances(
 
 def _density(message: ccsds.Message, scale: str, epoch: str) -> DensityErrors | None:
     """Return what comments before the covariances show about the density, None where they say nothing."""
-    if not message.peek().startswith(_UNCERTAINTY):
+    if not message.peek().startswith(ccsds.DENSITY_KEY):
         return None
     number, _, value = message.pair()
     uncertainty = message.scale(value, 0, number)
