@@ -17,6 +17,7 @@ from scipy.optimize import minimize
 
 from opml.base.seeds import derive
 from opml.element_sets import catalogue, corrector
+from opml.element_sets.judge import log_score
 from opml.interop.element_sets import usual_errors
 from opml.interop.element_sets.usual_errors import AXES, HEIGHTS
 from opml.orbits.elements import bent_rsw
@@ -31,7 +32,6 @@ MOST = 30_000
 LEVEL = 0.9
 SEED = 42
 CLIPPED = 3.0  # sigmas that count in a pair
-LARGEST = 5.0  # sigmas that count in a log score: some errors are burns
 _REACH = 7.6
 _COLUMNS = ["number", "day", "tau", "band", "drag", *AXES]
 _STARTS = ((4.0, 3.0, -2.0), (5.0, 4.0, -4.0))
@@ -109,7 +109,7 @@ def judge(table: pd.DataFrame, seen: pd.DataFrame, numbers: np.ndarray) -> None:
         rms = squares[axis].apply(lambda one: np.sqrt((one**2).mean())).rename("rms")
         beside = table.assign(**day).join(rms, on=["band", "day"])["rms"].to_numpy()
         own = table.assign(**day, inside=100.0 * (table[axis].abs() <= half_width(LEVEL) * size))
-        scores = [_log_score(table[axis].to_numpy(), one) for one in (size, beside)]
+        scores = [log_score(table[axis], pd.Series(one)) for one in (size, beside)]
         print(f"{axis}: log score {scores[0]:.2f}, of a table {scores[1]:.2f}", file=sys.stderr)
         for key in ("season", "band"):
             shares = own.groupby([key, "day"])["inside"].mean().unstack()
@@ -140,10 +140,6 @@ def common_share(table: pd.DataFrame, numbers: np.ndarray) -> pd.Series:
     )
     by_lead = pairs.groupby("ahead").sum()
     return by_lead["errors"] / by_lead["parts"]
-
-
-def _log_score(error: np.ndarray, size: np.ndarray) -> float:
-    return float(np.mean(np.log(size) + 0.5 * np.minimum((error / size) ** 2, LARGEST**2)))
 
 
 def main(arguments: Sequence[str]) -> None:
