@@ -4,7 +4,7 @@ Fragments of a break-up share their name, and a designator is written with or wi
 """
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
@@ -85,14 +85,14 @@ def facts(identity: ObjectId) -> dict[str, Any]:
     return {"object": asdict(identity)}
 
 
-def first_told(told: Iterable[ObjectId]) -> ObjectId:
-    """Return the first object of which more than the name is told, UNKNOWN where there is none."""
-    return next((one for one in told if one.identifier), UNKNOWN)
+def first_told(told: Sequence[ObjectId]) -> ObjectId:
+    """Return the first object of which more than the name is told, else the last, UNKNOWN of none."""
+    return next((one for one in told if one.identifier), [UNKNOWN, *told][-1])
 
 
 def of_tables(paths: Sequence[FilePath], *, name: str) -> ObjectId:
     """Return the object that the metadata of some tables name, the first that do, under another name."""
-    told = (ObjectId(**read_metadata(path).get("object", {"name": ""})) for path in paths)
+    told = [ObjectId(**read_metadata(path).get("object", {"name": ""})) for path in paths]
     return replace(first_told(told), name=name)
 
 

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -77,17 +78,18 @@ def beside(judgement: Verdict, judged: pd.DataFrame, *, now: float) -> Verdict:
     return Verdict(WIDE, f"SGP4 from the newest set was {theirs:.0f} m off where this was {ours:.0f}")
 
 
-def medians(judged: pd.DataFrame) -> list[dict[str, float]]:
+def medians(judged: pd.DataFrame) -> list[dict[str, Any]]:
     """Return by day ahead how far what was flown, and SGP4 at the same epochs, were off in the median [m].
+
+    With the number of mornings that it was judged on.
 
     judged: rows of that table
     """
     both = _both(judged)
-    by_day = both[["e_y", "sgp4"]].abs().groupby(np.ceil(both["duration"] / DAY)).median().round(1)
-    rows = zip(
-        by_day.index.astype(int).tolist(), by_day["e_y"].tolist(), by_day["sgp4"].tolist(), strict=True
-    )
-    return [dict(zip(("day", "flown_m", "sgp4_m"), row, strict=True)) for row in rows]
+    by_day = both.groupby(np.ceil(both["duration"] / DAY).astype(int).rename("day"))
+    sizes = by_day[["e_y", "sgp4"]].agg(lambda errors: errors.abs().median()).round(1)
+    sizes = sizes.rename(columns={"e_y": "flown_m", "sgp4": "sgp4_m"})
+    return sizes.assign(mornings=by_day["morning"].nunique()).reset_index().to_dict("records")
 
 
 def _both(judged: pd.DataFrame) -> pd.DataFrame:

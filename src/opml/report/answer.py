@@ -151,7 +151,8 @@ def _others(found: Mornings, laws: Collection[str]) -> str:
             best = found.best(names)
             words.append(f"`{best}`, {what}, would have had {_more(summed(found.tables[best]), flown)}")
     few = " So few mornings select poorly, four weeks select well." if len(found.choices) < MORNINGS else ""
-    return f"In hindsight, {' and '.join(words)}.{few} {_learned(found, laws)}"
+    against = "In hindsight, against the models selected each morning,"
+    return f"{against} {' and '.join(words)}.{few} {_learned(found, laws)}"
 
 
 def _learned(found: Mornings, laws: Collection[str]) -> str:

@@ -113,7 +113,7 @@ def _card(outcome: Outcome) -> Card:
 def _expected(outcome: Outcome) -> str:
     """Return the errors that the ephemeris of today states, in words."""
     sigmas = {one["day"]: one["along_track_sigma_m"] for one in outcome["expected"]}
-    parts = [f"{with_unit(sigmas[day])} after {day} d" for day in LEADS if day in sigmas]
+    parts = [f"**{with_unit(sigmas[day])}** after {day} d" for day in LEADS if day in sigmas]
     return ", ".join(parts) or "none, as none was issued"
 
 
@@ -121,12 +121,13 @@ def _beside_sgp4(outcome: Outcome) -> Iterator[str]:
     """Yield how far what was flown was off, and SGP4 beside it, where mean elements were taken."""
     by_day = {one["day"]: one for one in outcome["beside_sgp4"]}
     parts = [
-        f"{with_unit(by_day[day]['flown_m'])} ({with_unit(by_day[day]['sgp4_m'])}) after {day} d"
+        f"{with_unit(by_day[day]['flown_m'])} (SGP4 {with_unit(by_day[day]['sgp4_m'])}) after {day} d, "
+        f"{counted(by_day[day]['mornings'], 'morning')}"
         for day in LEADS
         if day in by_day
     ]
     if parts:
-        yield f"Median error so far, and SGP4's in brackets: {', '.join(parts)}."
+        yield f"Median error so far: {'; '.join(parts)}."
 
 
 def _newest(outcome: Outcome) -> str:

@@ -1,5 +1,6 @@
 """The page of a prediction: what was used and why, errors to expect, passes."""
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 
 import pandas as pd
@@ -11,6 +12,9 @@ from opml.report.document import Block, Heading, Paragraph, Picture, Pictures, T
 from opml.report.results import length, with_unit
 
 _SECONDS, _DATE = len("2016-09-28T12:09:45"), len("2016-09-28T")
+
+_TURNS = 24.0 * 60.0 / math.tau
+"""Revolutions a day for each radian a minute."""
 
 
 def document(
@@ -45,7 +49,7 @@ def _how(prediction: PredictedOrbit) -> Iterator[Block]:
         f"{how['age']:.1f} days old, the mean height is {how['height'] / 1e3:.0f} km."
     )
     yield Paragraph(
-        f"Mean motion {how['motion']:.10f} rad/min (published {how['motion_before']:.10f}), B* "
+        f"Mean motion {_TURNS * how['motion']:.8f} rev/d (published {_TURNS * how['motion_before']:.8f}), B* "
         f"{how['bstar']:.4e} (published {how['bstar_before']:.4e})."
     )
 

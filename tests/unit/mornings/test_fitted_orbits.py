@@ -114,8 +114,8 @@ def test_tracks_are_fitted_by_their_radars(orbit, earth_orientation, three_stati
     measured = tracking.simulate(
         orbit[orbit["t"] <= 1.5 * DAY], earth_orientation, three_stations, rso="iss", seed=1
     )
-    tdm.write(tmp_path / "iss.tdm", measured, epoch=EPOCH, rso="iss")
-    made = api.predict(tmp_path / "iss.tdm", days=1, stations=three_stations, area_to_mass=0.005)
+    tdm.write(tmp_path / "tracks.tdm", measured, epoch=EPOCH, rso="iss")
+    made = api.predict(tmp_path / "tracks.tdm", days=1, stations=three_stations, area_to_mass=0.005)
     assert made.identity.name == "iss"
     (late,) = np.flatnonzero(orbit["t"] == np.floor(measured["t"].max() / 60.0) * 60.0 + 3600.0)
     when = str(np.datetime64(EPOCH) + np.timedelta64(int(orbit["t"].iloc[late]), "s"))

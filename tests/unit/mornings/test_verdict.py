@@ -166,6 +166,8 @@ def test_medians_of_sgp4_are_of_the_same_epochs_by_day_ahead():
     assert [one["day"] for one in found] == both.index.tolist()
     assert [one["flown_m"] for one in found] == both.round(1).tolist()
     assert [one["sgp4_m"] for one in found] == pytest.approx((3.0 * both).tolist(), abs=0.06)
+    mornings = past.iloc[1:].groupby(np.ceil(past["duration"] / DAY))["morning"].nunique()
+    assert [one["mornings"] for one in found] == mornings.tolist()
     assert medians(past) == []
 
 

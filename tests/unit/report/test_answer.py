@@ -60,6 +60,7 @@ def test_the_answer_is_the_model_its_errors_and_what_the_others_would_have_left(
     begin = f"Use `running`: {near.median():.2g} m after a day ({len(near)} predictions), "
     assert text.startswith(f"## Which model to use\n\n**lares, eglin.** {begin}")
     assert " predictions), median along-track error on 24 mornings, selected on 24 of them." in text
+    assert "against the models selected each morning, `running`, the best" in text
     assert "`running`, the best without learning, would have had the same error" in text
     assert "`law`, the best with learning, would have had 50 % more error" in text
     assert "[Every morning](#every-morning)" in text

@@ -24,9 +24,9 @@ OUTCOMES = [
         newest_estimate="2016-10-04T22:10:00.000000",
         age_hours=7.8,
         beside_sgp4=[
-            {"day": 1, "flown_m": 40.0, "sgp4_m": 310.0},
-            {"day": 2, "flown_m": 90.0, "sgp4_m": 900.0},
-            {"day": 3, "flown_m": 150.0, "sgp4_m": 12_400.0},
+            {"day": 1, "flown_m": 40.0, "sgp4_m": 310.0, "mornings": 12},
+            {"day": 2, "flown_m": 90.0, "sgp4_m": 900.0, "mornings": 11},
+            {"day": 3, "flown_m": 150.0, "sgp4_m": 12_400.0, "mornings": 1},
         ],
         expected=[{"day": 1, "along_track_sigma_m": 93.0}, {"day": 7, "along_track_sigma_m": 15_320.0}],
         mornings=[
@@ -78,7 +78,7 @@ def test_a_card_says_what_to_do(page):
     cards = page[: page.index("## In figures")]
     assert "**second. Do not send**" in cards
     assert "**first. Send: good**" in cards
-    assert "Expected along the track, one sigma: 93 m after 1 d, 15 km after 7 d." in cards
+    assert "Expected along the track, one sigma: **93 m** after 1 d, **15 km** after 7 d." in cards
     assert (
         "Message: [first.oem](first/first.oem); [yesterday's](../2016-10-04/first/); "
         "newest estimate: 2016-10-04T22:10Z, 8 h old; model: fit96." in cards
@@ -88,8 +88,9 @@ def test_a_card_says_what_to_do(page):
 
 
 def test_sgp4_stands_beside_an_object_of_public_sets_alone(page):
-    beside = "Median error so far, and SGP4's in brackets: 40 m (310 m) after 1 d, 150 m (12 km) after 3 d."
-    assert page.count("in brackets: ") == page.count(beside) == 1
+    parts = "40 m (SGP4 310 m) after 1 d, 12 mornings; 150 m (SGP4 12 km) after 3 d, 1 morning"
+    beside = f"Median error so far: {parts}."
+    assert page.count("so far: ") == page.count(beside) == 1
 
 
 def test_a_browser_gets_the_same_cards():

@@ -19,7 +19,9 @@ def outcome(verdict):
     more = {"model": "running24m3", "message": "x.oem", "mornings": STRIP, "age_hours": 7.8}
     more["newest_estimate"] = "2016-10-04T22:10:00.000000"
     more["expected"] = [{"day": k, "along_track_sigma_m": 10.0**k} for k in (1, 3, 7)]
-    more["beside_sgp4"] = [{"day": k, "flown_m": 10.0**k, "sgp4_m": 20.0**k} for k in (1, 3, 7)]
+    more["beside_sgp4"] = [
+        {"day": k, "flown_m": 10.0**k, "sgp4_m": 20.0**k, "mornings": 9 - k} for k in (1, 3, 7)
+    ]
     name = verdict.replace(" ", "")
     return days.failed(name, date(2016, 10, 5), verdict, reason) | more
 
