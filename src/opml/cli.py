@@ -131,10 +131,11 @@ def _sheet(options: argparse.Namespace) -> None:
 
 
 def _add_screen(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("ours", help="ephemeris of our object (OEM), or a conjunction data message (CDM)")
+    parser.add_argument("ours", help="our object's OEM or mean elements; alone, a catalogue or a CDM")
     parser.add_argument("others", nargs="*", help="ephemerides (OEM) and mean elements of other objects")
     parser.add_argument("--within", type=float, help="largest distance [km] (5); not of a CDM")
     parser.add_argument("--radius", type=float, help="sum of the radii of two objects [m] (20, or a CDM's)")
+    parser.add_argument("--days", type=float, default=7.0, help="days to screen where no file is an OEM (7)")
     printed = parser.add_mutually_exclusive_group()
     printed.add_argument("--csv", action="store_true", help="as comma-separated values")
     printed.add_argument("--json", action="store_true", help="as a list of objects, null where unknown")
@@ -143,20 +144,15 @@ def _add_screen(parser: argparse.ArgumentParser) -> None:
 
 def _screen(options: argparse.Namespace) -> None:
     from opml import tables
-    from opml.conjunctions import as_text, cdm, screening
+    from opml.conjunctions import as_text, asked, cdm
+    from opml.conjunctions.trajectories import EPOCH
 
-    if not options.others:
-        if options.within is not None:
-            raise InputError("--within: expected ephemerides to screen, got a conjunction data message")
-        found = [cdm.read(options.ours, epoch=screening.EPOCH, radius=options.radius)]
-    else:
-        ephemerides = screening.read([options.ours, *options.others])
-        radius = screening.RADIUS if options.radius is None else options.radius
-        within = screening.WITHIN if options.within is None else options.within
-        found = screening.screen(ephemerides, within=1e3 * within, radius=radius)
+    limits = {name: getattr(options, name) for name in ("within", "radius", "days")}
+    found = asked.conjunctions([options.ours, *options.others], **limits)
     if options.messages:
-        cdm.write_all(options.messages, found, epoch=screening.EPOCH)
-    table = as_text.table(found, epoch=screening.EPOCH)
+        found = list(found)
+        cdm.write_all(options.messages, found, epoch=EPOCH)
+    table = as_text.table(found, epoch=EPOCH)
     if options.csv:
         tables.comma_separated(table, sys.stdout)
     elif options.json:

@@ -1,6 +1,6 @@
 """Conjunctions as text: one line each, for people, and for spreadsheets."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 
 import numpy as np
 import pandas as pd
@@ -16,7 +16,7 @@ NONE = "no conjunction"
 _MORE = 1.5  # times the probability of an encounter that its revolution has to hold to be told
 
 
-def table(conjunctions: Sequence[Conjunction], *, epoch: str) -> pd.DataFrame:
+def table(conjunctions: Iterable[Conjunction], *, epoch: str) -> pd.DataFrame:
     """Return a row per conjunction.
 
     Columns: tca, UTC text; first, second: names; miss_m; r_m, s_m, w_m of the second in RSW of the first;
@@ -24,14 +24,13 @@ def table(conjunctions: Sequence[Conjunction], *, epoch: str) -> pd.DataFrame:
     method that suffices for it, and the largest under any multiple of the covariance, NaN where unknown and,
     the largest, for a long encounter; remark
     """
-    times = ccsds.utc_texts(epoch, np.array([one.t for one in conjunctions])) if conjunctions else []
     rows = []
-    for time, one in zip(times, conjunctions, strict=True):
+    for one in conjunctions:
         relative, chance = one.relative, one.chance
         together = one.correlated.chance if one.correlated else None
         rows.append(
             {
-                "tca": time,
+                "tca": one.t,
                 "first": str(one.first.identity),
                 "second": str(one.second.identity),
                 "miss_m": float(np.linalg.norm(relative[:3])),
@@ -44,7 +43,9 @@ def table(conjunctions: Sequence[Conjunction], *, epoch: str) -> pd.DataFrame:
                 "remark": _remark(one),
             }
         )
-    return pd.DataFrame(rows, columns=_COLUMNS)
+    made = pd.DataFrame(rows, columns=_COLUMNS)
+    times = ccsds.utc_texts(epoch, made["tca"].to_numpy(float)) if rows else []
+    return made.assign(tca=np.array(times, dtype=object))
 
 
 def text(table: pd.DataFrame) -> str:

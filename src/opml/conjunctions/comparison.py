@@ -19,7 +19,7 @@ from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.conjunctions.approaches import FEWEST, LONGEST_STEP, STEP, Path, velocities_of
-from opml.conjunctions.screening import EPOCH, covariances_at
+from opml.conjunctions.trajectories import EPOCH, covariances_at
 from opml.environment import earth_orientation, nodes
 from opml.interop import ccsds, fixes_csv, oem
 from opml.interop.curves.orbit_curve import rotate_to_gcrf

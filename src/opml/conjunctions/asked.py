@@ -1,0 +1,32 @@
+"""What `opml screen` is asked: one object against others, all of a catalogue, or a message alone."""
+
+from collections.abc import Iterable, Sequence
+
+from opml.base.errors import InputError
+from opml.base.files import FilePath
+from opml.conjunctions import all_pairs, cdm, screening
+from opml.conjunctions.conjunction import Conjunction
+from opml.conjunctions.trajectories import EPOCH
+from opml.interop.orbit_arcs import contents
+
+
+def conjunctions(
+    files: Sequence[FilePath], *, within: float | None, radius: float | None, days: float
+) -> Iterable[Conjunction]:
+    """Return the conjunctions of the first file's object, of all pairs in a file alone, or of a CDM alone.
+
+    within: largest distance [km], None: the usual one
+    radius: sum of the radii of two objects [m], None: the usual one, or the CDM's
+    days: that mean elements fly where no file is an OEM
+
+    Raises InputError for a distance with a CDM, and as `screening.screen`, `all_pairs.screen` and `cdm.read`.
+    """
+    if len(files) == 1 and cdm.matches(contents(files[0])):
+        if within is not None:
+            raise InputError("--within: expected ephemerides to screen, got a conjunction data message")
+        return [cdm.read(files[0], epoch=EPOCH, radius=radius)]
+    radius = screening.RADIUS if radius is None else radius
+    metres = 1e3 * (screening.WITHIN if within is None else within)
+    if len(files) == 1:
+        return all_pairs.screen(files[0], days=days, within=metres, radius=radius)
+    return screening.screen(screening.read(files, days=days), within=metres, radius=radius)

@@ -1,0 +1,157 @@
+"""Which objects may come near each other: looks at their states by SGP4, far between, then closer.
+
+Between two looks objects move relative to each other almost straight: off that by at most what the tide pulls
+them apart in the time to the nearest look, and what SGP4's velocities are off. What is farther at its nearest
+on the straight path is left out, and so nothing is missed.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import KDTree
+from sgp4.api import Satrec
+
+from opml.base.constants import WGS84_A
+from opml.conjunctions.approaches import Path
+from opml.interop.element_sets.element_set import fly
+from opml.interop.element_sets.teme import teme_to_gcrf
+
+LOOK = 240.0
+"""Longest time between two looks at one object and ours [s]."""
+
+LOOK_AT_ALL = 30.0
+"""Longest time between two looks at all objects [s]."""
+
+STEEP = 1e-3 * WGS84_A + 200.0
+"""Distance from the Earth's centre below which sets may descend steeply [km]."""
+
+_CLOSER = 12  # looks from one of the first to the next
+Span = tuple[float, float]
+"""When something begins and ends [s]."""
+
+_TIDE = 1.7e-6  # half the largest difference of attraction over a distance, 100 km below the surface [1/s2]
+_OFF = 0.05  # two objects' velocities by SGP4 from how they move; 0.001 but for some that soon decay [km/s]
+_AT_ONCE = 100  # looks at all objects held in memory
+_SLOWEST = 8.0  # more than the speed in a descent [km/s]
+_MINUTE = 60.0
+
+
+@dataclass(frozen=True, eq=False)
+class Sgp4Orbit:
+    """Mean elements as SGP4 flies them.
+
+    t: epoch of the elements [s since that of the looks]
+    satellite: the elements
+    """
+
+    t: float
+    satellite: Satrec
+
+    def states(self, t: np.ndarray) -> np.ndarray:
+        """Return states (n, 6) in TEME [km, km/s] at times (n,) [s], NaN where SGP4 fails.
+
+        Velocities that may not lead from one position to the next are NaN, too.
+        """
+        states = np.hstack(fly(self.satellite, (t - self.t) / _MINUTE))
+        states[~(np.linalg.norm(states[:, :3], axis=1) > STEEP), 3:] = np.nan
+        return states
+
+
+@dataclass(frozen=True, eq=False)
+class Looks:
+    """States of our object at the closer looks.
+
+    t: (n,) [s]
+    states: (n, 6) TEME [km, km/s]
+    """
+
+    t: np.ndarray
+    states: np.ndarray
+
+    @classmethod
+    def at(cls, path: Path, *, epoch: str) -> "Looks":
+        """Return the looks along a path.
+
+        epoch: UTC text, the path's
+        """
+        t = _looks(path.t[0], path.t[-1], LOOK, _CLOSER)
+        turns = teme_to_gcrf(epoch, t)
+        vectors = np.einsum("nji,nkj->nki", turns, path.at(t).reshape(-1, 2, 3))
+        return cls(t, 1e-3 * vectors.reshape(-1, 6))
+
+    def may_meet(self, other: Sgp4Orbit, within: float) -> bool:
+        """Return whether another object may come within a distance [m]; True where SGP4 fails."""
+        near = self._near(other, np.arange(0, len(self.t), _CLOSER), 0.5 * _CLOSER, within)
+        closer = near[:, None] + np.arange(-_CLOSER // 2, _CLOSER // 2 + 1)
+        closer = np.unique(np.clip(closer, 0, len(self.t) - 1)) if len(near) else near
+        return bool(len(self._near(other, closer, 0.5, within)))
+
+    def _near(self, other: Sgp4Orbit, looks: np.ndarray, reach: float, within: float) -> np.ndarray:
+        """Return those looks about which another object may be near.
+
+        reach: of a look, in steps between the closer looks
+        """
+        if not len(looks):
+            return looks
+        relative = other.states(self.t[looks]) - self.states[looks]
+        return looks[may_be_near(relative, reach * (self.t[1] - self.t[0]), within)]
+
+
+def near_pairs(
+    orbits: Sequence[tuple[Sgp4Orbit, Span]], span: Span, within: float
+) -> Iterator[tuple[float, float, np.ndarray]]:
+    """Yield begin and end of parts of a span [s] and the pairs (n, 2) of orbits that may meet in each.
+
+    orbits: with the time of which they are known
+    within: largest distance [m]
+
+    The parts follow each other without gaps; the first has no begin, the last no end.
+    """
+    looks = _looks(*span, LOOK_AT_ALL, 1)
+    half = 0.5 * (looks[1] - looks[0])
+    edges = [-np.inf, *(looks[:-1] + half).tolist(), np.inf]
+    for first in range(0, len(looks), _AT_ONCE):
+        t = looks[first : first + _AT_ONCE]
+        known = [np.clip(t, *life) for _, life in orbits]
+        states = np.array([orbit.states(at) for (orbit, _), at in zip(orbits, known, strict=True)])
+        early = np.abs(known - t)
+        states[early > half] = np.nan
+        states[early > 0.0, 3:] = np.nan
+        for k in range(len(t)):
+            yield edges[first + k], edges[first + k + 1], _pairs(states[:, k], half, within)
+
+
+def may_be_near(relative: np.ndarray, half: float, within: float) -> np.ndarray:
+    """Return whether (n,) objects may come within a distance [m] in half the time between looks [s].
+
+    relative: (n, 6) states [km, km/s]; True where they are NaN
+    """
+    positions, velocities = relative[:, :3], relative[:, 3:]
+    distances, speeds = (np.linalg.norm(vectors, axis=1) for vectors in (positions, velocities))
+    approaching = -np.einsum("nk,nk->n", positions, velocities) / np.maximum(speeds, 1e-9) ** 2
+    nearest = positions + np.clip(approaching, -half, half)[:, None] * velocities
+    bent = _TIDE * half**2 * (distances + half * speeds) + _OFF * half
+    return ~(np.linalg.norm(nearest, axis=1) > 1e-3 * within + bent)
+
+
+def _pairs(states: np.ndarray, half: float, within: float) -> np.ndarray:
+    """Return the pairs (n, 2) of states (m, 6) that may come near in half the time between looks.
+
+    A state without velocity is that of an end of what is known, as far in time at most, or of a descent.
+    """
+    (known,) = np.isfinite(states[:, 0]).nonzero()
+    if len(known) < 2:
+        return np.empty((0, 2), int)
+    speeds = np.linalg.norm(states[known, 3:], axis=1)
+    fastest = 2.0 * float(np.max(speeds, where=np.isfinite(speeds), initial=_SLOWEST))
+    most = (1e-3 * within + (fastest + _OFF) * half) * (1.0 + 2.0 * _TIDE * half**2)
+    pairs = known[KDTree(states[known, :3]).query_pairs(most, output_type="ndarray")]
+    relative = states[pairs[:, 1]] - states[pairs[:, 0]]
+    return np.asarray(pairs[may_be_near(relative, half, within)])
+
+
+def _looks(begin: float, end: float, longest: float, closer: int) -> np.ndarray:
+    """Return times from a beginning to an end [s], `closer` steps of them at most `longest` apart."""
+    count = closer * max(1, int(np.ceil((end - begin) / longest)))
+    return np.linspace(begin, end, count + 1)

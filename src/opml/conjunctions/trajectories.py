@@ -1,0 +1,191 @@
+"""Where objects are expected for a while, and how surely: by states in messages, or by mean elements."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+import pandas as pd
+
+from opml.base.constants import DAY, WGS84_A
+from opml.base.errors import InputError
+from opml.base.files import FilePath
+from opml.conjunctions import approaches
+from opml.conjunctions.approaches import Path
+from opml.conjunctions.sieve import STEEP, Looks, Sgp4Orbit, Span
+from opml.interop.element_sets import histories, mean_elements, usual_errors
+from opml.interop.element_sets.mean_elements import MOST_DAYS
+from opml.interop.object_ids import ObjectId
+from opml.interop.oem import Segment
+from opml.orbits.density_error import DensityErrors
+from opml.orbits.elements import rsw_rotation
+
+EPOCH = "2000-01-01T12:00:00"
+"""UTC text from which times of files count [s], to a microsecond."""
+
+COVARIANCE_HELD = 600.0
+"""Time for which a covariance holds before the first and beyond the last that is known [s]."""
+
+USUAL = "as sets at its height usually err"
+"""What is told of a covariance that the object's own past has no part in."""
+
+_LOWEST = 1e-3 * WGS84_A + 80.0  # distance from the Earth's centre below which nothing orbits [km]
+_SPARSE = 10  # states of a path from one of its covariances to the next
+
+
+def covariances_at(known: np.ndarray, covariances: np.ndarray, t: np.ndarray) -> np.ndarray:
+    """Return covariances (n, k, k) at times (n,) [s], linear between those known, NaN far from all.
+
+    known: (m,) ascending [s]; covariances: (m, k, k) in RSW
+    """
+    if not len(known):
+        return np.full((len(t), *covariances.shape[1:]), np.nan)
+    after = np.clip(np.searchsorted(known, t), 1, len(known) - 1) if len(known) > 1 else np.zeros(len(t), int)
+    before = np.maximum(after - 1, 0)
+    share = np.clip((t - known[before]) / np.maximum(known[after] - known[before], 1e-9), 0.0, 1.0)
+    share = share[:, None, None]
+    between = (1.0 - share) * covariances[before] + share * covariances[after]
+    is_near = (t >= known[0] - COVARIANCE_HELD) & (t <= known[-1] + COVARIANCE_HELD)
+    return np.where(is_near[:, None, None], between, np.nan)
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """Where an object is expected for a while, and how surely.
+
+    covariance_t: (m,) ascending [s]
+    covariances: (m, 6, 6) in RSW [m, m/s]
+    remark: what to know of these
+    density: the part of these that other objects share; None where unknown
+    """
+
+    path: Path
+    covariance_t: np.ndarray = field(default_factory=lambda: np.empty(0))
+    covariances: np.ndarray = field(default_factory=lambda: np.empty((0, 6, 6)))
+    remark: str = ""
+    density: DensityErrors | None = None
+
+    @property
+    def span(self) -> Span:
+        """When the trajectory begins and ends [s]."""
+        return float(self.path.t[0]), float(self.path.t[-1])
+
+    def covariance(self, t: float) -> np.ndarray | None:
+        """Return the covariance at a time [s], linear between those that are known; None far from all."""
+        found = covariances_at(self.covariance_t, self.covariances, np.array([t]))[0]
+        return found if np.isfinite(found).all() else None
+
+
+def of_segment(segment: Segment) -> Trajectory:
+    """Return the trajectory of a segment of an OEM."""
+    path = Path(segment.name, segment.t, segment.states)
+    covariances = segment.covariances
+    if segment.covariance_frame == "GCRF" and len(covariances):
+        turns = np.kron(np.eye(2), rsw_rotation(path.at(segment.covariance_t)))
+        covariances = turns @ covariances @ turns.transpose(0, 2, 1)
+    return Trajectory(path, segment.covariance_t, covariances, density=segment.density)
+
+
+def span_of_days(path: FilePath, days: float) -> Span:
+    """Return the days from the newest set of mean elements in a file on [s].
+
+    Raises InputError for a number of days that is none.
+    """
+    if not 0.0 < days <= MOST_DAYS:
+        raise InputError(f"--days: expected a number above 0 and up to {MOST_DAYS:g}, got {days:g}")
+    newest = float(histories.read([path], epoch=EPOCH).sets["t"].max())
+    return newest, newest + DAY * days
+
+
+@dataclass(frozen=True, eq=False)
+class FlownElements:
+    """Mean elements that SGP4 flies.
+
+    identity: of the object
+    row: of a table `element_sets`, times from EPOCH, and when it was known
+    span: in which the object is looked for [s]
+    """
+
+    identity: ObjectId
+    row: pd.Series
+    span: Span
+
+    @cached_property
+    def orbit(self) -> Sgp4Orbit:
+        """What SGP4 flies."""
+        return Sgp4Orbit(self.row["t"], histories.satellite(self.row, epoch=EPOCH))
+
+    @cached_property
+    def life(self) -> Span | None:
+        """First and last state about the span [s], a minute apart; None: too old, or decayed before.
+
+        SGP4 may go on after a failure or below the ground, for an object that has decayed.
+        """
+        epoch, most = self.orbit.t, DAY * MOST_DAYS
+        begin, end = max(self.span[0], epoch - most), min(self.span[1] + approaches.STEP, epoch + most)
+        t = np.arange(min(begin, epoch), max(end, epoch), approaches.STEP)
+        heights, before = np.linalg.norm(self.orbit.states(t)[:, :3], axis=1), np.searchsorted(t, epoch)
+        decayed = ~(heights > _LOWEST)
+        first, last = np.flatnonzero(decayed[:before]), before + np.flatnonzero(decayed[before:])
+        t = t[first[-1] + 1 if len(first) else 0 : last[0] if len(last) else len(t)]
+        t = t[(t > begin - approaches.STEP) & (t < end)]
+        return (t[0], t[-1]) if len(t) else None
+
+    def may_meet(self, looks: Sequence[Looks], within: float) -> bool:
+        """Return whether the object may come within a distance [m] of ours, or is unknown at times.
+
+        looks: at ours
+        """
+        oldest = max(float(np.abs(one.t[[0, -1]] - self.orbit.t).max()) for one in looks)
+        return oldest > DAY * MOST_DAYS or any(one.may_meet(self.orbit, within) for one in looks)
+
+    def trajectories(self) -> list[Trajectory]:
+        """Return the trajectory through all states of the life, none where these are too few."""
+        if self.life is None:
+            return []
+        return self._through(np.arange(self.life[0], self.life[1] + 0.5 * approaches.STEP, approaches.STEP))
+
+    def during(self, span: Span) -> list[Trajectory]:
+        """Return the trajectory in a part of the life [s], none where it has too few states."""
+        if self.life is None:
+            return []
+        ends = np.array([self.span, self.life, span])
+        begin, end = ends[:, 0].max(), ends[:, 1].min()
+        return self._through(np.linspace(begin, end, int(np.ceil((end - begin) / approaches.STEP)) + 1))
+
+    def _through(self, t: np.ndarray) -> list[Trajectory]:
+        if len(t) < approaches.FEWEST:
+            return []
+        states = mean_elements.states(self.orbit.satellite, epoch=EPOCH, t=t)
+        return [self._with_usual_errors(Path(self.identity.name, t, _led(t, states)))]
+
+    def _with_usual_errors(self, path: Path) -> Trajectory:
+        """Return the trajectory with the covariances that sets of such orbits usually have, or none."""
+        satellite = self.orbit.satellite
+        days = (path.t - self.orbit.t) / DAY
+        told = np.flatnonzero(np.abs(days) <= usual_errors.LONGEST)[::_SPARSE]
+        if not (len(told) and usual_errors.are_known(satellite)):
+            return Trajectory(path)
+        t, states, days = path.t[told], path.states[told], np.abs(days[told])
+        sigmas = usual_errors.expected(satellite, days)
+        density = usual_errors.density_errors(satellite, t, states, days, sigmas)
+        return Trajectory(path, t, usual_errors.covariances(sigmas, states), USUAL, density)
+
+
+def _led(t: np.ndarray, states: np.ndarray) -> np.ndarray:
+    """Return states whose velocities lead from one to the next: in a steep descent those of SGP4 do not."""
+    if np.linalg.norm(states[:, :3], axis=1).min() > 1e3 * STEEP:
+        return states
+    return np.hstack([states[:, :3], approaches.velocities_of(t, states[:, :3])])
+
+
+def read_elements(paths: Sequence[FilePath], span: Span) -> list[FlownElements]:
+    """Return the mean elements of each object in files that fly over a span.
+
+    They are the newest that were known before the middle of the span, else the first.
+    """
+    history = histories.read(paths, epoch=EPOCH)
+    sets = history.sets.assign(known=np.fmax(history.sets["t"], history.sets["t_created"]))
+    past = sets[sets["known"] <= 0.5 * (span[0] + span[1])].drop_duplicates("number", keep="last")
+    chosen = pd.concat([past, sets]).drop_duplicates("number").sort_values("number")
+    return [FlownElements(history.objects[row["number"]], row, span) for _, row in chosen.iterrows()]
