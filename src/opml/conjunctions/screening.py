@@ -145,7 +145,7 @@ def screen(ephemerides: Sequence[ScreenedObject], *, within: float, radius: floa
     ours, *rest = ephemerides
     others = [one for one in rest if not one.identity.is_same(ours.identity)]
     for one in rest:
-        if one not in others:
+        if one.identity.is_same(ours.identity):
             _log.warning("%s: %s is ours itself", one.source, one.identity)
     if not others:
         raise InputError(
