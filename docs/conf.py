@@ -38,8 +38,9 @@ ARTICLE = re.compile(r"<article[^>]*>(.*)</article>", re.DOTALL)
 TAG = re.compile(r"<(?!/?section\b)[^>]*>|¶")
 # A page from a folder may not read another one: the search finds the text of all here.
 FETCH = """
+const ROOT = new URL(".", location).pathname.length;
 window.fetch = async address => new Response(
-  `<div role="main">${PAGES[new URL(address, location).pathname.split("/").pop()]}</div>`
+  `<div role="main">${PAGES[new URL(address, location).pathname.slice(ROOT)]}</div>`
 );
 """
 IMAGE = re.compile(r'<img [^>]*src="([^"]+)"[^>]*>')
@@ -73,11 +74,12 @@ html_copy_source = False
 def point(app, docname, source):
     """Point the links of a page at pages."""
     homes = {page: path for path, page in INCLUDED.items()}
-    folder = posixpath.dirname(homes.get(f"{docname}.md", "docs/"))
+    own = posixpath.dirname(f"docs/{docname}")
+    folder = posixpath.dirname(homes[f"{docname}.md"]) if f"{docname}.md" in homes else own
 
     def pointed(link):
         path = posixpath.normpath(posixpath.join(folder, link[1]))
-        return "](" + INCLUDED.get(path, posixpath.relpath(path, "docs"))
+        return "](" + INCLUDED.get(path, posixpath.relpath(path, own))
 
     source[0] = LINK.sub(pointed, source[0])
 
@@ -114,8 +116,8 @@ def load_texts(app, page, template, context, doctree):
 def write_texts(app, exception):
     """Write the text of all pages by the file's name, with the sections that links lead to."""
     if exception is None:
-        paths = [app.outdir / f"{page}.html" for page in sorted(app.env.found_docs)]
-        found = {path.name: ARTICLE.search(path.read_text(encoding="utf-8")) for path in paths}
+        names = [f"{page}.html" for page in sorted(app.env.found_docs)]
+        found = {name: ARTICLE.search((app.outdir / name).read_text(encoding="utf-8")) for name in names}
         texts = {name: " ".join(TAG.sub("", article[1]).split()) for name, article in found.items()}
         script = f"const PAGES = {json.dumps(texts)};{FETCH}"
         (app.outdir / "_static" / "pages.js").write_text(script, encoding="utf-8")

@@ -23,9 +23,15 @@ PAGES = [
     REPOSITORY / "config" / "keys.md",
     REPOSITORY / "src" / "opml" / "data" / "README.md",
     *(REPOSITORY / "docs").glob("*.md"),
+    *(REPOSITORY / "docs" / "data").glob("*.md"),
     *(REPOSITORY / "notes").glob("*.md"),
 ]
-NOT_BY_HAND = {"reference.md", "changes.md", "contributing.md", *(path.name for path in WRITTEN)}
+NOT_BY_HAND = {
+    "reference.md",
+    "changes.md",
+    "contributing.md",
+    *(path.name for path in WRITTEN if path.parts[0] == "docs" and len(path.parts) == 2),
+}
 """Pages of docs/ that a program writes, or that only include a file from elsewhere."""
 
 

@@ -106,8 +106,9 @@ def test_a_terminal_without_the_letters_of_a_name_shows_others(table, monkeypatc
 
 def test_every_page_of_the_documentation_is_listed_and_printed(capsys):
     assert cli.main(["docs"]) == 0
-    listed = dict(re.findall(r"^  (\w+) +(.+)$", capsys.readouterr().out, re.MULTILINE))
-    assert set(listed) == {page.stem for page in (REPOSITORY / "docs").glob("*.md")} - {"index"}
+    listed = dict(re.findall(r"^  ([\w/]+) +(.+)$", capsys.readouterr().out, re.MULTILINE))
+    tables = {f"data/{page.stem}" for page in (REPOSITORY / "docs" / "data").glob("*.md")}
+    assert set(listed) == tables | {page.stem for page in (REPOSITORY / "docs").glob("*.md")} - {"index"}
     assert (listed["glossary"], listed["settings"]) == ("Glossary", "Settings")
     for page, title in listed.items():
         assert cli.main(["docs", page]) == 0

@@ -1,4 +1,4 @@
-"""The pages docs/data.md and docs/data_*.md, made from the schemas."""
+"""The pages docs/data.md and docs/data/*.md, made from the schemas."""
 
 from collections.abc import Sequence
 from functools import partial
@@ -30,12 +30,12 @@ def pages() -> dict[Path, partial[str]]:
 def overview(stages: dict[str, Sequence[Schema]]) -> str:
     """Return the page that lists the tables of every stage."""
     rows = [
-        f"| [{stage}]({_path(stage).name}) | "
-        + ", ".join(f"[`{schema.name}`]({_path(stage).name}#{schema.name})" for schema in schemas)
+        f"| [{stage}](data/{_path(stage).name}) | "
+        + ", ".join(f"[`{schema.name}`](data/{_path(stage).name}#{schema.name})" for schema in schemas)
         + " |"
         for stage, schemas in stages.items()
     ]
-    menu = ["", "```{toctree}", ":hidden:", "", *(_path(stage).stem for stage in stages), "```"]
+    menu = ["", "```{toctree}", ":hidden:", "", *(f"data/{_path(stage).stem}" for stage in stages), "```"]
     return "\n".join([_PREAMBLE, *rows, *menu]) + "\n"
 
 
@@ -50,7 +50,7 @@ def stage_page(stage: str, schemas: Sequence[Schema]) -> str:
 
 
 def _path(stage: str) -> Path:
-    return Path("docs") / f"data_{stage.replace(' ', '_')}.md"
+    return Path("docs/data") / f"{stage.replace(' ', '_')}.md"
 
 
 def _column_row(column: Column) -> str:

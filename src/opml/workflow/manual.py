@@ -51,7 +51,7 @@ def _names() -> list[str]:
 
 def _parts(name: str) -> list[str]:
     """Return the name of a page, and of those that it is divided into."""
-    return [name, *sorted(path.stem for path in MANUAL.glob(f"{name}_*.md"))]
+    return [name, *sorted(f"{name}/{path.stem}" for path in MANUAL.glob(f"{name}/*.md"))]
 
 
 def _title(text: str) -> str:

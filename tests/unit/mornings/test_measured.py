@@ -4,14 +4,14 @@ import pytest
 from support import EPOCH, EXCERPTS, environment, stations
 
 from opml.base.constants import DAY
-from opml.interop.object_ids import UNKNOWN, ObjectId
+from opml.interop.object_ids import ObjectId
 from opml.mornings import measured
 from opml.mornings.measured import MeasurementSource, Span
 
 
 @pytest.mark.parametrize(
     ("participant", "identity"),
-    [("25544", ObjectId("", "", 25544)), ("1998-067A", ObjectId("", "1998-067A")), ("ISS", UNKNOWN)],
+    [("25544", ObjectId("", "", 25544)), ("1998-067A", ObjectId("", "1998-067A")), ("ISS", ObjectId("ISS"))],
 )
 def test_the_participant_of_tracks_tells_the_object(tmp_path, participant, identity):
     text = (EXCERPTS / "orekit.tdm").read_text().replace("= ISS\n", f"= {participant}\n")

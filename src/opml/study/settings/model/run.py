@@ -168,7 +168,7 @@ class Learning(Section):
     variables: Variables = setting(
         "variables that learners learn from, where their own settings name none",
         unit="names",
-        see="data_learning.md#dataset",
+        see="data/learning.md#dataset",
     )
 
 
