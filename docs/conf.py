@@ -75,7 +75,7 @@ def point(app, docname, source):
     """Point the links of a page at pages."""
     homes = {page: path for path, page in INCLUDED.items()}
     own = posixpath.dirname(f"docs/{docname}")
-    folder = posixpath.dirname(homes[f"{docname}.md"]) if f"{docname}.md" in homes else own
+    folder = posixpath.dirname(homes.get(f"{docname}.md", f"docs/{docname}"))
 
     def pointed(link):
         path = posixpath.normpath(posixpath.join(folder, link[1]))

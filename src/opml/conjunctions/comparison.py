@@ -257,7 +257,7 @@ def _in_one_unit(arc: Arc) -> Arc:
     if np.count_nonzero(misses > _OTHER_UNIT * ways) <= len(ways) / 2:
         return arc
     _log.warning("%s: velocities of another unit passed over", arc.path)
-    return replace(arc, velocities=np.full_like(arc.velocities, np.nan))
+    return arc.without_velocities()
 
 
 def stretches_of(segment: oem.Segment) -> list[Stretch]:

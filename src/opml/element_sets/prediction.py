@@ -145,7 +145,7 @@ class Prediction(PredictedOrbit):
     @property
     def reason(self) -> str:
         """Why that was used, in words."""
-        weight = f"weight {self.how['weight']:.0%}, from the errors of its last 20 mornings"
+        weight = f"weight {self.how['weight']:.0%}, from the errors of its last {ways.PAST} mornings"
         return "; ".join([str(self.how["why"]) or weight, *self._cautions()])
 
     def _cautions(self) -> Iterator[str]:

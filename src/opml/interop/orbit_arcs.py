@@ -61,6 +61,10 @@ class Arc:
         columns = {name: getattr(self, name)[rows] for name in ("t", "positions", "velocities", "lines")}
         return replace(self, **columns)
 
+    def without_velocities(self) -> Self:
+        """Return the arc of the positions alone."""
+        return replace(self, velocities=np.full_like(self.velocities, np.nan))
+
 
 class NoSuchTime(ValueError):
     """A calendar time that does not exist."""

@@ -4,7 +4,7 @@ It needs no dynamics, so that a plan can check files of orbits without loading c
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -76,7 +76,7 @@ def whole_arcs(files: OrbitFiles) -> list[Arc]:
         arcs += read(path, content, epoch=files.epoch, satellite=files.satellite)
     check_together(arcs)
     if files.positions_alone:
-        arcs = [replace(arc, velocities=np.full_like(arc.velocities, np.nan)) for arc in arcs]
+        arcs = [arc.without_velocities() for arc in arcs]
     return sorted(arcs, key=lambda arc: float(arc.t[0]))
 
 
