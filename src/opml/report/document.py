@@ -149,7 +149,7 @@ _STYLE = (
     "a{color:var(--link)}img{max-width:100%;background:#fff}"
     "table{border-collapse:collapse;margin:1em 0;display:block;overflow-x:auto}"
     "th,td{border-bottom:1px solid var(--line);padding:.3em .7em;text-align:left;vertical-align:top}"
-    "@media(max-width:30em){th,td{padding:.3em .3em;font-size:.85em}}"
+    "@media(max-width:30em){th,td{padding:.3em .2em;font-size:.75em}}"
     "th{border-bottom-width:2px}.number{text-align:right;font-variant-numeric:tabular-nums}"
     ".time{white-space:nowrap}"
     ".cards{display:grid;grid-template-columns:repeat(auto-fill,minmax(19em,1fr));gap:1em}"
