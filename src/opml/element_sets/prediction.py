@@ -256,7 +256,7 @@ def _history(paths: Sequence[FilePath], wanted: str | None) -> list[ElementSet]:
     named = {
         number
         for number, one in newest.items()
-        if wanted is None or ObjectId(one.name, one.designator, number).is_called(wanted)
+        if wanted is None or ObjectId.of(one.name, one.designator, str(number)).is_called(wanted)
     }
     if len(named) != 1:
         there = ", ".join(f"{number} {one.name}".strip() for number, one in sorted(newest.items())[:_TOLD])
