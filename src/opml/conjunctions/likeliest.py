@@ -80,6 +80,19 @@ class UncertainPairs:
     radius: np.ndarray
     common: np.ndarray | None = None
 
+    def distances(self, t: np.ndarray) -> np.ndarray:
+        """Return the expected distances (n,) at times (n,) [s] of a pair [m]."""
+        elements = np.broadcast_to(self._elements, (*t.shape, 2, 6))
+        states = cartesian_from_equinoctial(elements, t[:, None], EARTH_GM)[:, :, None] @ self._axes
+        return np.asarray(np.linalg.norm(_SIGN @ states[:, :, 0, :3], axis=-1))
+
+    def straight_meeting(self) -> float:
+        """Return when a pair most likely collides [s], by its relative velocity now."""
+        position, velocity = np.split(_SIGN @ self.states, 2)
+        spread = self.covariances.sum(axis=0)[:3, :3] + self.radius**2 / 5.0 * np.eye(3)
+        weighed = np.linalg.solve(spread, velocity)
+        return -float(weighed @ position) / max(float(weighed @ velocity), np.finfo(float).tiny)
+
     def clouds(self, t: np.ndarray) -> tuple[Cloud, np.ndarray]:
         """Return the relative states at times (...) [s] about where both collide then, and how far that is.
 
