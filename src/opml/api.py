@@ -530,7 +530,7 @@ def correct(
     ['i', 'j', 'duration', 'true', 'predicted', 'residual']
     """
     if parse_test(test).standardisation == "together":
-        raise InputError(f"correct: test: expected one that asks no model of its own, got {test}")
+        raise InputError(f"correct: test: expected one that needs no other model, got {test}")
     source = dataset if learned is None else learned
     trained = None if train is None else splits.training_rows(source, train, span_days=span_days, seed=seed)
     chosen = splits.test_rows(dataset, test, span_days=span_days, trained=trained)
