@@ -13,8 +13,7 @@ from opml.base import epochs
 from opml.base.constants import BODIES, GM
 from opml.base.errors import InputError
 
-DE440 = "DE440"
-"""Name of the packaged kernel in the settings."""
+DE440 = "DE440"  # name of the packaged kernel in the settings
 
 _EARTH = 399
 _ICRF = 1  # SPICE calls the frame J2000

@@ -26,8 +26,7 @@ _GZIP = b"\x1f\x8b"
 
 MSAFE = "MSAFE"
 OBSERVED = "OBSERVED"
-_PERCENTILES = (95, 50, 5)
-"""Percentiles of MSAFE's estimates [%]."""
+_PERCENTILES = (95, 50, 5)  # percentiles of MSAFE's estimates [%]
 
 PACKAGED = {MSAFE: "msafe.tsv", OBSERVED: "space_weather.csv"}
 """Files of the package by their names in the settings."""

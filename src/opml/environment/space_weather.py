@@ -34,18 +34,13 @@ _TEXT_DAILY = ("OBSERVED", "DAILY_PREDICTED")
 _TEXT_COLUMNS = [slice(18 + 3 * k, 21 + 3 * k) for k in range(8)] + [slice(112, 118), slice(118, 124)]
 
 _KP_AS_PRINTED = frozenset(round(10.0 * third / 3.0) for third in range(28))
-_LEAST_FLUX, _MOST_FLUX = 40.0, 1000.0
-"""What the Sun can do [sfu]; 53.5 and 938.6 were printed since 1957."""
-
+_LEAST_FLUX, _MOST_FLUX = 40.0, 1000.0  # what the Sun can do [sfu]; 53.5 and 938.6 were printed since 1957
 _BEFORE, _BURST = 5, 1.7  # days before a flux, and the multiple of their median from which it is a burst
 _CENTRED = 81  # days of the centred mean
 _MOST_TOLD = 5
 
-INTERVALS = 8
-"""Intervals of Kp in a day."""
-
-DELAY = 1
-"""Intervals by which DTM2000's Kp lags: 3 hours."""
+INTERVALS = 8  # intervals of Kp in a day
+DELAY = 1  # intervals by which DTM2000's Kp lags: 3 hours
 
 MEASURED = 20.0 / 24.0
 """Time of day [d] at which the flux of a date is measured: local noon at Penticton, 20:00 UTC."""
@@ -57,14 +52,12 @@ A few would do. A fixed number gives the same bits for all files with the same d
 of a file from 2016-07-01 on, of the first runs of the paper's case.
 """
 
-ROUNDING = 1e-8
-"""Part of a day [d] by which rounding may move an epoch from a whole hour."""
+ROUNDING = 1e-8  # part of a day [d] by which rounding may move an epoch from a whole hour
 
 
 _log = logging.getLogger(__name__)
 
-_Row = tuple[int, str, list[str], bool]
-"""Line, date and figures of a day, and whether the day was measured."""
+_Row = tuple[int, str, list[str], bool]  # line, date and figures of a day, and whether the day was measured
 
 
 def is_space_weather(text: str) -> bool:

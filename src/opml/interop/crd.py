@@ -26,8 +26,7 @@ from opml.interop.orbit_arcs import (
 
 _HECTO, _NANO, _PICO, _PERCENT = 1e2, 1e-9, 1e-12, 1e-2
 
-_UTC = ("3", "4", "7")
-"""Time scales of a station that are UTC: of the observatory, of GPS, of the BIPM."""
+_UTC = ("3", "4", "7")  # time scales of a station that are UTC: of the observatory, of GPS, of the BIPM
 
 _TWO_WAY = "2"
 _QUALITY, _POOR = 21, "2"  # word of H4 that gives the quality

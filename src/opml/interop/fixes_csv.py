@@ -20,11 +20,8 @@ from opml.base.files import FilePath
 from opml.interop.element_sets import omm
 from opml.interop.orbit_arcs import Arc, NoSuchTime, check_ascending, line_error, numbers, seconds_since
 
-PASSED_OVER = "-"
-"""Name of a column that is not read."""
-
-SCALES = ("utc", "gps", "tai", "tt")
-"""Names of columns of times."""
+PASSED_OVER = "-"  # name of a column that is not read
+SCALES = ("utc", "gps", "tai", "tt")  # names of columns of times
 
 EXAMPLE = "utc,x_itrf_m,y_itrf_m,z_itrf_m"
 

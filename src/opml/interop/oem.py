@@ -133,7 +133,8 @@ def _ephemeris_segments(table: pd.DataFrame, rso: str, content: str) -> list[Seg
     segments = []
     for i, rows in table.groupby("i", sort=True):
         t = rows["t"].to_numpy()
-        sparse = _covariance_rows(t)
+        every = max(1, round(_COVARIANCE_STEP / float(np.median(np.diff(t)))))
+        sparse = np.unique(np.append(np.arange(0, len(t), every), len(t) - 1))
         segments.append(
             Segment(
                 rso,
@@ -147,12 +148,6 @@ def _ephemeris_segments(table: pd.DataFrame, rso: str, content: str) -> list[Seg
             )
         )
     return segments
-
-
-def _covariance_rows(t: np.ndarray) -> np.ndarray:
-    """Return the indices of those ascending times (n,) [s] that have a covariance; the last one has."""
-    every = max(1, round(_COVARIANCE_STEP / float(np.median(np.diff(t)))))
-    return np.unique(np.append(np.arange(0, len(t), every), len(t) - 1))
 
 
 SEGMENTS = {

@@ -17,8 +17,7 @@ from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.interop.object_ids import UNKNOWN, ObjectId
 
-MOST_APART = 300.0
-"""Longest time between two nodes for interpolation [s]."""
+MOST_APART = 300.0  # longest time between two nodes for interpolation [s]
 
 BEHIND_TAI = {"TAI": 0.0, "TT": -32.184, "GPS": 19.0, "GAL": 19.0, "QZS": 19.0}
 """Seconds by which the clocks of a time system are behind TAI; UTC's leap seconds come from ERFA."""

@@ -23,9 +23,7 @@ from opml.interop.orbit_arcs import (
     seconds_since,
 )
 
-_SCALES = ("GPS", "UTC", "TAI", "GAL", "QZS")
-"""Time systems for reading."""
-
+_SCALES = ("GPS", "UTC", "TAI", "GAL", "QZS")  # time systems for reading
 _WIDTH = 80  # of a line
 _FIRST = re.compile(rb"#[cd][PV]\d{4}.{24} ( *\d+) ")
 _TERRESTRIAL = re.compile(r"ITR|IG[SbR]|SLR|WGS|ECF|DPOD", re.IGNORECASE)

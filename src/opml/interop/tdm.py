@@ -29,8 +29,7 @@ _ANGLES = {"AZEL": ("azimuth", "elevation"), "RADEC": ("right_ascension", "decli
 
 _DISTANCES = {"RANGE": "range", "DOPPLER_INSTANTANEOUS": "range_rate"}
 _TYPES = ("ANGLE_1", "ANGLE_2", *_DISTANCES)
-_TOGETHER = ("ANGLE_1", "ANGLE_2", "RANGE")
-"""Types that a segment has at each of its times, or at none."""
+_TOGETHER = ("ANGLE_1", "ANGLE_2", "RANGE")  # types that a segment has at each of its times, or at none
 
 _PATHS = ("2,1", "1,2", "1,2,1", "2,1,2")
 """Paths for reading: from the other participant to the receiver, or there and back."""
@@ -94,7 +93,13 @@ def measurements(paths: Sequence[FilePath], *, epoch: str) -> pd.DataFrame:
     table = pd.concat(segments, ignore_index=True)
     if table.empty:
         raise InputError(f"{paths[0]}: expected angles, ranges or their rates, got none")
-    _check_alike(table)
+    for column, what in (("rso", "tracks of"), ("scale", "time system")):
+        values = table[column].str.upper()
+        other = (values != values.iloc[0]).to_numpy()
+        if other.any():
+            first, row = table.iloc[0], table.iloc[int(other.argmax())]
+            expected = f"{what} {first[column]}, as in {first['path']}"
+            raise InputError(f"{row['path']}: line {row['line']}: expected {expected}, got {row[column]}")
     for name in COLUMNS[3:]:
         table[name] = table.get(name, np.nan)
     table["two_way"] = table["two_way"].astype(bool)
@@ -295,14 +300,3 @@ def _data(message: ccsds.Message) -> dict[str, dict[str, tuple[float, int]]]:
         if missing and any(kind in measured for kind in usual):
             raise message.error(f"{missing[0]} at {time}", "none", next(iter(measured.values()))[1])
     return data
-
-
-def _check_alike(table: pd.DataFrame) -> None:
-    """Raise InputError where the RSO or the time system changes."""
-    for column, what in (("rso", "tracks of"), ("scale", "time system")):
-        values = table[column].str.upper()
-        other = (values != values.iloc[0]).to_numpy()
-        if other.any():
-            first, row = table.iloc[0], table.iloc[int(other.argmax())]
-            expected = f"{what} {first[column]}, as in {first['path']}"
-            raise InputError(f"{row['path']}: line {row['line']}: expected {expected}, got {row[column]}")

@@ -34,8 +34,7 @@ The error is the root mean square distance by which the curve through every seco
 LARGEST_STEP = 20e3
 """Largest step between two solutions of one orbit [m]: three seconds along the track of a low one."""
 
-FIELD = "EGM2008"
-"""Gravity field that bridges the nodes, to degree and order 70."""
+FIELD = "EGM2008"  # gravity field that bridges the nodes, to degree and order 70
 
 _log = logging.getLogger(__name__)
 
@@ -58,7 +57,11 @@ def truth(files: OrbitFiles, *, step: float, limit: float = LIMIT) -> tuple[pd.D
     if not known.any():
         raise InputError(f"{arcs[0].path}: expected an orbit on the run's grid, got none that is smooth")
     facts = {
-        **_origin(arcs),
+        "files": list(dict.fromkeys(Path(arc.path).name for arc in arcs)),
+        "satellite": arcs[0].satellite,
+        "frame": ", ".join(dict.fromkeys(arc.realisation for arc in arcs)),
+        "time_system": arcs[0].scale,
+        **object_ids.facts(arcs[0].identity),
         "interpolation_error_m": _interpolation_error(curves),
         **_left_out(curves),
         "gaps": _gaps(grid, known, files.duration),
@@ -92,17 +95,6 @@ def _sample(curves: Sequence[OrbitCurve], grid: np.ndarray) -> tuple[np.ndarray,
         inside = (grid >= curve.t[0] - ON_NODE) & (grid <= curve.t[-1] + ON_NODE)
         states[inside], owner[inside] = curve.interpolate(grid[inside]), k
     return states, owner
-
-
-def _origin(arcs: Sequence[Arc]) -> dict[str, Any]:
-    """Return files, satellite, frame, time system and object of the orbit."""
-    return {
-        "files": list(dict.fromkeys(Path(arc.path).name for arc in arcs)),
-        "satellite": arcs[0].satellite,
-        "frame": ", ".join(dict.fromkeys(arc.realisation for arc in arcs)),
-        "time_system": arcs[0].scale,
-        **object_ids.facts(arcs[0].identity),
-    }
 
 
 def _interpolation_error(curves: Sequence[OrbitCurve]) -> dict[str, float | None]:

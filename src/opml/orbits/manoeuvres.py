@@ -14,8 +14,7 @@ from opml.base.files import FilePath
 from opml.base.yaml_files import read_yaml
 from opml.tables import read_metadata
 
-LISTED = "manoeuvre_timestamps"
-"""Key of the times in a YAML file of manoeuvres."""
+LISTED = "manoeuvre_timestamps"  # key of the times in a YAML file of manoeuvres
 
 
 @dataclass(frozen=True)

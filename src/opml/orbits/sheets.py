@@ -15,14 +15,12 @@ from opml import naming
 from opml.base.constants import WGS84_A
 from opml.base.errors import InputError
 
-NAME = re.compile(r"[a-z][a-z0-9]{0,59}")
-"""Names in sheets; files have several in theirs."""
+NAME = re.compile(r"[a-z][a-z0-9]{0,59}")  # names in sheets; files have several in theirs
 
 NAME_WANTED = "up to 60 lower-case letters and digits, a letter first"
 
 
-LOWEST_PERIGEE = 120e3
-"""Lower limit of the atmosphere model [m] (DTM2000: from 120 km up)."""
+LOWEST_PERIGEE = 120e3  # lower limit of the atmosphere model [m] (DTM2000: from 120 km up)
 
 
 @dataclass(frozen=True)
@@ -148,8 +146,7 @@ _RSO_FIELDS = {
 }
 
 
-_NOTHING = "-"
-"""Cell of a sheet for what a row has not."""
+_NOTHING = "-"  # cell of a sheet for what a row has not
 
 _ELEMENTS = ("a_km", "e", "i_deg", "argp_deg", "raan_deg", "mean_anomaly_deg")
 

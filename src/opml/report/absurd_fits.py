@@ -11,17 +11,13 @@ from opml.report.results import length
 
 TITLE = "Unrealistic fits"
 
-CD_BOUNDS = (0.0, 10.0)
-"""Drag coefficients that a body may have."""
-
-MOST_OUTSIDE = 0.05
-"""Share of the estimates that may have others."""
+CD_BOUNDS = (0.0, 10.0)  # drag coefficients that a body may have
+MOST_OUTSIDE = 0.05  # share of the estimates that may have others
 
 MOST_SIGMA = 1.0
 """Largest median formal standard deviation of Cd: above it the tracks tell next to nothing of Cd."""
 
-LONGER_HOURS = 48.0
-"""Least window that is advised [h]."""
+LONGER_HOURS = 48.0  # least window that is advised [h]
 
 
 def symptoms(estimates: Mapping[Dataset, pd.DataFrame]) -> dict[Dataset, str]:

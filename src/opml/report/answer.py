@@ -20,17 +20,13 @@ from opml.tables import ELLIPSOID
 
 TITLE = "Which model to use"
 
-ALL_MODELS = "all models"
-"""What the figure shows that an answer holds."""
+ALL_MODELS = "all models"  # what the figure shows that an answer holds
 
 TURNED = "the orbit to turn, where the extra `explore` is installed"
 """What a page shows that is made with plotly alone."""
 
-FEWEST = 10
-"""Predictions of a duration below which neither their median nor a share of them is told."""
-
-MORNINGS = 14
-"""Mornings below which the past chooses poorly (docs/operations.md)."""
+FEWEST = 10  # predictions of a duration below which neither their median nor a share of them is told
+MORNINGS = 14  # mornings below which the past chooses poorly (docs/operations.md)
 
 _SPANS = {1.0: "a day", 7.0: "a week"}
 

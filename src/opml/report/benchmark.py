@@ -17,8 +17,7 @@ from opml.benchmark.scores import AXES, LEVEL
 from opml.report.document import Block, Heading, Items, Paragraph, Table, as_it_is, html_page
 from opml.report.results import NO_VALUE, rounded_cell
 
-SUFFIXES = (".html", ".json", ".tsv")
-"""Forms of a score."""
+SUFFIXES = (".html", ".json", ".tsv")  # forms of a score
 
 _OF_HEIGHT = ("median", "p95", "crps", "inside")
 

@@ -12,14 +12,9 @@ from opml.report.document import Block, Card, Cards, Heading, Paragraph, Table, 
 from opml.report.results import NO_VALUE, length, with_unit
 
 Outcome = Mapping[str, Any]
-Weather = Sequence[Mapping[str, Any]]
-"""Of the days about a morning, as `weather_of_day.read` returns them."""
-
-WORST_FIRST = (FAILED, DO_NOT_USE, WIDE, UNPROVEN, GOOD)
-"""Verdicts, those to look at first."""
-
-VERSION = 2
-"""Of what the page for machines holds; another where a key goes or changes its meaning."""
+Weather = Sequence[Mapping[str, Any]]  # of the days about a morning, as `weather_of_day.read` returns them
+WORST_FIRST = (FAILED, DO_NOT_USE, WIDE, UNPROVEN, GOOD)  # verdicts, those to look at first
+VERSION = 2  # of what the page for machines holds; another where a key goes or changes its meaning
 
 TO_DO = {
     FAILED: "Do not send: failed",
@@ -39,8 +34,7 @@ _LEGEND = (
     + ". `opml docs day` explains them."
 )
 
-LEADS = (1, 3, 7)
-"""Days of duration whose errors the page states."""
+LEADS = (1, 3, 7)  # days of duration whose errors the page states
 
 
 def document(outcomes: Sequence[Outcome], weather: Weather, *, date: str) -> list[Block]:

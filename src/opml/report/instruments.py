@@ -14,8 +14,7 @@ from opml.tables import BURN
 
 TITLE = "Measurement residuals"
 
-_MOST = 12
-"""Tracks that are named at most."""
+_MOST = 12  # tracks that are named at most
 
 
 def section(

@@ -14,8 +14,7 @@ from opml.report.document import Block, Heading, Paragraph, Table
 from opml.report.results import NO_VALUE, length
 from opml.report.skill import NO_CORRECTION, skill_cell
 
-Dataset = tuple[str, str]
-"""RSO and station set."""
+Dataset = tuple[str, str]  # RSO and station set
 
 TITLE = "Every morning"
 

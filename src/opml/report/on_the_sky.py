@@ -14,11 +14,8 @@ from opml.learning.judge.errors_by_duration import REACH_DAYS
 from opml.report.document import Block, Paragraph, Table
 from opml.report.results import length
 
-BOUND = 1000.0
-"""Along-track error [m] that a prediction's use is counted up to."""
-
-SHARE = 0.9
-"""Share of the errors that sizes hold."""
+BOUND = 1000.0  # along-track error [m] that a prediction's use is counted up to
+SHARE = 0.9  # share of the errors that sizes hold
 
 
 def section(flown: pd.DataFrame, marks: Sequence[float]) -> list[Block]:

@@ -29,8 +29,7 @@ from opml.report.results import NO_VALUE, Results, length, percent
 from opml.report.settings_tables import assumed_model, force_models, weather
 from opml.report.skill import NO_CORRECTION, Reference, reference, skill_cell
 
-ModelKey = tuple[str, str, str]
-"""RSO, station set and model."""
+ModelKey = tuple[str, str, str]  # RSO, station set and model
 
 Value = TypeVar("Value")
 

@@ -13,8 +13,7 @@ from opml.report.results import length, with_unit
 
 _SECONDS, _DATE = len("2016-09-28T12:09:45"), len("2016-09-28T")
 
-_TURNS = 24.0 * 60.0 / math.tau
-"""Revolutions a day for each radian a minute."""
+_TURNS = 24.0 * 60.0 / math.tau  # revolutions a day for each radian a minute
 
 
 def document(

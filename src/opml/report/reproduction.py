@@ -17,8 +17,7 @@ from opml.report.claims import Claim, judge_claim
 from opml.report.document import Block, Heading, Paragraph, Table
 from opml.report.results import NO_VALUE, Results, extent_cell, percent
 
-EXPLAINED = 0.5
-"""Share of a difference that a run must remove to count as its likeliest cause."""
+EXPLAINED = 0.5  # share of a difference that a run must remove to count as its likeliest cause
 
 
 @dataclass(frozen=True)

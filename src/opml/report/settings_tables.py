@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator, Mapping, Sequence
 
-from opml.dynamics.settings import FORCES, ForceModels, ForceModelSettings
+from opml.dynamics.settings import FORCES, ForceModels
 from opml.environment.settings import EnvironmentSettings
 from opml.orbits.sheets import Rso, Station
 from opml.report.document import Block, Heading, Paragraph, Table
@@ -33,19 +33,14 @@ def force_models(environment: EnvironmentSettings, models: ForceModels) -> Table
         ["atmosphere", "DTM2000", "DTM2000"],
         ["solar activity", truth + percentile, assumed + percentile + _knowledge(environment)],
         ["radiation pressure", *["sphere, umbra and penumbra"] * 2],
-        *_switched(both),
+        *[
+            [name, *("yes" if getattr(model, force) else "no" for model in both)]
+            for force, name in FORCES.items()
+            if any(getattr(model, force) for model in both)
+        ],
         ["drag coefficient", "the RSO's", "estimated"],
     ]
     return Table(["parameter", "truth model", "assumed model"], rows)
-
-
-def _switched(models: Sequence[ForceModelSettings]) -> list[list[str]]:
-    """Return the rows of forces that at least one of the models has switched on."""
-    return [
-        [name, *("yes" if getattr(model, force) else "no" for model in models)]
-        for force, name in FORCES.items()
-        if any(getattr(model, force) for model in models)
-    ]
 
 
 def assumed_model(environment: EnvironmentSettings, models: ForceModels) -> Table:

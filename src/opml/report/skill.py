@@ -10,8 +10,7 @@ from opml.base.errors import InputError
 from opml.learning.judge.model_choice import choose
 from opml.report.results import NO_VALUE
 
-NO_CORRECTION = "no correction"
-"""The row of a table whose predictions stay as they are."""
+NO_CORRECTION = "no correction"  # the row of a table whose predictions stay as they are
 
 
 @dataclass(frozen=True)

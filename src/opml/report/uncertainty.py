@@ -20,8 +20,7 @@ _QUANTITIES = ("e_x", "e_y", "e_z", PLANE, ELLIPSOID, WHOLE)
 
 TOO_SHORT = "No morning had a past that was long enough to state a covariance from."
 
-HOLDS = (0.85, 0.95)
-"""Shares at which an ellipsoid of 90 % counts as true."""
+HOLDS = (0.85, 0.95)  # shares at which an ellipsoid of 90 % counts as true
 
 
 def section(

@@ -17,8 +17,7 @@ from opml.interop.element_sets.element_set import satellite
 from opml.interop.element_sets.teme import teme_to_gcrf
 from opml.orbits.elements import coe_from_cartesian, mean_from_true_anomaly
 
-_FIRST_ARC = 0.2 * DAY
-"""Length of the arc [s] that the osculating elements are good enough to start on."""
+_FIRST_ARC = 0.2 * DAY  # length of the arc [s] that the osculating elements are good enough to start on
 
 _MINUTE = 60.0
 _LOST = 1e6  # residual [km] where SGP4 fails

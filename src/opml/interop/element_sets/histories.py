@@ -29,11 +29,8 @@ from opml.interop.object_ids import ObjectId
 from opml.interop.orbit_arcs import line_error
 from opml.tables import ELEMENTS, SCHEMAS
 
-_TLE_DAY = 1e8
-"""Parts of a day that the epoch of a TLE resolves; an OMM's epoch has two digits more."""
-
-_SAME = 1e-12
-"""Relative difference of elements that two notations of the same number may have."""
+_TLE_DAY = 1e8  # parts of a day that the epoch of a TLE resolves; an OMM's epoch has two digits more
+_SAME = 1e-12  # relative difference of elements that two notations of the same number may have
 
 _MOST_LOGGED = 10
 _MOST_DAMAGED = 0.05  # of all sets

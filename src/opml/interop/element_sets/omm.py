@@ -353,18 +353,14 @@ def _csv(path: FilePath, text: str) -> Iterator[Record]:
                 yield Record(reader.line_num, [Pair(reader.line_num, key, cell) for key, cell in pairs])
             else:
                 columns = cells
-                _check_columns(path, reader.line_num, columns)
+                for name in ("EPOCH", *_NUMBERS):
+                    if name not in columns:
+                        raise line_error(path, reader.line_num, f"a column {name}", "none")
+                for name in columns:
+                    if columns.count(name) > 1:
+                        raise line_error(path, reader.line_num, f"one column {name}", "several")
     except csv.Error as reason:
         raise line_error(path, reader.line_num, "CSV", str(reason)) from None
-
-
-def _check_columns(path: FilePath, line: int, columns: Sequence[str]) -> None:
-    for name in ("EPOCH", *_NUMBERS):
-        if name not in columns:
-            raise line_error(path, line, f"a column {name}", "none")
-    for name in columns:
-        if columns.count(name) > 1:
-            raise line_error(path, line, f"one column {name}", "several")
 
 
 def _is_finite(text: str) -> bool:

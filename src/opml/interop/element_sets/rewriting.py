@@ -21,8 +21,7 @@ from opml.base.files import FilePath, replacing
 from opml.interop.element_sets import mean_elements, omm, tle
 from opml.interop.element_sets.element_set import PER_DAY
 
-Fields = Mapping[str, str]
-"""An OMM: values by their keys."""
+Fields = Mapping[str, str]  # an OMM: values by their keys
 
 _HEADER = ("CCSDS_OMM_VERS", "CREATION_DATE", "ORIGINATOR")
 _METADATA = (
@@ -135,12 +134,10 @@ def _fields(one: _Tle | Fields) -> Fields:
     designator = one.first[9:17].strip()
     first = one.first if designator else f"{one.first[:9]}57001A  {one.first[17:]}"
     exported = exporter.export_omm(Satrec.twoline2rv(first, one.second), one.name or "UNKNOWN")
-    fields = {key: _text(value) for key, value in exported.items()}
+    fields = {
+        key: (f"{value:.10g}" if isinstance(value, float) else str(value)) for key, value in exported.items()
+    }
     return fields if designator else {**fields, "OBJECT_ID": "UNKNOWN"}
-
-
-def _text(value: object) -> str:
-    return f"{value:.10g}" if isinstance(value, float) else str(value)
 
 
 def _as_tle(sets: Sequence[_Tle | Fields]) -> tuple[str, int]:

@@ -15,14 +15,12 @@ from opml.base import epochs
 from opml.base.constants import DAY
 from opml.environment.earth_orientation import lagrange_weights
 
-_ZERO = "2000-01-01T12:00:00"
-"""UTC text from which nodes count."""
+_ZERO = "2000-01-01T12:00:00"  # UTC text from which nodes count
 
 _STEP = 0.25 * DAY
 """Between the nodes of the slow angles [s]; Lagrange's polynomial through six has them to 1e-13 rad."""
 
-_AROUND = np.arange(-2.0, 4.0)
-"""Nodes about a time, from the one before it."""
+_AROUND = np.arange(-2.0, 4.0)  # nodes about a time, from the one before it
 
 
 def teme_to_gcrf(epoch: str, t: np.ndarray) -> np.ndarray:
