@@ -11,7 +11,8 @@ import pandas as pd
 
 from opml.base.constants import DAY, EARTH_GM, WGS84_A
 from opml.learning.judge.errors_by_duration import REACH_DAYS
-from opml.report.document import Block, Paragraph, Table
+from opml.report import texts
+from opml.report.document import Block
 from opml.report.results import length
 
 BOUND = 1000.0  # along-track error [m] that a prediction's use is counted up to
@@ -30,14 +31,8 @@ def section(flown: pd.DataFrame, marks: Sequence[float]) -> list[Block]:
             size = float(flown.loc[near, "e_y"].abs().quantile(SHARE))
             angle = np.degrees(np.arctan2(size, height))
             rows.append([f"{day:g} d", length(size), f"{size / speed:.2g}", f"{angle:.2g}"])
-    return [
-        Paragraph(
-            "As a station sees the issued ephemerides: 90 % of the along-track errors are below these "
-            f"metres, seconds at {speed / 1000.0:.2f} km/s, and degrees seen from directly below, "
-            f"{height / 1000.0:.0f} km away. {days_within(flown)}"
-        ),
-        Table(["after", "[m]", "[s]", "[deg]"], rows),
-    ]
+    sizes = {"speed": speed / 1000.0, "height": height / 1000.0, "within": days_within(flown)}
+    return list(texts.blocks("on_the_sky.section", rows, **sizes))
 
 
 def days_within(flown: pd.DataFrame) -> str:

@@ -6,17 +6,14 @@ from collections.abc import Iterator, Mapping, Sequence
 from opml.dynamics.settings import FORCES, ForceModels
 from opml.environment.settings import EnvironmentSettings
 from opml.orbits.sheets import Rso, Station
-from opml.report.document import Block, Heading, Paragraph, Table
+from opml.report import texts
+from opml.report.document import Block, Table
 from opml.tables import COMPONENTS
 
 
 def models(environment: EnvironmentSettings, models: ForceModels) -> list[Block]:
     """Return a document on the truth and the assumed model."""
-    return [
-        Heading("Truth and assumed model", 1),
-        Paragraph("The paper's table of the models, as they ran here."),
-        force_models(environment, models),
-    ]
+    return [*texts.blocks("settings_tables.models"), force_models(environment, models)]
 
 
 def force_models(environment: EnvironmentSettings, models: ForceModels) -> Table:
@@ -97,11 +94,8 @@ def stations(sheet: Sequence[Station]) -> list[Block]:
         ],
         *_sigmas(sheet),
     ]
-    return [
-        Heading("Stations", 1),
-        Paragraph("The paper's table of ground-based radars, from the sheet that ran."),
-        Table(["parameter", *(station.name for station in sheet)], rows),
-    ]
+    names = texts.across(station.name for station in sheet)
+    return list(texts.blocks("settings_tables.stations", rows, names=names))
 
 
 def _sigmas(sheet: Sequence[Station]) -> Iterator[list[str]]:
@@ -133,24 +127,14 @@ def rsos(sheet: Sequence[Rso], *, epoch: str, title: str) -> list[Block]:
         ["drag coefficient", *(_number(rso.cd) for rso in sheet)],
         ["reflection coefficient", *(_number(rso.cr) for rso in sheet)],
     ]
-    return [
-        Heading(title, 1),
-        Paragraph(f"Osculating elements in GCRF at {epoch} UTC, from the sheet that ran."),
-        Table(["parameter", *(rso.name for rso in sheet)], rows),
-    ]
+    names = texts.across(rso.name for rso in sheet)
+    return list(texts.blocks("settings_tables.rsos", rows, title=title, epoch=epoch, names=names))
 
 
 def components(p_ml: Mapping[str, Sequence[float]]) -> list[Block]:
     """Return a document on the six components; p_ml: [%], in the order of COMPONENTS, by evaluation."""
     rows = [[f"`{name}`", *(f"{value:.1f}" for value in values)] for name, values in p_ml.items()]
-    return [
-        Heading("P_ML of the six components [%]", 1),
-        Paragraph(
-            "Six models are trained, one per component of the error in RSW (x radial, y along-track, z "
-            "cross-track); 100 % is no correction. The paper shows e_y, the largest, only."
-        ),
-        Table(["evaluation", *COMPONENTS], rows),
-    ]
+    return list(texts.blocks("settings_tables.components", rows, names=texts.across(COMPONENTS)))
 
 
 def _deg(radians: float) -> str:

@@ -43,7 +43,6 @@ def reference(
     left: summed size of the errors that each leaves, NO_CORRECTION among them
     replays: `replay` tables of these models
     day: end of the training, None where it has none
-    seed: of the choice
     """
     if replays and day is not None:
         try:
