@@ -1,4 +1,7 @@
-"""Tables of the Earth's rotation and gravity, the third bodies and the Sun's activity, made once per run."""
+"""Tables of the Earth's rotation and gravity, the third bodies and the Sun's activity, made once per run.
+
+Throughout, `epoch` is the UTC text from which times t [s], arrays (n,), count; `path` names a file in errors.
+"""
 
 import math
 

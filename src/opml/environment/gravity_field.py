@@ -216,7 +216,6 @@ def _lines(path: str | Path) -> list[str]:
 def _rows(
     path: str | Path, lines: list[str], head_length: int, degree: int, read_row: _RowReader
 ) -> Iterator[Variation]:
-    """Yield the rows below the header. Raises InputError for a degree or order that the field lacks."""
     references: dict[tuple[int, int], float] = {}
     for number, line in enumerate(lines[head_length:], start=head_length + 1):
         fields = line.split()

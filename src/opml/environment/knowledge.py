@@ -178,7 +178,6 @@ def check(
     """Raise InputError where the weather, the history or the user's own forecasts do not cover a run.
 
     source: of the measured weather, OBSERVED or a CSSI file
-    epoch: UTC text
     ends: (2,) first and last time of the run's tables [s since `epoch`]
     forecast: settings of the method
     issue_hours: between issues
@@ -189,7 +188,6 @@ def check(
 
 
 def _history(epoch: str) -> Weather:
-    """Return the packaged weather before the epoch."""
     begin = float(space_weather.days(epoch, np.zeros(1))[0])
     return read(solar_activity.OBSERVED).keep_known(begin)
 

@@ -52,8 +52,6 @@ def tabulate(source: str | Path, epoch: str, t: np.ndarray) -> pd.DataFrame:
     """Return the table `thermosphere`: densities [kg/m3] at each node of the grid.
 
     source: OBSERVED or a CSSI file
-    epoch: UTC text
-    t: (n,) [s since `epoch`]
 
     Raises InputError where the source is unreadable, holds monthly figures or does not cover the times.
     """

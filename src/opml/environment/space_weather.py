@@ -68,9 +68,6 @@ def is_space_weather(text: str) -> bool:
 def read(path: str | Path, text: str) -> pd.DataFrame:
     """Read the daily space weather from a file's text.
 
-    path: of the file, for messages
-    text: of the file
-
     Index: consecutive modified Julian days (UTC). Columns: KP1 to KP8 (thirds), F10.7_OBS and
     F10.7_OBS_CENTER81 [sfu], as observed: not reduced to 1 au, since the atmosphere absorbs what arrives.
     The table ends before the first day without Kp, where the monthly predictions begin. Raises InputError
@@ -149,11 +146,6 @@ def reach(weather: pd.DataFrame) -> tuple[str, str]:
 def tabulate(path: str | Path, text: str, epoch: str, t: np.ndarray) -> pd.DataFrame:
     """Return the table `solar_activity`.
 
-    path: of the file, for messages
-    text: of the file
-    epoch: UTC text
-    t: (n,) [s since `epoch`]
-
     Columns: t [s]; f107: flux of 24 hours before, f107_mean: its centred 81-day mean [sfu], both linear
     between the daily measurements; kp_3h: Kp of the three-hour interval before the one at t; kp_24h: mean of
     kp_3h and the seven Kp before it. Raises InputError for dates outside the file's.
@@ -197,7 +189,6 @@ def days(epoch: str, t: np.ndarray) -> np.ndarray:
 
 
 def _tai(midnight: np.ndarray) -> np.ndarray:
-    """Return the TAI modified Julian dates of UTC midnights."""
     with epochs.strict_erfa():
         whole, part = erfa.utctai(epochs.MJD_ZERO, midnight)
     return np.asarray((whole - epochs.MJD_ZERO) + part)
@@ -226,7 +217,6 @@ def _csv_rows(lines: list[str]) -> Iterator[_Row]:
 
 
 def _text_rows(lines: list[str]) -> Iterator[_Row]:
-    """Yield the days of the form in fixed columns."""
     section = ""
     for number, line in enumerate(lines, start=1):
         if match := _TEXT_SECTION.match(line):

@@ -172,7 +172,6 @@ class Message:
         """Return the times (n,) [s since `epoch`] of texts.
 
         numbers: (n,) lines of the texts
-        epoch: UTC text
         scale: time system, one of SCALES
 
         Raises InputError, naming the line, for a text that is no time.
@@ -292,7 +291,6 @@ def header(version_key: str, epoch: str, newest: float) -> list[str]:
 def creation_date(epoch: str, newest: float) -> str:
     """Return the date of a message, which is no clock's, so that runs repeat byte for byte.
 
-    epoch: UTC text
     newest: time of the newest of what the message is made from [s since `epoch`]
 
     The variable SOURCE_DATE_EPOCH of the environment [s since 1970] comes before it. Raises InputError where

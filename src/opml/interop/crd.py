@@ -64,7 +64,6 @@ class _Pass:
 def read(paths: Sequence[FilePath], *, epoch: str, satellite: str | None = None) -> pd.DataFrame:
     """Read the normal points of CRD files, in the order of their passes.
 
-    epoch: UTC text from which times count
     satellite: name, ILRS number, SIC or NORAD number; None: that of the first pass
 
     Columns: track, the number of the pass; t, when the light was received [s]; station, its number, and
@@ -113,7 +112,6 @@ def _is_again(table: pd.DataFrame, before: pd.DataFrame) -> bool:
 
 
 def _passes(path: FilePath, satellite: str | None) -> Iterator[_Pass]:
-    """Yield the passes of a file."""
     head: dict[str, _Row] = {}
     current: _Pass | None = None
     number = 1
@@ -138,7 +136,6 @@ def _passes(path: FilePath, satellite: str | None) -> Iterator[_Pass]:
 
 
 def _keep(path: FilePath, current: _Pass, kind: str, row: _Row) -> None:
-    """Add a record to a pass. Raises InputError where it is too short."""
     number, words = row
     fewest, into = {"C0": (4, None), "11": (5, current.points), "20": (5, current.weather)}[kind]
     if len(words) < fewest:
@@ -178,7 +175,6 @@ def _check_head(path: FilePath, head: dict[str, _Row], satellite: str | None) ->
 
 
 def _points(path: FilePath, one: _Pass, epoch: str) -> pd.DataFrame:
-    """Return the normal points of a pass."""
     lines = np.array([number for number, _ in one.points])
     sent, flight = numbers(path, np.array([words[1:3] for _, words in one.points]), lines).T
     is_flight = (flight > 0.0) & (flight < _LONGEST_FLIGHT)
@@ -227,7 +223,6 @@ def _since_midnight(path: FilePath, one: _Pass, seconds: np.ndarray) -> np.ndarr
 
 
 def _release(path: FilePath, one: _Pass) -> int:
-    """Return the number of a pass's release, 0 for the first one."""
     line, words = one.head["H4"]
     return int(numbers(path, np.array([words[14:15]]), np.array([line]))[0, 0])
 

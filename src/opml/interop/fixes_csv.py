@@ -41,8 +41,6 @@ def matches(content: bytes) -> bool:
 def read(path: FilePath, content: bytes, *, epoch: str) -> tuple[Arc, np.ndarray]:
     """Read the points of a CSV, and their standard deviations (n, 6) [m, m/s], NaN where it has none.
 
-    epoch: UTC text from which times count
-
     Raises InputError, naming the line, for columns of which no points can be made, a cell that is no number
     or no time, and times that do not ascend.
     """
@@ -67,7 +65,6 @@ def read(path: FilePath, content: bytes, *, epoch: str) -> tuple[Arc, np.ndarray
 
 
 def _lines(path: FilePath, content: bytes) -> list[tuple[int, list[str]]]:
-    """Return numbers and cells of the lines that are not empty and do not begin with #."""
     try:
         text = content.decode()
     except UnicodeDecodeError as reason:
@@ -149,7 +146,6 @@ class _Columns:
 
 
 def _times(path: FilePath, texts: np.ndarray, lines: np.ndarray, scale: str, epoch: str) -> np.ndarray:
-    """Return the times (n,) [s since the epoch] of texts (n,) in a time system."""
     matches = [_TIME.fullmatch(text.strip()) for text in texts]
     for match, line, text in zip(matches, lines, texts, strict=True):
         if match is None:

@@ -121,7 +121,6 @@ def check_ascending(path: FilePath, t: np.ndarray, lines: np.ndarray) -> None:
 def seconds_since(epoch: str, calendar: np.ndarray, scale: str) -> np.ndarray:
     """Return the seconds (n,) from an epoch to calendar times.
 
-    epoch: UTC text
     calendar: (n, 6) year, month, day, hour, minute, second
     scale: time system of `calendar`, UTC or a key of BEHIND_TAI
 
@@ -154,7 +153,6 @@ def _seconds_since(epoch: str, calendar: np.ndarray, scale: str) -> np.ndarray:
 def choose_satellite(path: FilePath, satellites: Sequence[Sequence[str]], wanted: str | None) -> int:
     """Return the index of the wanted satellite of a file.
 
-    satellites: names of each satellite
     wanted: one of its names; None: the file has only one satellite
 
     Raises InputError where no satellite has the name, or several are there without a name.

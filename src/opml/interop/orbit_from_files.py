@@ -126,7 +126,6 @@ def _read_oem(path: FilePath, _: bytes, *, epoch: str, satellite: str | None) ->
 
 
 def _check_alike(first: Arc, other: Arc) -> None:
-    """Raise InputError where an arc is of another satellite, frame or time system than the first."""
     for what in ("satellite", "frame", "scale"):
         expected, got = getattr(first, what), getattr(other, what)
         if expected.upper() != got.upper():

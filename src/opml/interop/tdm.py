@@ -60,18 +60,12 @@ def matches(content: bytes) -> bool:
 
 
 def write(path: FilePath, tracking: pd.DataFrame, *, epoch: str, rso: str) -> None:
-    """Write the measurements of a table `tracking` as a TDM, whole or not at all.
-
-    epoch: UTC text from which the table's times count
-    rso: name of the RSO
-    """
+    """Write the measurements of a table `tracking` as a TDM, whole or not at all."""
     ccsds.write(path, _lines(tracking, epoch, rso))
 
 
 def measurements(paths: Sequence[FilePath], *, epoch: str) -> pd.DataFrame:
     """Read the measurements of TDMs of one RSO, in the order of the files.
-
-    epoch: UTC text
 
     Columns: t [s since `epoch`]; azimuth, elevation [rad]; range [m]; range_rate [m/s], right_ascension,
     declination [rad] and two_way, whether there and back, where the files have any; station and
@@ -135,7 +129,6 @@ def _units(angle_type: str, names: Collection[str]) -> dict[str, str]:
 def _segment_lines(
     rows: pd.DataFrame, names: Mapping[str, str], epoch: str, metadata: Mapping[str, Any]
 ) -> Iterator[str]:
-    """Yield the lines of a segment; names: columns by type of data."""
     times = ccsds.utc_texts(epoch, rows["t"].to_numpy())
     pairs = {
         "TRACK_ID": metadata["TRACK_ID"],
@@ -244,7 +237,6 @@ def _in_gcrf(
 
 
 def _participants(metadata: ccsds.KeyValues) -> tuple[str, str]:
-    """Return the names of the station, which receives, and of the RSO."""
     metadata.choice("MODE", ("SEQUENTIAL",), default="SEQUENTIAL")
     receiver = metadata.choice("PATH", _PATHS)[-1]
     other = "2" if receiver == "1" else "1"

@@ -98,7 +98,6 @@ def _sample(curves: Sequence[OrbitCurve], grid: np.ndarray) -> tuple[np.ndarray,
 
 
 def _interpolation_error(curves: Sequence[OrbitCurve]) -> dict[str, float | None]:
-    """Return root mean square and maximum of the curves' misses [m]; None without misses."""
     misses = np.concatenate([curve.misses for curve in curves])
     if not misses.size:
         return {"rms": None, "max": None}
@@ -106,13 +105,11 @@ def _interpolation_error(curves: Sequence[OrbitCurve]) -> dict[str, float | None
 
 
 def _left_out(curves: Sequence[OrbitCurve]) -> dict[str, int]:
-    """Return the numbers of positions and velocities in the files that do not fit the others."""
     positions, velocities = np.sum([curve.left_out for curve in curves], axis=0)
     return {"positions_left_out": int(positions), "velocities_left_out": int(velocities)}
 
 
 def _gaps(grid: np.ndarray, known: np.ndarray, duration: float) -> list[list[float]]:
-    """Return the gaps of the orbit, each from the last row before it to the first row after it [s]."""
     fenced = np.concatenate([[True], known, [True]])
     times = np.concatenate([[0.0], grid, [duration]])
     rows = np.flatnonzero(fenced)
@@ -160,7 +157,6 @@ def _changeovers(curves: Sequence[OrbitCurve], grid: np.ndarray, owner: np.ndarr
 
 
 def _log_facts(facts: dict[str, Any]) -> None:
-    """Log the facts about an orbit."""
     error = facts["interpolation_error_m"]
     _log.info("orbit of %s in %s, %s", facts["satellite"], facts["frame"], facts["time_system"])
     if error["rms"] is not None:
@@ -177,7 +173,6 @@ def _log_facts(facts: dict[str, Any]) -> None:
 
 
 def _check_steps(arcs: Sequence[Arc], seams: Sequence[dict[str, float]], epoch: str) -> None:
-    """Raise InputError where a seam's step is too long for one orbit."""
     for seam in seams:
         if seam["step_m"] > LARGEST_STEP:
             path = [arc.path for arc in arcs if arc.t[0] <= seam["t"]][-1]

@@ -93,7 +93,6 @@ def facts(manoeuvres: Sequence[Manoeuvre]) -> dict[str, Any]:
 
 
 def _fact(one: Manoeuvre) -> dict[str, Any]:
-    """Return what metadata hold of a manoeuvre: what is not as usual."""
     known = {"known": one.known} if math.isfinite(one.known) else {}
     return {"t": one.t} | known | ({"anew": True} if one.anew else {})
 

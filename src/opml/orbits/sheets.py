@@ -203,7 +203,6 @@ def name_at_offset(text: str, km: float, sheet: Mapping[str, Rso]) -> str:
 
 
 def _check_station(station: Station, where: str) -> None:
-    """Raise InputError for a station that sees nothing, or measures nothing."""
     if not any(field.attribute in station.row for field in _SIGMA_FIELDS.values()):
         raise InputError(f"{where}expected one of {', '.join(_SIGMA_FIELDS)} at least, got none")
     if not station.min_elevation < station.max_elevation:
@@ -261,7 +260,6 @@ def _odd(found: Iterable[str], expected: Iterable[str], optional: Iterable[str])
 
 
 def _check_name(where: str, name: str, numbers: Mapping[str, int]) -> None:
-    """Raise InputError for a misspelt or repeated name; `numbers` are the lines of the names so far."""
     if not NAME.fullmatch(name):
         raise InputError(f"{where}: expected {NAME_WANTED}, got {name!r}")
     if name in numbers:

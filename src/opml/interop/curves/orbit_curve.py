@@ -60,7 +60,6 @@ def fit_curve(arcs: Sequence[Arc], orientation: pd.DataFrame, attraction: Attrac
 
     arcs: one after the other, without overlap
     orientation: table `earth_orientation` over their times
-    attraction: the Earth's gravity
 
     Intervals longer than MOST_APART and breaks stay open. Raises InputError where velocities are in another
     unit or frame than the positions.
@@ -153,7 +152,6 @@ def _isolated_nodes(bridged: np.ndarray) -> np.ndarray:
 
 
 def _log_wrong_nodes(arcs: Sequence[Arc], wrong: np.ndarray) -> None:
-    """Log the first few wrong nodes."""
     lines = np.concatenate([arc.lines for arc in arcs])
     arc_numbers = np.repeat(np.arange(len(arcs)), [len(arc.t) for arc in arcs])
     for node in np.flatnonzero(wrong)[:_MOST_LOGGED]:

@@ -75,7 +75,6 @@ def weighed(
     """Return how accurate each set of one object is: whether it `counts`, and its sigmas in RSW [m].
 
     sets: table `element_sets` of one object
-    epoch: UTC text, the table's
     sampling: of the points that stand for a set
     manoeuvres: across which no sets are compared with each other, once known
 

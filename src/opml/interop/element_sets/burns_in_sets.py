@@ -97,7 +97,6 @@ def find_burns(sets: pd.DataFrame, *, epoch: str) -> list[Manoeuvre]:
     """Return the burns that a history shows, in order of time.
 
     sets: table `element_sets` of one object
-    epoch: UTC text, the table's
 
     Each is logged.
     """
@@ -125,7 +124,6 @@ def burns_among(sets: Iterable[KnownSet], *, epoch: str) -> list[Manoeuvre]:
 
 
 def _sets(sets: pd.DataFrame, epoch: str) -> Iterator[KnownSet]:
-    """Yield the sets of a table; each is made when all before it are."""
     made = np.maximum.accumulate(np.fmax(sets["t"], sets["t_created"]).to_numpy())
     for k, (_, row) in enumerate(sets.iterrows()):
         yield KnownSet(float(row["t"]), float(made[k]), satellite(row, epoch=epoch))

@@ -55,7 +55,6 @@ class ElementSet:
 def satellite(epoch: str, elements: Sequence[float]) -> Satrec:
     """Return the satellite of mean elements that SGP4 propagates.
 
-    epoch: UTC text
     elements: mean motion [rad/min], eccentricity, inclination, right ascension of the node, argument of
         perigee, mean anomaly [rad], B*
     """

@@ -64,7 +64,6 @@ def read(paths: Iterable[FilePath], *, epoch: str, leave_out_damaged: bool = Fal
     """Read the history in files, each of TLEs (with or without names) or OMMs in KVN, XML, JSON or CSV.
 
     paths: plain or gzipped, of any formats; of sets made at the same time the one that is read later counts
-    epoch: UTC text
     leave_out_damaged: however many damaged sets there are; otherwise one in twenty at most
 
     Damaged sets are left out, counted and logged.
@@ -129,7 +128,6 @@ def predict(sets: pd.DataFrame, *, epoch: str, known: float, t: np.ndarray) -> n
     """Return GCRF states (n, 6) [m, m/s] by SGP4 from the newest set that was known at a time.
 
     sets: table `element_sets` of one object
-    epoch: UTC text, the table's
     known: the time [s]
     t: (n,) times of the states [s]
 
@@ -150,17 +148,13 @@ def states_of(row: pd.Series, *, epoch: str, t: np.ndarray) -> np.ndarray:
 
 
 def satellite(row: pd.Series, *, epoch: str) -> Satrec:
-    """Return the satellite of a row of a table `element_sets` that SGP4 propagates.
-
-    epoch: UTC text, the table's
-    """
+    """Return the satellite of a row of a table `element_sets` that SGP4 propagates."""
     (time,) = ccsds.utc_texts(epoch, np.array([row["t"]]))
     motion, *others = (float(row[name]) for name in ELEMENTS)
     return element_set.satellite(time, [_MINUTE * motion, *others])
 
 
 def _numbered(one: ElementSet) -> ElementSet:
-    """Return the set. Raises InputError where it does not name its object."""
     if one.number == 0:
         raise line_error(one.path, one.line, "a catalogue number above 0", "none")
     return one
@@ -197,7 +191,6 @@ def _same(one: ElementSet, other: ElementSet) -> bool:
 
 
 def _elements(one: ElementSet) -> tuple[float, ...]:
-    """Return the values of ELEMENTS."""
     made = one.satellite
     return (made.no_kozai / _MINUTE, made.ecco, made.inclo, made.nodeo, made.argpo, made.mo, made.bstar)
 

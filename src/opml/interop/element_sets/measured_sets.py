@@ -91,7 +91,6 @@ def measured(
     """Return what the sets of one object measured within a run.
 
     sets: table `element_sets` of one object
-    epoch: UTC text, the table's
     duration: of the run [s]
     manoeuvres: no points of a set lie before one that was before its epoch, and known by then
 

@@ -140,8 +140,6 @@ def write(path: FilePath, satellite: Satrec, *, identity: ObjectId, epoch: str, 
     """Write mean elements as an OMM in KVN, whole or not at all.
 
     identity: of the object, by its name in the run
-    epoch: of the run, UTC text
-    comment: line for the whole message
     """
     version, *header = ccsds.header(_VERSION, epoch, float(seconds_since(epoch, [satellite])[0]))
     pairs = {
@@ -335,7 +333,6 @@ class _Messages(ContentHandler, LexicalHandler):
 
 
 def _is_csv(text: str) -> bool:
-    """Return whether the first line of a text names columns of elements."""
     first = next(csv.reader(text.lstrip().splitlines()[:1]), [])
     return len({cell.strip() for cell in first} & {*_NUMBERS}) > 1
 

@@ -127,7 +127,6 @@ def _better_omm(record: omm.Record, better: Better) -> Fields:
 
 
 def _fields(one: _Tle | Fields) -> Fields:
-    """Return a set as an OMM."""
     if not isinstance(one, _Tle):
         return one
     # sgp4 exports no set without an international designator.
@@ -141,7 +140,6 @@ def _fields(one: _Tle | Fields) -> Fields:
 
 
 def _as_tle(sets: Sequence[_Tle | Fields]) -> tuple[str, int]:
-    """Return the text of TLEs, and how many sets have a number that no TLE has."""
     lines, missing = [], 0
     for one in sets:
         if not isinstance(one, _Tle):
@@ -154,7 +152,6 @@ def _as_tle(sets: Sequence[_Tle | Fields]) -> tuple[str, int]:
 
 
 def _as_json(sets: Sequence[_Tle | Fields]) -> tuple[str, int]:
-    """Return a list of objects with numbers, as CelesTrak's."""
     objects = ",\n".join(
         "{"
         + ",".join(f"{json.dumps(key)}:{_json_value(key, value)}" for key, value in _fields(one).items())
@@ -171,7 +168,6 @@ def _json_value(key: str, value: str) -> str:
 
 
 def _as_csv(sets: Sequence[_Tle | Fields]) -> tuple[str, int]:
-    """Return lines under a heading of all keys."""
     rows = [_fields(one) for one in sets]
     text = io.StringIO()
     writer = csv.DictWriter(
@@ -183,14 +179,12 @@ def _as_csv(sets: Sequence[_Tle | Fields]) -> tuple[str, int]:
 
 
 def _as_kvn(sets: Sequence[_Tle | Fields]) -> tuple[str, int]:
-    """Return messages one after the other."""
     keys = (*_HEADER, *_METADATA, *_ELEMENTS, *_OF_TLES)
     whole = [{"CCSDS_OMM_VERS": "2.0", **_STANDARD, **_fields(one)} for one in sets]
     return "\n".join("".join(f"{key} = {one[key]}\n" for key in keys if key in one) for one in whole), 0
 
 
 def _as_xml(sets: Sequence[_Tle | Fields]) -> tuple[str, int]:
-    """Return one navigation data message with all sets, as CelesTrak's."""
     messages = "".join(map(_xml_message, ({**_STANDARD, **_fields(one)} for one in sets)))
     return f'<?xml version="1.0" encoding="UTF-8"?>\n<ndm>\n{messages}</ndm>\n', 0
 

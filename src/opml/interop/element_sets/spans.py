@@ -43,7 +43,6 @@ def fit_spans(sets: pd.DataFrame, *, epoch: str, manoeuvres: Sequence[Manoeuvre]
     """Return over how long sets (n,) were fitted [s], each as it and those before it tell; NaN where not.
 
     sets: table `element_sets` of one object
-    epoch: UTC text, the table's
     manoeuvres: pairs of sets with one between them or shortly before say nothing, from when it is known
 
     The first pairs of a history tell, so that the span hardly changes once it is found.
