@@ -354,7 +354,7 @@ _ENTRIES = (
     *(("beyond",), ("beyond", "transfers"), ("beyond", "budget")),
     ("rolling",),
 )
-_MAPPINGS_OF_ENTRIES = (("evaluations",), ("grids",), ("curves",), ("reproduction", "readings"), ("scan",))
+_MAPPINGS_OF_ENTRIES = (("evaluations",), ("grids",), ("curves",), ("reproduction", "readings"))
 
 
 def _parts(asked: Mapping[str, Any]) -> Iterator[tuple[Key, str, Any]]:

@@ -623,12 +623,6 @@ def test_arcs_are_made_of_estimates_over_their_window():
     assert find(wildcards(arc="_l12")) == "estimates/iss/eglin.parquet"
 
 
-def test_a_test_that_standardises_together_has_a_model_of_its_own():
-    find = inputs().model(Pattern("{learner}.parquet"), Pattern("{learner}/{target}/{test}.parquet"))
-    assert find(experiment()) == "svr.parquet"
-    assert find(experiment(test="rest-together")) == "svr/iss/rest-together.parquet"
-
-
 def test_futures_are_drawn_under_a_forecast_only():
     pattern = Pattern("futures_{members}.parquet")
     assert inputs().futures(pattern)(wildcards()) == []
