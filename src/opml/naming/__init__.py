@@ -17,71 +17,8 @@ product has two names:
 * ``_later``, ``_smoothed``: errors against later or smoothed estimates; without a suffix, against the truth.
 """
 
-from opml.naming.estimates import (
-    ARC_PATTERN,
-    BOTH_SIDES,
-    FILTERED,
-    LABELS,
-    MEMBERS,
-    MEMORY_PATTERN,
-    PERFECT,
-    READINGS,
-    TRACK,
-    arc_suffix,
-    fit_pattern,
-    fit_suffix,
-    label_window,
-    memory_suffix,
-    other_reading,
-    parse_arc,
-    parse_both_sides,
-    parse_fit,
-    parse_memory,
-    parse_reading,
-    parse_window,
-    window_pattern,
-    window_suffix,
-)
-from opml.naming.experiment import (
-    Experiment,
-)
-from opml.naming.objects import (
-    WITHOUT,
-    learner_pattern,
-    leave_out,
-    parse_learner,
-    parse_pool,
-    pool_pattern,
-    rso_name,
-    rso_parts,
-    rso_pattern,
-    scale_kernel,
-    station_names,
-    stations_pattern,
-)
-from opml.naming.row_splits import (
-    STANDARDISATIONS,
-    TEST,
-    TEST_BY_ROW,
-    TRAIN,
-    Split,
-    check_split,
-    days_split,
-    fence_suffix,
-    parse_test,
-    parse_train,
-    treat_test,
-    unseen_test,
-)
-from opml.naming.spelling import (
-    DATE,
-    NOISE,
-    POSITIVE,
-    SPLIT,
-    add_seed,
-    alternatives,
-    number,
-    parse_seed,
-    seed_pattern,
-    strip_seed,
-)
+from opml.naming.estimates import *
+from opml.naming.experiment import *
+from opml.naming.objects import *
+from opml.naming.row_splits import *
+from opml.naming.spelling import *

@@ -211,7 +211,7 @@ def test_the_forecast_is_the_named_one_or_persistence():
             ["random-80", "days-0-30_split43"],
             ["random-80_split42", "rest", "random--5"],
         ),
-        ("test", ["rest", "days-30-40-unseen", "rest-together"], ["random-80", "all"]),
+        ("test", ["rest", "days-30-40-unseen", "rest-zscore"], ["random-80", "rest-together"]),
         ("learner", ["svr", "svr_s2"], ["svr_s2.0", "svr_s0", "mechanism_s2"]),
         ("component", ["e_y", "e_vz"], ["e_w"]),
         ("evaluation", ["svr_testing_1station"], ["mine"]),
