@@ -172,7 +172,8 @@ class Fit:
         step = self.method.step(self.normal, self.gradient, self._damping)
         self.trial = self.best + step
         if self._is_last(full - step, before):
-            self._take_unseen()
+            self.best, self.cost = self.trial, max(0.0, self.cost - self._left**2)
+            self._end(CONVERGED)
 
     def _is_last(self, damped_off: np.ndarray, before: float) -> bool:
         """Whether the trial will be found to be the minimum, so that evaluating it would only confirm it.
@@ -182,11 +183,6 @@ class Fit:
         """
         short = np.sqrt(max(0.0, damped_off @ self.normal @ damped_off))
         return bool(self._left**2 < (self.method.convergence - short) * before)
-
-    def _take_unseen(self) -> None:
-        """End at the trial, with the cost that the full step leaves of a quadratic one."""
-        self.best, self.cost = self.trial, max(0.0, self.cost - self._left**2)
-        self._end(CONVERGED)
 
     def _end(self, reason: str) -> None:
         self.running, self.reason = False, reason

@@ -254,7 +254,8 @@ class Filtering:
             means = parted + np.append(leg.path[k + 1], leg.cd)
             noise = self._noise(step / DAY, transition[:_CD, _CD], axes[k + 1, [0, 2]].T)
             wide = np.concatenate([transition @ roots, noise], axis=2)
-            roots = _triangles(wide)
+            upper = np.asarray(np.linalg.qr(wide.transpose(0, 2, 1), mode="r"))
+            roots = upper.transpose(0, 2, 1)
         return means, roots
 
     def _noise(self, days: float, by_cd: np.ndarray, aside: np.ndarray) -> np.ndarray:
@@ -286,12 +287,6 @@ class Filtering:
             "measurements_used": filters.measurements,
             "weighted_rms": np.sqrt(meeting.chi2 / self.measured.count(self.measured.track(track).rows)),
         }
-
-
-def _triangles(roots: np.ndarray) -> np.ndarray:
-    """Return square roots (n, 7, 7) of the covariances that have roots (n, 7, m)."""
-    upper = np.asarray(np.linalg.qr(roots.transpose(0, 2, 1), mode="r"))
-    return upper.transpose(0, 2, 1)
 
 
 def _covariance(estimate: pd.Series) -> np.ndarray:
