@@ -50,7 +50,7 @@ from opml.learning.judge import metrics
 from opml.learning.judge.evaluation import evaluate
 from opml.learning.judge.own_standardisation import as_tested
 from opml.learning.models import learners
-from opml.learning.models.contract import Model, ResolvedSettings
+from opml.learning.models.contract import Model
 from opml.learning.models.daily_training import Lessons
 from opml.mornings.prediction import Request
 from opml.orbits.sheets import Rso, Station
@@ -643,11 +643,6 @@ def _spreads(flight: Flight, catalogue: Catalogue) -> corrected.Spreads:
         catalogue.estimates,
         weathers=Weathers.of(flattened, None),
     )
-
-
-def _resolved(learner: Mapping[str, Any], component: str) -> ResolvedSettings:
-    settings = learners.settings_of(learner)
-    return learners.resolved(settings, component=component, variables=LEARNING_VARIABLES)
 
 
 def _cleaning(catalogue: Catalogue, what: str) -> Cleaning:

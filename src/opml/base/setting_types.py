@@ -69,11 +69,6 @@ Absent = Annotated[T | None, _Given()]
 """Type of a setting that may be left out; it is None then."""
 
 
-def may_be_absent(declared: Any) -> bool:
-    """Return whether a type is that of a setting that may be left out."""
-    return any(isinstance(mark, _Given) for mark in getattr(declared, "__metadata__", ()))
-
-
 def _without_repetition(items: list[Any]) -> list[Any]:
     if len(set(items)) < len(items):
         raise ValueError("no item twice")

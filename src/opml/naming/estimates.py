@@ -71,15 +71,6 @@ def window_pattern(*, default: float) -> str:
     return rf"(?:_w(?!{re.escape(number(default))}(?![\d.])){POSITIVE})?"
 
 
-def fit_suffix(
-    *, convergence: float | None = None, cd_sigma: float | None = None, light_time: bool = False
-) -> str:
-    """Return the suffix of fits with these settings in place of the run's."""
-    settings = {"_tol": convergence, "_cd": cd_sigma}
-    marks = [mark + number(value) for mark, value in settings.items() if value is not None]
-    return "".join(marks) + LIGHT * light_time
-
-
 def parse_fit(suffix: str) -> dict[str, float | bool]:
     """Return the settings of the estimation, other than the window, that a suffix of estimates changes."""
     matches = {
@@ -91,7 +82,7 @@ def parse_fit(suffix: str) -> dict[str, float | bool]:
 
 
 def fit_pattern(*, convergence: float, light_time: bool = False) -> str:
-    """Return the regular expression of the suffixes of `fit_suffix` in a run with these settings."""
+    """Return the regular expression of the suffixes of `parse_fit` in a run with these settings."""
     stopping = rf"(?:_tol(?!{re.escape(number(convergence))}(?![\d.])){POSITIVE})?"
     return rf"{stopping}(?:_cd{POSITIVE})?" + ("" if light_time else f"(?:{LIGHT})?")
 

@@ -324,7 +324,6 @@ def test_fits_that_differ_and_back():
         ("_cd0.5_light", {"cd_sigma": 0.5, "light_time": True}),
         ("", {}),
     ):
-        assert naming.fit_suffix(**settings) == text
         assert naming.parse_fit(f"_w24{text}") == settings
         assert naming.parse_window(f"_w24{text}", default=12) == 24
         assert naming.parse_window(text, default=12) == 12
