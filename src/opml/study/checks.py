@@ -30,12 +30,9 @@ from opml.study.settings.validation import validated
 
 @dataclass(frozen=True)
 class CheckedSettings(Settings):
-    """Settings that hold.
+    """Settings that hold."""
 
-    misfit: what the default study asks of days that the run has not; empty where it fits
-    """
-
-    misfit: str
+    misfit: str  # what the default study asks of days that the run has not; empty where it fits
 
 
 def load_settings(source: Source) -> CheckedSettings:

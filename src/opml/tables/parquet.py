@@ -149,8 +149,7 @@ def _texts(metadata: Mapping[bytes, bytes] | None) -> dict[str, str]:
     return {key.decode(): value.decode() for key, value in items if not key.startswith(b"PARQUET:")}
 
 
-_BATCH_ROWS = 65536
-"""Rows that are read at once where a table is read by parts."""
+_BATCH_ROWS = 65536  # rows that are read at once where a table is read by parts
 
 _SEAL = b"opmlseal"
 

@@ -41,16 +41,11 @@ _LESS, _MORE = 0.1, 10.0
 
 @dataclass(frozen=True)
 class Method:
-    """How n parameters are fitted.
+    """How n parameters are fitted."""
 
-    scales: (n,) units in which the damping measures a step, such as a-priori uncertainties
-    free: (n,) bool, False where a parameter is held at its start
-    convergence: part of the formal uncertainty that a last step may still move
-    """
-
-    scales: np.ndarray
-    free: np.ndarray
-    convergence: float
+    scales: np.ndarray  # (n,) units in which the damping measures a step, such as a-priori uncertainties
+    free: np.ndarray  # (n,) bool, False where a parameter is held at its start
+    convergence: float  # part of the formal uncertainty that a last step may still move
 
     def step(self, normal: np.ndarray, gradient: np.ndarray, damping: float = _LEAST_DAMPING) -> np.ndarray:
         """Return the step (n,) of the parameters, full unless damped; 0 where a parameter is held."""

@@ -42,8 +42,7 @@ from opml.dynamics.ensemble import REASONS
 from opml.orbits.elements import rsw_rotation
 from opml.tables import PARAMETER_COVARIANCES, PARAMETERS, symmetric_matrices
 
-STEP = 1800.0
-"""Longest time for which the drag coefficient keeps its value [s]."""
+STEP = 1800.0  # longest time for which the drag coefficient keeps its value [s]
 
 _CD = PARAMETERS.index("cd")
 _PASSES = 4
@@ -206,17 +205,12 @@ class Filters:
 
 @dataclass(frozen=True)
 class Filtering:
-    """All that the filters of a run share.
+    """All that the filters of a run share."""
 
-    flight: under the assumed model
-    bank: a noise for each filter
-    light_time: as in `Estimation`
-    """
-
-    flight: Flight
+    flight: Flight  # under the assumed model
     measured: Measurements
-    bank: Sequence[Noise]
-    light_time: bool
+    bank: Sequence[Noise]  # a noise for each filter
+    light_time: bool  # as in `Estimation`
 
     def next(self, filters: Filters, track: int) -> Filters:
         """Return the filters at the next track, with its measurements. Raises LostError."""
