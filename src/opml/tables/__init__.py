@@ -63,6 +63,7 @@ from opml.tables.listing import (
 )
 from opml.tables.morning_tables import (
     SIZES,
+    of_objects,
     paths_schema,
 )
 from opml.tables.parquet import (
