@@ -193,11 +193,6 @@ def _instant(text: str) -> str:
     return f"{text}T00:00:00" if re.fullmatch(r"[\d-]{10}", text) else text
 
 
-def _beside(options: argparse.Namespace) -> list[str]:
-    """Return the files of weather and model that are read beside the others."""
-    return [path for path in (options.weather, options.model) if path]
-
-
 def _add_improve(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("sets", nargs="+", help="files and folders of TLEs or OMMs (JSON, CSV, XML, KVN)")
     parser.add_argument("-o", "--output", required=True, help="better sets: .tle, .json, .csv, .xml or .kvn")
@@ -211,7 +206,9 @@ def _add_improve(parser: argparse.ArgumentParser) -> None:
 def _improve(options: argparse.Namespace) -> None:
     from opml.element_sets import improve, model
 
-    improve.check_written(options.output, options.table, [*options.sets, *_beside(options)])
+    improve.check_written(
+        options.output, options.table, [*options.sets, *filter(None, (options.weather, options.model))]
+    )
     date = options.date or datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%S")
     latency = (6.0 if options.date else 0.0) if options.latency is None else options.latency
     if not latency >= 0.0:
@@ -252,7 +249,10 @@ def _predict(options: argparse.Namespace) -> None:
     from opml.workflow import predicted
 
     predicted.check(options.output)
-    check_apart(options.output, [*options.files, *options.catalogue, options.radars, *_beside(options)])
+    check_apart(
+        options.output,
+        [*options.files, *options.catalogue, options.radars, *filter(None, (options.weather, options.model))],
+    )
     places = [passes.place(text) for text in options.station]
     with on_stderr() as progress:
         made = (_fit if is_measured(options.files[0]) else _fly_sets)(options, progress)
@@ -379,14 +379,8 @@ def _task(options: argparse.Namespace) -> None:
     from opml.benchmark import recipes
 
     truth = f"{options.output.rstrip('/')}-truth"
-    count = recipes.make(
-        recipes.read(options.recipe),
-        options.sets,
-        options.output,
-        truth,
-        weather=options.weather,
-        forecasts=options.forecasts,
-    )
+    known = {"weather": options.weather, "forecasts": options.forecasts}
+    count = recipes.make(recipes.read(options.recipe), options.sets, options.output, truth, **known)
     print(f"{options.output}: {count} questions; {truth} is for the judge alone")
 
 
