@@ -14,6 +14,7 @@ from opml.base.errors import InputError
 from opml.base.files import FilePath, replacing_folder
 from opml.benchmark import tasks
 from opml.element_sets.catalogue import modified_julian_day
+from opml.element_sets.improve import OLDEST_WEATHER, check_newest
 from opml.environment import knowledge
 from opml.environment.nrlmsis import ap_of_kp
 from opml.environment.space_weather import INTERVALS, KP
@@ -53,6 +54,11 @@ class Folders:
     task: FilePath
     truth: FilePath
 
+    def check_free(self) -> None:
+        """Raise InputError where they hold anything but a task and a truth."""
+        check_free(Path(self.task), tasks.TASK)
+        check_free(Path(self.truth), tasks.TRUTH)
+
 
 Question = tuple[int, str, int, str]
 """Object, t, lead [d] and time, the times as UTC texts."""
@@ -71,7 +77,8 @@ def freeze(
     states: true GCRF states (6,) [m, m/s] of the questions; none: the truth is made later
     fill: writes the orbits that were known at t into the folder of its inputs
 
-    Raises InputError for unreadable weather, and where the task is not the frozen one.
+    Raises InputError for unreadable weather, for weather that ends before a morning, and where the task is not
+    the frozen one.
     """
     issued = None if known.forecasts is None else _read_forecasts(known.forecasts)
     measured = knowledge.read(known.weather)
@@ -83,7 +90,9 @@ def freeze(
             place = new / tasks.INPUTS / tasks.folder_name(t)
             place.mkdir(parents=True)
             fill(t, place)
-            _write_weather(place / "weather.csv", measured.keep_known(modified_julian_day(t)))
+            newest = measured.keep_known(modified_julian_day(t))
+            check_newest(newest, known.weather, date=t, oldest=OLDEST_WEATHER)
+            _write_weather(place / "weather.csv", newest)
             if issued is not None:
                 _write_forecast(place / "forecast.csv", issued, t)
         digest = tasks.HIDDEN
@@ -95,6 +104,14 @@ def freeze(
         if facts.digest not in ("", found):
             raise InputError(f"{facts.name}: digest: expected {facts.digest}, got {found}: other sources")
     return len(questions)
+
+
+def check_free(folder: Path, name: str) -> None:
+    """Raise InputError for a file, and for a folder that is not empty and has no file of a name."""
+    if folder.is_dir() and ((folder / name).is_file() or not any(folder.iterdir())):
+        return
+    if folder.exists():
+        raise InputError(f"{folder}: expected a new folder, an empty one or one with {name}, got another")
 
 
 def write_truth(
@@ -158,7 +175,10 @@ def _write_weather(path: Path, known: Weather) -> None:
 
 
 def _read_forecasts(path: FilePath) -> pd.DataFrame:
-    table = pd.read_csv(path, dtype=str)
+    try:
+        table = pd.read_csv(path, dtype=str)
+    except (OSError, ValueError) as reason:
+        raise InputError(f"{path}: expected comma-separated values, got {reason}") from None
     if _ISSUED not in table:
         raise InputError(f"{path}: expected a column {_ISSUED}, got {', '.join(table.columns)}")
     return table

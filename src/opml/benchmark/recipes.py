@@ -5,7 +5,7 @@ begins after what was asked last: no file of a task holds what another question 
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from datetime import date
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +14,9 @@ import pandas as pd
 
 from opml.base.errors import InputError
 from opml.base.files import FilePath, replacing_folder
+from opml.base.section import Section
 from opml.base.seeds import derive
+from opml.base.setting_types import Count, NotNegative, Text
 from opml.base.yaml_files import read_yaml
 from opml.benchmark import freezing, tasks, track_recipes
 from opml.benchmark.freezing import Facts, Folders, Known, Question, utc_text
@@ -26,14 +28,13 @@ from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day
 from opml.element_sets.training import HOUR_OF_MORNING
 from opml.environment import knowledge
 from opml.interop import ccsds
-from opml.interop.element_sets import mean_elements
+from opml.interop.element_sets import mean_elements, tle
 from opml.interop.element_sets.element_set import seconds_since
 
 _TLE = 2  # lines
 
 
-@dataclass(frozen=True)
-class Recipe:
+class Recipe(Section):
     """How a task is made.
 
     first, last: dates of the mornings that ask, one every so many days
@@ -43,20 +44,20 @@ class Recipe:
     digest: SHA-256 of SHA256SUMS, '' before the task is frozen
     """
 
-    name: str
-    title: str
-    first: str
-    last: str
-    every_days: int
-    groups: int
-    history_days: int
-    latency_hours: float = 6.0
+    name: Text
+    title: Text
+    first: date
+    last: date
+    every_days: Count
+    groups: Count
+    history_days: Count
+    latency_hours: NotNegative = 6.0
     digest: str = ""
 
     @property
     def mornings(self) -> np.ndarray:
         """Times (n,) that ask, modified Julian days, 06 UTC."""
-        first, last = (modified_julian_day(f"{date}T00:00:00") for date in (self.first, self.last))
+        first, last = (modified_julian_day(f"{one}T00:00:00") for one in (self.first, self.last))
         return np.arange(first, last + 1.0, self.every_days) + HOUR_OF_MORNING
 
 
@@ -68,12 +69,9 @@ def read(path: FilePath) -> Recipe | TrackRecipe:
     values: Any = read_yaml(path)
     if not isinstance(values, dict) or values.pop("format", None) != tasks.FORMAT:
         raise InputError(f"{path}: format: expected {tasks.FORMAT}")
-    try:
-        if "objects" in values:
-            return track_recipes.of_values(values)
-        recipe = Recipe(**values)
-    except TypeError as error:
-        raise InputError(f"{path}: expected the keys of a recipe ({error})") from None
+    if "objects" in values:
+        return TrackRecipe.read(values, str(path))
+    recipe = Recipe.read(values, str(path))
     if recipe.groups * recipe.every_days < recipe.history_days + pairs.LEADS[-1] + 1:
         raise InputError(f"{path}: groups: expected more, so that no history holds what was asked before")
     return recipe
@@ -87,6 +85,7 @@ def make(recipe: Recipe | TrackRecipe, orbits: Iterable[FilePath], folders: Fold
     A task whose mornings have no later sets yet is hidden: `make_truth` makes its truth once they are there.
     Raises InputError for unreadable files, without a question, and where the task is not the frozen one.
     """
+    folders.check_free()
     if isinstance(recipe, TrackRecipe):
         return track_recipes.make(recipe, orbits, folders, known)
     catalogue = catalogues.read(orbits, latency=recipe.latency_hours / 24.0)
@@ -108,6 +107,7 @@ def make_truth(
 
     The later set nearest to the time asked, at most half a day away, tells the state by SGP4.
     """
+    freezing.check_free(Path(folder), tasks.TRUTH)
     table = (catalogue := catalogues.read(sets, latency=task.latency)).table
     states = np.full((len(task.questions), 6), np.nan)
     for k, (number, t, _, time) in enumerate(task.questions.itertuples(index=False)):
@@ -168,12 +168,13 @@ def _write_sets(path: Path, recipe: Recipe, catalogue: ElementCatalogue, rows: p
     table, morning = catalogue.table, float(rows["morning"].iloc[0])
     known = (table["known"] <= morning) & (table["t"] >= morning - recipe.history_days)
     own = table[known & table["number"].isin(rows["number"].unique())]
-    texts = {file: mean_elements.read_text(file).splitlines() for file in own["file"].unique()}
+    texts = {file: mean_elements.read_text(file) for file in own["file"].unique()}
+    pieces = {file: dict(enumerate(tle.pieces(text))) for file, text in texts.items()}
     lines = [
         line
-        for file, number in zip(own["file"], own["line"], strict=True)
-        for line in texts[file][number - 1 : number - 1 + _TLE]
+        for file, place in zip(own["file"], own["place"], strict=True)
+        for _, line in pieces[file].get(place, [(0, "")])[-_TLE:]
     ]
     if not all(line.startswith(("1 ", "2 ")) for line in lines):
         raise InputError(f"{own['file'].iloc[0]}: expected TLEs of two lines, got another format")
-    path.write_text("\n".join(line.rstrip() for line in lines) + "\n", encoding="utf-8")
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")

@@ -4,11 +4,9 @@ The mornings of an object follow each other within its history, as an operator h
 hold tracks of the days that an earlier one asks about.
 """
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable
 from fnmatch import fnmatch
 from pathlib import Path
-from typing import Any
 
 import astropy_iers_data
 import numpy as np
@@ -18,6 +16,8 @@ from opml import __version__
 from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.files import FilePath, project_file
+from opml.base.section import Section
+from opml.base.setting_types import Count, NotNegative, Positive, Text
 from opml.benchmark import freezing, tasks
 from opml.benchmark.freezing import Facts, Folders, Known, Question, utc_text
 from opml.catalog.simulate import tracking
@@ -35,8 +35,7 @@ _ARCSECOND = np.pi / 648000.0
 _DIGITS = {"azimuth": 5, "elevation": 5, "range": 1}  # of degrees and metres: the same text on all machines
 
 
-@dataclass(frozen=True)
-class TrackedObject:
+class TrackedObject(Section):
     """An object of a recipe, its key the number by which answers name it.
 
     files: pattern of the names of its orbit's files
@@ -45,13 +44,13 @@ class TrackedObject:
     area_to_mass: [m2/kg]; cr: reflectivity
     """
 
-    files: str
-    first: str
-    mornings: int
-    every_days: int
-    stations: tuple[str, ...]
-    area_to_mass: float
-    cr: float
+    files: Text
+    first: Text
+    mornings: Count
+    every_days: Count
+    stations: list[str]
+    area_to_mass: Positive
+    cr: NotNegative
 
     @property
     def times(self) -> list[str]:
@@ -59,22 +58,15 @@ class TrackedObject:
         return [utc_text(modified_julian_day(self.first) + self.every_days * k) for k in range(self.mornings)]
 
 
-@dataclass(frozen=True)
-class TrackRecipe:
+class TrackRecipe(Section):
     """How a task of tracks is made; seed: of the noise; digest: as of a recipe of element sets."""
 
-    name: str
-    title: str
-    history_days: int
+    name: Text
+    title: Text
+    history_days: Count
     seed: int
-    objects: Mapping[int, TrackedObject]
+    objects: dict[int, TrackedObject]
     digest: str = ""
-
-
-def of_values(values: Mapping[str, Any]) -> TrackRecipe:
-    """Return the recipe of a file's values; raises TypeError for a key that is none."""
-    objects = {int(number): TrackedObject(**one) for number, one in values["objects"].items()}
-    return TrackRecipe(**{**values, "objects": objects})
 
 
 def make(recipe: TrackRecipe, orbits: Iterable[FilePath], folders: Folders, known: Known) -> int:

@@ -2,7 +2,7 @@
 
 import json
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -15,11 +15,11 @@ from opml.base.files import FilePath, replacing
 from opml.benchmark import scores, suspicions, tasks
 from opml.benchmark.answers import read as read_answers
 from opml.benchmark.scores import AXES, LEVEL, STORM
-from opml.report.document import Block, Heading, Items, Paragraph, Table, as_it_is, html_page
+from opml.report import texts
+from opml.report.document import Block, Heading, Items, Paragraph, as_it_is, html_page
 from opml.report.results import NO_VALUE, rounded_cell
 
-SUFFIXES = (".html", ".json", ".tsv")
-"""Forms of a score."""
+SUFFIXES = (".html", ".json", ".tsv")  # forms of a score
 
 _OF_PART = ("median", "p95", "crps", "inside")
 
@@ -141,26 +141,17 @@ def document(score: Score) -> list[Block]:
         Paragraph(as_it_is(score.title)),
         Heading("Findings"),
         found if score.suspicions else nothing,
-        Heading("Scores"),
-        Paragraph(
-            "Errors in metres, by days from t: median and 95th percentile of their size, with intervals of"
-            " 95 % over weeks and objects in brackets. CRPS [m] and log score are those of the normal"
-            f" distribution with the given covariance; smaller is better. **inside**: errors [%] in its"
-            f" intervals of {100 * LEVEL:g} %."
-        ),
-        *(_axis_table(score.scores, name) for name in AXES.values()),
-        Heading("Along the track, by height"),
-        _part_table("height from [km]", score.by_height.assign(part=score.by_height["from"] / 1e3)),
-        Heading("Along the track, by weather"),
-        Paragraph(f"Stormy: a day of the week after t had an Ap of {STORM:g} or more, as measured later."),
-        _part_table("weeks", score.by_weather.assign(part=score.by_weather["weeks"])),
+        *texts.blocks("benchmark.scores", level=100 * LEVEL),
+        *(block for name in AXES.values() for block in _axis_table(score.scores, name)),
+        *_part_table("heights", score.by_height.assign(part=score.by_height["from"] / 1e3)),
+        *_part_table("weather", score.by_weather.assign(part=score.by_weather["weeks"])),
         Paragraph(f"Answers' SHA-256: `{score.digest}`"),
     ]
 
 
-def _axis_table(scores: pd.DataFrame, name: str) -> Table:
-    header = (name.replace("_", "-") + ", lead [d]", "asked", "answered [%]", "median", "95 %", "CRPS")
-    return Table((*header, "log score", "inside [%]"), [_cells(row, name) for _, row in scores.iterrows()])
+def _axis_table(scores: pd.DataFrame, name: str) -> Iterator[Block]:
+    rows = [_cells(row, name) for _, row in scores.iterrows()]
+    return texts.blocks("benchmark.axis", rows, axis=name.replace("_", "-"))
 
 
 def _cells(row: "pd.Series[Any]", name: str) -> list[str]:
@@ -182,10 +173,10 @@ def _with_interval(row: "pd.Series[Any]", key: str) -> str:
     )
 
 
-def _part_table(name: str, table: pd.DataFrame) -> Table:
-    header = (name, "lead [d]", "answers", "median", "95 %", "CRPS", "inside [%]")
+def _part_table(piece: str, table: pd.DataFrame) -> Iterator[Block]:
     keys = ("part", "lead", "answers", *_OF_PART)
-    return Table(header, [[_cell(row[key]) for key in keys] for row in table.to_dict("records")])
+    rows = [[_cell(row[key]) for key in keys] for row in table.to_dict("records")]
+    return texts.blocks(f"benchmark.{piece}", rows, storm=STORM)
 
 
 def _cell(value: Any) -> str:
@@ -197,7 +188,6 @@ def _records(table: pd.DataFrame) -> list[dict[str, Any]]:
 
 
 def _plain(value: Any) -> Any:
-    """Return a word or a number as JSON has it, None where it is unknown."""
     if isinstance(value, str):
         return value
     number = float(value)

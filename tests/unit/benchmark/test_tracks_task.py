@@ -106,9 +106,16 @@ def test_what_no_file_answers_is_refused(tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize(("old", "new"), [("files:", "filse:"), ("seed:", "seeds:")])
-def test_misspelt_recipes_are_refused(old, new, tmp_path):
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("files:", "filse:", "wrong.yaml: objects.1.files: expected a value, got none"),
+        ("seed:", "seeds:", "wrong.yaml: seed: expected a value, got none"),
+        ("mornings: 1", "mornings: -1", "wrong.yaml: objects.1.mornings: "),
+    ],
+)
+def test_misspelt_recipes_are_refused(old, new, told, tmp_path):
     text = (REPOSITORY / "benchmark" / "sample-tracks.yaml").read_text()
     wrong = tmp_path / "wrong.yaml"
     wrong.write_text(text.replace(old, new, 1))
-    assert "wrong.yaml: expected the keys of a recipe" in refusal(recipes.read, wrong)
+    assert told in refusal(recipes.read, wrong)
