@@ -77,8 +77,8 @@ def freeze(
     states: true GCRF states (6,) [m, m/s] of the questions; none: the truth is made later
     fill: writes the orbits that were known at t into the folder of its inputs
 
-    Raises InputError for unreadable weather, for weather that ends before a morning, and where the task is not
-    the frozen one.
+    Raises InputError for unreadable weather, one that ends before a morning, and a task that is not the
+    frozen one.
     """
     issued = None if known.forecasts is None else _read_forecasts(known.forecasts)
     measured = knowledge.read(known.weather)
