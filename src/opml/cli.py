@@ -369,19 +369,36 @@ def _table(options: argparse.Namespace) -> None:
 
 def _add_task(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("recipe", help="a recipe, as benchmark/elements-maximum.yaml")
-    parser.add_argument("sets", nargs="+", help="files and folders of TLEs")
+    parser.add_argument("orbits", nargs="+", help="files and folders of TLEs; of tracks SP3, CPF, OEM")
     parser.add_argument("-o", "--output", required=True, help="the task's folder; the truth gets -truth")
     parser.add_argument("--weather", default="OBSERVED", help="space weather, CSSI (that of the package)")
     parser.add_argument("--forecasts", metavar="FILE", help="weather as forecast: CSV, a column issued")
 
 
 def _task(options: argparse.Namespace) -> None:
-    from opml.benchmark import recipes
+    from opml.benchmark import freezing, recipes
 
     truth = f"{options.output.rstrip('/')}-truth"
-    known = {"weather": options.weather, "forecasts": options.forecasts}
-    count = recipes.make(recipes.read(options.recipe), options.sets, options.output, truth, **known)
-    print(f"{options.output}: {count} questions; {truth} is for the judge alone")
+    folders = freezing.Folders(options.output, truth)
+    known = freezing.Known(options.weather, options.forecasts)
+    count = recipes.make(recipes.read(options.recipe), options.orbits, folders, known)
+    judge = "is for the judge alone" if os.path.exists(truth) else "is made by `opml truth` when it is over"
+    print(f"{options.output}: {count} questions; {truth} {judge}")
+
+
+def _add_truth(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("task", help="the folder of a hidden task")
+    parser.add_argument("sets", nargs="+", help="files and folders of TLEs that were published since")
+    parser.add_argument("-o", "--output", required=True, help="the truth's folder")
+    parser.add_argument("--weather", default="OBSERVED", help="space weather, CSSI (that of the package)")
+
+
+def _truth(options: argparse.Namespace) -> None:
+    from opml.benchmark import recipes, tasks
+
+    task = tasks.read(options.task)
+    count = recipes.make_truth(task, options.sets, options.output, options.weather)
+    print(f"{options.output}: the truth of {count} of {len(task.questions)} questions")
 
 
 def _add_answer(parser: argparse.ArgumentParser) -> None:
@@ -472,7 +489,8 @@ GROUPS = {
     "a benchmark": (
         Command("score", "score answers to a task of the benchmark", _add_score, _score),
         Command("answer", "answer a task with a baseline", _add_answer, _answer),
-        Command("task", "make a task and its truth from element sets", _add_task, _task),
+        Command("task", "make a task and its truth from element sets or orbits", _add_task, _task),
+        Command("truth", "make the truth of a hidden task from later element sets", _add_truth, _truth),
     ),
     "a project": (
         Command("init", "create a project with a first study", _add_init, _init),
