@@ -14,6 +14,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -146,7 +147,7 @@ def states_of(row: pd.Series, *, epoch: str, t: np.ndarray) -> np.ndarray:
     return mean_elements.states(satellite(row, epoch=epoch), epoch=epoch, t=t)
 
 
-def satellite(row: pd.Series, *, epoch: str) -> Satrec:
+def satellite(row: Mapping[Any, Any] | pd.Series, *, epoch: str) -> Satrec:
     """Return the satellite of a row of a table `element_sets` that SGP4 propagates."""
     (time,) = ccsds.utc_texts(epoch, np.array([row["t"]]))
     motion, *others = (float(row[name]) for name in ELEMENTS)

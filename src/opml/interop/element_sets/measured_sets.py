@@ -71,7 +71,7 @@ class MeasuredSets:
     """The sets of a run that count, in ascending order.
 
     epochs: (sets,) of their last points [s]
-    known: (sets,) when they were made, NaN where not stated [s]
+    known: (sets,) when they and those before them were made, at the earliest at their epochs [s]
     points: of each set: t, state in GCRF, standard deviations in RSW
     """
 
@@ -86,13 +86,20 @@ def of_run(sets: pd.DataFrame, duration: float) -> pd.DataFrame:
 
 
 def measured(
-    sets: pd.DataFrame, taking: Taking, *, epoch: str, duration: float, manoeuvres: Sequence[Manoeuvre] = ()
+    sets: pd.DataFrame,
+    taking: Taking,
+    *,
+    epoch: str,
+    duration: float,
+    manoeuvres: Sequence[Manoeuvre] = (),
+    since: float = -np.inf,
 ) -> MeasuredSets:
     """Return what the sets of one object measured within a run.
 
     sets: table `element_sets` of one object
     duration: of the run [s]
     manoeuvres: no points of a set lie before one that was before its epoch, and known by then
+    since: earlier sets tell how accurate later ones are, but have no points, unless all are earlier [s]
 
     Raises InputError where no set is left.
     """
@@ -102,13 +109,15 @@ def measured(
     if taking.sigmas is not None:
         worth[FIX_SIGMAS[:3]] = np.tile(taking.sigmas, (len(worth), 1))
     ends = taking.ends(sets["t"].to_numpy())
-    counting = worth["counts"].to_numpy() & (sets["t"].to_numpy() >= 0.0) & (ends <= duration)
+    counting = worth["counts"].to_numpy(bool) & (sets["t"].to_numpy() >= 0.0) & (ends <= duration)
     reaches = np.full(len(sets), usual.reach)
     if taking.reach is None:
         reaches[worth["counts"]] = _over_spans(sets[worth["counts"]], epoch, manoeuvres)
     kept, points = [], []
     weighed = sets.assign(**{name: worth[name].to_numpy() for name in FIX_SIGMAS[:3]})
-    for k in np.flatnonzero(counting):
+    made = np.where(counting, np.fmax(ends, sets["t_created"].to_numpy()), -np.inf)
+    asked = counting & (ends >= min(since, ends[counting].max(initial=-np.inf)))
+    for k in np.flatnonzero(asked):
         sampling = SetSampling(float(reaches[k]), taking.step)
         one, end = weighed.iloc[k], float(ends[k])
         found = _points(one, sampling, epoch=epoch, end=end, manoeuvres=manoeuvres)
@@ -118,7 +127,7 @@ def measured(
     if not kept:
         raise InputError(f"element sets: expected a set within the run that counts, got {len(sets)} others")
     _log.info("sets that count as measurements: %d", len(kept))
-    return MeasuredSets(ends[kept], sets["t_created"].to_numpy()[kept], points)
+    return MeasuredSets(ends[kept], np.maximum.accumulate(made)[kept], points)
 
 
 def _over_spans(sets: pd.DataFrame, epoch: str, manoeuvres: Sequence[Manoeuvre]) -> np.ndarray:
