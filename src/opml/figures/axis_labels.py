@@ -4,11 +4,10 @@ import math
 from collections.abc import Mapping, Sequence
 
 from opml import naming
-from opml.figures.display_names import describe_run, display_learner, display_rso, display_stations
+from opml.figures.display_names import describe_run, display_learner, display_rso
 from opml.naming import Experiment, Split
 
-PAPER = "Peng & Bai"
-"""The paper, in the labels of its numbers."""
+PAPER = "Peng & Bai"  # the paper, in the labels of its numbers
 
 P_ML = r"$P_{\mathrm{ML}}$"
 
@@ -18,8 +17,7 @@ VARIED = {
 }
 """The element that RSOs of a curve differ in, by the curve's name."""
 
-DIRECTIONS = {"x": "radial", "y": "along-track", "z": "cross-track"}
-"""Axes of RSW in words."""
+DIRECTIONS = {"x": "radial", "y": "along-track", "z": "cross-track"}  # axes of RSW in words
 
 ASIDE = {"rest": "the rest", "seen": "the same rows"}
 STANDARDISED = {"own": "standardised alone", "together": "standardised with the training"}
@@ -84,16 +82,6 @@ def describe_experiment(experiment: Experiment) -> str:
     trained = f"{display_learner(experiment.learner)} trained on {describe_training(experiment.train)}"
     run = describe_run(experiment.rso, experiment.stations)
     return f"{run}; {trained}, tested on {where}{describe_test(experiment.test)}"
-
-
-def tick_label(experiment: Experiment) -> str:
-    """Return as three lines what sets an experiment apart in a study: radars or RSO, training, test."""
-    rso, target = display_rso(experiment.rso), display_rso(experiment.target)
-    where = display_stations(experiment.stations).partition(" (")[0]
-    if target != rso:
-        where = target.removeprefix(f"{rso}, ")
-    trained = describe_training(experiment.train).partition(" of ")[0]
-    return f"{where}\n{trained},\n{describe_test(experiment.test)}"
 
 
 def describe_splits(pairs: Mapping[str, Sequence[str]]) -> str:
