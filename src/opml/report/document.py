@@ -46,7 +46,7 @@ class Table:
 
 @dataclass(frozen=True)
 class Picture:
-    """A PNG, which Markdown links to and HTML holds; link: its path as seen from the document."""
+    """A PNG, which Markdown links to and HTML holds, wider than a phone's screen; link: from the document."""
 
     file: FilePath
     link: str
@@ -153,9 +153,11 @@ _STYLE = (
     "th{border-bottom-width:2px}.number{text-align:right;font-variant-numeric:tabular-nums}"
     ".time{white-space:nowrap}"
     ".cards{display:grid;grid-template-columns:repeat(auto-fill,minmax(19em,1fr));gap:1em}"
+    "@media(max-width:50em){body>.picture{overflow-x:auto}body>.picture img{max-width:none;width:52em}}"
     ".pictures{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,26em),1fr));gap:1em}"
     ".cards section{border:1px solid var(--line);border-left:.5em solid var(--kind);padding:.2em 1em}"
-    ".cards p{margin:.4em 0}.cards h2{margin:.3em 0 0}.line{font-weight:bold;color:var(--kind)}"
+    ".cards p{margin:.4em 0}.cards strong{white-space:nowrap}.cards h2{margin:.3em 0 0}"
+    ".line{font-weight:bold;color:var(--kind)}"
     ".marks{display:flex}.marks span{color:var(--kind);flex:0 0 3.33%;text-align:center;font-size:.7em}"
     ".good{--kind:var(--green)}.unproven{--kind:var(--grey)}.wide{--kind:var(--amber)}"
     ".do-not-use,.failed{--kind:var(--red)}"
@@ -216,7 +218,9 @@ def _html(block: Block) -> str:
             return "<table>\n" + "\n".join(lines) + "\n</table>"
         case Picture(file, _, shows):
             data = base64.b64encode(Path(file).read_bytes()).decode()
-            return f'<p><img alt="{html.escape(shows)}" src="data:image/png;base64,{data}"></p>'
+            return (
+                f'<p class="picture"><img alt="{html.escape(shows)}" src="data:image/png;base64,{data}"></p>'
+            )
         case Pictures(pictures):
             return '<div class="pictures">\n' + "\n".join(map(_html, pictures)) + "\n</div>"
         case Cards(cards):
