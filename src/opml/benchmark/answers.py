@@ -130,7 +130,7 @@ class _Asked:
         nearest = (
             f"the nearest time asked is {-gap:+.6g} s from it" if places else "not this object at this t"
         )
-        self.stray.append(f"{where}: answers what nobody asked: {nearest}")
+        self.stray.append(f"{where}: no question has this answer: {nearest}")
         return None
 
     def put(
@@ -157,7 +157,7 @@ def _read_oem(path: Path, asked: _Asked) -> None:
         where = f"segment {k}"
         if not places:
             asked.stray.append(
-                f"{where}: object {number or segment.name}: nobody asked for it at its first time"
+                f"{where}: object {number or segment.name}: no question is about it at its first time"
             )
             continue
         orbit = comparison.States(str(path), comparison.stretches_of(segment))

@@ -117,7 +117,7 @@ def _snakemake(call: Call, pages: Sequence[str]) -> int:
     command = [sys.executable, "-m", "snakemake", *call.where, *how, *settings, "--", *pages]
     code = subprocess.run(command, check=False).returncode
     if code and not call.dry:
-        told = "opml: the workflow failed; `opml day -n`, which is not quiet, tells of errors in its plan"
+        told = "opml: the workflow failed; `opml day -n` shows errors in its plan"
         print(told, file=sys.stderr, flush=True)
     return code
 

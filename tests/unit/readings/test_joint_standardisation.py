@@ -75,5 +75,5 @@ def test_what_cannot_be_is_refused():
         train(learners.of_job({"kind": "durationmean", "bin_hours": 6, "variables": ["duration"]}))
     broken = TESTED.assign(inc=np.nan)
     assert "learning variable inc: expected finite values only" in refusal(train, SVR, broken)
-    with pytest.raises(InputError, match="correct: test: expected one that asks no model of its own"):
+    with pytest.raises(InputError, match="correct: test: expected one that needs no other model"):
         opml.correct(train(SVR), TESTED, test="rest-together")
