@@ -84,8 +84,7 @@ class ObjectId:
         return f"{self.name} ({', '.join(known)})" if known else self.name
 
 
-UNKNOWN = ObjectId("")
-"""An object of which no file tells anything."""
+UNKNOWN = ObjectId("")  # an object of which no file tells anything
 
 
 def facts(identity: ObjectId) -> dict[str, Any]:

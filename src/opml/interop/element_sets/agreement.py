@@ -20,17 +20,10 @@ from opml.orbits.elements import in_rsw
 from opml.orbits.manoeuvres import Manoeuvre, contain_any
 from opml.tables import FIX_SIGMAS
 
-GROSS = 10.0
-"""How many times the usual disagreement a set is off that is left out."""
-
-USUAL = np.array([100.0, 300.0, 100.0])
-"""Standard deviations of a set in RSW until its object has a past [m]."""
-
-_FEWEST = 5
-"""Disagreements that make a past, and sets in a row that end it, as they agree with none."""
-
-_RECENT = 30
-"""Newest disagreements that count."""
+GROSS = 10.0  # how many times the usual disagreement a set is off that is left out
+USUAL = np.array([100.0, 300.0, 100.0])  # standard deviations of a set in RSW until its object has a past [m]
+_FEWEST = 5  # disagreements that make a past, and sets in a row that end it, as they agree with none
+_RECENT = 30  # newest disagreements that count
 
 _log = logging.getLogger(__name__)
 
@@ -82,7 +75,6 @@ def weighed(
     """Return how accurate each set of one object is: whether it `counts`, and its sigmas in RSW [m].
 
     sets: table `element_sets` of one object
-    epoch: UTC text, the table's
     sampling: of the points that stand for a set
     manoeuvres: across which no sets are compared with each other, once known
 

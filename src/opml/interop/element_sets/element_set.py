@@ -17,15 +17,12 @@ from opml.base.files import FilePath
 from opml.interop import ccsds
 from opml.interop.orbit_arcs import line_error
 
-PER_DAY = 1440.0 / (2.0 * math.pi)
-"""Revolutions per day of a radian per minute."""
+PER_DAY = 1440.0 / (2.0 * math.pi)  # revolutions per day of a radian per minute
 
 _SGP4_ZERO = datetime(1949, 12, 31)
 _SGP4_ZERO_JULIAN = 2433281.5
 
-_FASTEST = 18.0
-"""Revolutions per day that no satellite makes: at the Earth's surface there were 17."""
-
+_FASTEST = 18.0  # revolutions per day that no satellite makes: at the Earth's surface there were 17
 _ROUNDING = 1e-9  # [deg]
 _MINUTE = 60.0
 _MINUTES_A_DAY = 1440.0
@@ -60,7 +57,6 @@ class ElementSet:
 def satellite(epoch: str, elements: Sequence[float]) -> Satrec:
     """Return the satellite of mean elements that SGP4 propagates.
 
-    epoch: UTC text
     elements: mean motion [rad/min], eccentricity, inclination, right ascension of the node, argument of
         perigee, mean anomaly [rad], B*
     """

@@ -105,11 +105,7 @@ def state(satellite: Satrec, *, epoch: str) -> np.ndarray:
 
 
 def states(satellite: Satrec, *, epoch: str, t: np.ndarray) -> np.ndarray:
-    """Return osculating GCRF states (n, 6) [m, m/s] by SGP4, NaN where it fails (decayed).
-
-    epoch: UTC text
-    t: (n,) [s since `epoch`]
-    """
+    """Return osculating GCRF states (n, 6) [m, m/s] by SGP4, NaN where it fails (decayed)."""
     errors, found = _fly(satellite, epoch, t)
     return np.where(errors[:, None] == 0, found, np.nan)
 
@@ -178,7 +174,6 @@ def line_of_sheet(path: FilePath, name: str, epoch: str, body: Body) -> str:
     """Return the line of the sheet of RSOs for a file of mean elements.
 
     name: in the sheet
-    epoch: of the run, UTC text
 
     Raises InputError as `read` and `rso` do, and for a name or a body that the sheet would refuse.
     """

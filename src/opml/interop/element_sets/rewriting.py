@@ -21,8 +21,7 @@ from opml.interop.element_sets import mean_elements, omm, tle
 from opml.interop.element_sets.element_set import PER_DAY
 from opml.interop.element_sets.mean_elements import Piece
 
-Fields = Mapping[str, str]
-"""An OMM: values by their keys."""
+Fields = Mapping[str, str]  # an OMM: values by their keys
 
 _HEADER = ("CCSDS_OMM_VERS", "CREATION_DATE", "ORIGINATOR")
 _METADATA = (
@@ -123,23 +122,19 @@ def _better(piece: Piece, better: Better) -> _Tle | Fields:
 
 
 def _fields(one: _Tle | Fields) -> Fields:
-    """Return a set as an OMM."""
     if not isinstance(one, _Tle):
         return one
     # sgp4 exports no set without an international designator.
     designator = one.first[9:17].strip()
     first = one.first if designator else f"{one.first[:9]}57001A  {one.first[17:]}"
     exported = exporter.export_omm(Satrec.twoline2rv(first, one.second), one.name or "UNKNOWN")
-    fields = {key: _text(value) for key, value in exported.items()}
+    fields = {
+        key: (f"{value:.10g}" if isinstance(value, float) else str(value)) for key, value in exported.items()
+    }
     return fields if designator else {**fields, "OBJECT_ID": "UNKNOWN"}
 
 
-def _text(value: object) -> str:
-    return f"{value:.10g}" if isinstance(value, float) else str(value)
-
-
 def _as_tle(sets: Sequence[_Tle | Fields]) -> tuple[str, int]:
-    """Return the text of TLEs, and how many sets have a number that no TLE has."""
     lines, missing = [], 0
     for one in sets:
         if not isinstance(one, _Tle):
@@ -152,7 +147,6 @@ def _as_tle(sets: Sequence[_Tle | Fields]) -> tuple[str, int]:
 
 
 def _as_json(sets: Sequence[_Tle | Fields]) -> tuple[str, int]:
-    """Return a list of objects with numbers, as CelesTrak's."""
     objects = ",\n".join(
         "{"
         + ",".join(f"{json.dumps(key)}:{_json_value(key, value)}" for key, value in _fields(one).items())
@@ -169,7 +163,6 @@ def _json_value(key: str, value: str) -> str:
 
 
 def _as_csv(sets: Sequence[_Tle | Fields]) -> tuple[str, int]:
-    """Return lines under a heading of all keys."""
     rows = [_fields(one) for one in sets]
     text = io.StringIO()
     writer = csv.DictWriter(
@@ -181,14 +174,12 @@ def _as_csv(sets: Sequence[_Tle | Fields]) -> tuple[str, int]:
 
 
 def _as_kvn(sets: Sequence[_Tle | Fields]) -> tuple[str, int]:
-    """Return messages one after the other."""
     keys = (*_HEADER, *_METADATA, *_ELEMENTS, *_OF_TLES)
     whole = [{"CCSDS_OMM_VERS": "2.0", **_STANDARD, **_fields(one)} for one in sets]
     return "\n".join("".join(f"{key} = {one[key]}\n" for key in keys if key in one) for one in whole), 0
 
 
 def _as_xml(sets: Sequence[_Tle | Fields]) -> tuple[str, int]:
-    """Return one navigation data message with all sets, as CelesTrak's."""
     messages = "".join(map(_xml_message, ({**_STANDARD, **_fields(one)} for one in sets)))
     return f'<?xml version="1.0" encoding="UTF-8"?>\n<ndm>\n{messages}</ndm>\n', 0
 
