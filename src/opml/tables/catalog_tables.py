@@ -24,14 +24,12 @@ from opml.tables.columns import (
 )
 from opml.tables.element_tables import IMPROVED_MODELS
 
-TRUTH_GROUPS = "truth_groups"
-"""Kind of the tables that list the RSOs whose truths one job made."""
+TRUTH_GROUPS = "truth_groups"  # kind of the tables that list the RSOs whose truths one job made
 
 POSITION_COVARIANCES = covariance_names("xyz")
 """Columns of the lower triangle, row by row, of a position's covariance."""
 
-SIGMAS = [f"sigma_{name}" for name in COMPONENTS]
-"""Columns of a label's uncertainty, by error component."""
+SIGMAS = [f"sigma_{name}" for name in COMPONENTS]  # columns of a label's uncertainty, by error component
 
 MECHANISM_AXES = (
     *("s", "v", "r", "l", "v_long", "floor", "l_arc", "v_arc", "h_arc", "sgp4"),

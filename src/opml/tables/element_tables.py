@@ -10,8 +10,7 @@ ELEMENTS = ["mean_motion", "eccentricity", "inclination", "raan", "argp", "mean_
 IMPROVED_MODELS = ("density", "learned")
 """What improves sets of mean elements: their drag, scaled by the density, and what a catalogue taught."""
 
-IMPROVED_LEADS = (1, 3, 5, 7)
-"""Days from the date to the errors that the table of improved sets expects."""
+IMPROVED_LEADS = (1, 3, 5, 7)  # days from the date to the errors that the table of improved sets expects
 
 _FRAME = "TEME of the set's epoch"
 _ALONG = "along the track"

@@ -7,14 +7,12 @@ from opml.tables.columns import TIME, Schema, count, real
 ENVIRONMENT = ("earth_orientation", "ephemerides", "solar_activity", "gravity_field")
 """Tables from which every force model is made."""
 
-OUTLOOKS = "outlooks"
-"""Table of forecast activity, where the assumed model knows forecasts only."""
+OUTLOOKS = "outlooks"  # table of forecast activity, where the assumed model knows forecasts only
 
 THERMOSPHERE = "thermosphere"
 """Table of densities, where the truth flies through another atmosphere than DTM2000's."""
 
-OPTIONAL = (OUTLOOKS, THERMOSPHERE)
-"""Tables that only some force models need."""
+OPTIONAL = (OUTLOOKS, THERMOSPHERE)  # tables that only some force models need
 
 _ACTIVITY = (
     real("f107", "sfu", "F10.7 solar radio flux of the day before"),

@@ -6,8 +6,7 @@ from opml.tables.columns import ERRORS, NO_TRUTH, PAIR, SINCE, Schema, count, fl
 PLANE, ELLIPSOID, WHOLE = "plane", "ellipsoid", "state"
 """Quantities of a calibration with several components: e_x and e_y, the position, the whole state."""
 
-LEVELS = (0.1, 0.25, 0.5, 0.75, 0.9, 0.95, 0.99)
-"""Levels of the stated uncertainties."""
+LEVELS = (0.1, 0.25, 0.5, 0.75, 0.9, 0.95, 0.99)  # levels of the stated uncertainties
 
 _ELEMENTS = (
     ("a", "m", "semi-major axis"),
