@@ -143,10 +143,12 @@ def test_code_that_all_figures_share_counts(digest, monkeypatch):
 def test_a_picture_is_small_and_states_its_code(tmp_path, monkeypatch):
     monkeypatch.setattr(shrunk, "IMAGES", tmp_path)
     Image.new("RGB", (2400, 900), "white").save(tmp_path / "large.png")
-    shrunk.shrink(tmp_path / "large.png", tmp_path / "scan.png")
-    with Image.open(tmp_path / "scan.png") as small:
+    shrunk.shrink(tmp_path / "large.png", tmp_path / "learning.png")
+    with Image.open(tmp_path / "learning.png") as small:
         assert small.size == (1344, 504)
-    assert shrunk.stated_digest(tmp_path / "scan.png") == drawing_code.digest(shrunk.drawers()["scan.png"])
+    assert shrunk.stated_digest(tmp_path / "learning.png") == drawing_code.digest(
+        shrunk.drawers()["learning.png"]
+    )
     assert shrunk.stated_digest(tmp_path / "large.png") is None
 
 

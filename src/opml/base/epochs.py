@@ -18,11 +18,8 @@ from numpy.typing import ArrayLike
 from opml.base.constants import DAY
 from opml.base.errors import InputError
 
-JulianDate = tuple[np.ndarray, np.ndarray]
-"""Whole days and their fractions; the date is the sum."""
-
-MJD_ZERO = 2400000.5
-"""Julian date at which the modified Julian days begin."""
+JulianDate = tuple[np.ndarray, np.ndarray]  # whole days and their fractions; the date is the sum
+MJD_ZERO = 2400000.5  # Julian date at which the modified Julian days begin
 
 _UTC_TEXT = re.compile(r"(\d{4})-(\d\d)-(\d\d)T(\d\d):(\d\d):(\d\d(?:\.\d+)?)", re.ASCII)
 

@@ -81,7 +81,7 @@ def read(paths: Sequence[FilePath], *, epoch: str, satellite: str | None = None)
         for one in _passes(path, satellite):
             satellite = satellite or one.head["H3"][1][1]
             if one.is_poor:
-                _log.warning("%s: line %d: a pass of poor quality is left out", path, one.head["H4"][0])
+                _log.warning("%s: line %d: a pass of poor quality is ignored", path, one.head["H4"][0])
             elif one.points:
                 tables.append(_points(path, one, epoch))
     if not tables:

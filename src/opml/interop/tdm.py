@@ -169,7 +169,7 @@ def _segment(message: ccsds.Message, epoch: str, number: int) -> pd.DataFrame:
     if not data:
         return pd.DataFrame()
     if metadata.choice("DATA_QUALITY", _QUALITIES, _QUALITIES[0]) == _DEGRADED:
-        _log.warning("%s: a segment of degraded data is left out", message.path)
+        _log.warning("%s: a segment of degraded data is ignored", message.path)
         return pd.DataFrame()
     kinds = [kind for kind in _TYPES if any(kind in measured for measured in data.values())]
     station, rso = _participants(metadata)

@@ -74,7 +74,7 @@ def _ordered(outcomes: Sequence[Outcome]) -> list[Outcome]:
 
 
 def _card(outcome: Outcome) -> Card:
-    name, word = outcome["object"], outcome["verdict"]
+    name, word, why = outcome["object"], outcome["verdict"], as_it_is(_why(outcome))
     message = f"[{outcome['message']}]({name}/{outcome['message']})" if outcome["message"] else "none"
     last = [
         (SHAPES[one["verdict"]], f"{one['date']}: {one['verdict']}", one["verdict"])
@@ -85,7 +85,7 @@ def _card(outcome: Outcome) -> Card:
         TO_DO[word],
         word,
         [
-            f"{as_it_is(_why(outcome))}.",
+            f"{why[:1].upper()}{why[1:]}.",
             f"Expected along the track, one sigma: {_expected(outcome)}.",
             *_beside_sgp4(outcome),
             f"Message: {message}{_yesterday(outcome)}; newest estimate: {_newest(outcome)}; "

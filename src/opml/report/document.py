@@ -47,7 +47,7 @@ class Table:
 
 @dataclass(frozen=True)
 class Picture:
-    """A PNG, which Markdown links to and HTML holds; link: its path as seen from the document."""
+    """A PNG, which Markdown links to and HTML holds, wider than a phone's screen; link: from the document."""
 
     file: FilePath
     link: str
@@ -198,7 +198,9 @@ def _html(block: Block) -> str:
             return "<table>\n" + "\n".join(lines) + "\n</table>"
         case Picture(file, _, shows):
             data = base64.b64encode(Path(file).read_bytes()).decode()
-            return f'<p><img alt="{html.escape(shows)}" src="data:image/png;base64,{data}"></p>'
+            return (
+                f'<p class="picture"><img alt="{html.escape(shows)}" src="data:image/png;base64,{data}"></p>'
+            )
         case Pictures(pictures):
             return '<div class="pictures">\n' + "\n".join(map(_html, pictures)) + "\n</div>"
         case Cards(cards):

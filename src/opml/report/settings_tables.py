@@ -61,13 +61,13 @@ def weather(environment: EnvironmentSettings) -> str:
             return f"Space weather: monthly figures ({source})."
     if source == "MSAFE":
         return "Space weather: MSAFE's monthly figures, which were published half a year later."
-    return f"Space weather: {source} as it stands, measured values of the days predicted to included."
+    return f"Space weather: {source} as in the file, with measured values of the days predicted to."
 
 
 def weather_word(environment: EnvironmentSettings) -> str:
     """Return in a word or three what predictions know of the space weather."""
     words = {"forecast": "forecast", "hindcast": "observed", "monthly": "monthly"}
-    return words.get(environment.knowledge or "", "as it stands")
+    return words.get(environment.knowledge or "", "as in the file")
 
 
 def _knowledge(environment: EnvironmentSettings) -> str:

@@ -29,20 +29,13 @@ _SECONDS, _MEGABYTES = 4.0, 1.3
 
 @dataclass(frozen=True)
 class Call:
-    """What is asked for.
+    """What is asked for."""
 
-    day: the last date of mornings
-    first: the first date that has a page
-    configfiles: files of settings
-    where: options of Snakemake that tell where jobs run
-    dry: whether the plan alone is shown
-    """
-
-    day: date
-    first: date
-    configfiles: Sequence[str]
-    where: Sequence[str]
-    dry: bool
+    day: date  # the last date of mornings
+    first: date  # the first date that has a page
+    configfiles: Sequence[str]  # files of settings
+    where: Sequence[str]  # options of Snakemake that tell where jobs run
+    dry: bool  # whether the plan alone is shown
 
 
 def run(call: Call) -> int:
@@ -117,7 +110,7 @@ def _snakemake(call: Call, pages: Sequence[str]) -> int:
     command = [sys.executable, "-m", "snakemake", *call.where, *how, *settings, "--", *pages]
     code = subprocess.run(command, check=False).returncode
     if code and not call.dry:
-        told = "opml: the workflow failed; `opml day -n`, which is not quiet, tells of errors in its plan"
+        told = "opml: the workflow failed; `opml day -n` shows errors in its plan"
         print(told, file=sys.stderr, flush=True)
     return code
 

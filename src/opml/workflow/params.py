@@ -209,7 +209,7 @@ class Params:
         if wildcards.rso in self.plan.settings.measured and wildcards.rso not in self.plan.settings.orbits:
             known = "what was measured has no truth, and no seed of the noise"
             raise InputError(
-                f"truth of '{wildcards.rso}': expected an RSO without measurements of its own, as {known}"
+                f"truth of '{wildcards.rso}': expected an RSO without own measurements, as {known}"
             )
 
     def check_filtered(self, _: Wildcards) -> None:

@@ -13,11 +13,8 @@ from opml.base.files import FilePath
 from opml.interop.element_sets import mean_elements
 from opml.interop.element_sets.element_set import ElementSet, elements_epoch
 
-LONGEST = 91
-"""Days of sets that count at most, the newest."""
-
-FEWEST = 20
-"""Least days of sets."""
+LONGEST = 91  # days of sets that count at most, the newest
+FEWEST = 20  # least days of sets
 
 _AHEAD = 7  # days that predictions reach
 _TRAINED = 0.66  # of the days

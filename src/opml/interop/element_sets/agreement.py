@@ -92,7 +92,7 @@ def weighed(
         known = [one] if counts else [*known, one]
         rows.append([counts, *past.sigma])
         if not counts:
-            _log.warning("%s disagrees with those before it and is left out: a burn?", place(one, epoch))
+            _log.warning("%s disagrees with those before it and is ignored: a burn?", place(one, epoch))
     return pd.DataFrame(rows, columns=["counts", *FIX_SIGMAS[:3]], index=sets.index)
 
 

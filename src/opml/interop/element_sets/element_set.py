@@ -37,6 +37,7 @@ class ElementSet:
     """A set of mean elements.
 
     path, line: where it is, a TLE by its line 1
+    place: number of sets before it in the file, damaged ones among them
     number: catalogue number, 0 where the file has none
     created: UTC text, '' where unknown
     satellite: the elements, initialised; sgp4's own number is 0 beyond those of TLEs
@@ -50,6 +51,7 @@ class ElementSet:
     satellite: Satrec
     name: str = ""
     designator: str = ""
+    place: int = 0
 
 
 def satellite(epoch: str, elements: Sequence[float]) -> Satrec:
@@ -152,6 +154,13 @@ def each(
             if damaged is None:
                 raise
             damaged.append(error)
+
+
+def numbered(one: ElementSet) -> ElementSet:
+    """Return the set. Raises InputError where it does not name its object."""
+    if one.number == 0:
+        raise line_error(one.path, one.line, "a catalogue number above 0", "none")
+    return one
 
 
 def check_orbit(path: FilePath, line: int, satellite: Satrec) -> None:

@@ -24,9 +24,8 @@ from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.interop import ccsds
 from opml.interop.element_sets import element_set, mean_elements
-from opml.interop.element_sets.element_set import ElementSet, each, seconds_since
+from opml.interop.element_sets.element_set import ElementSet, each, numbered, seconds_since
 from opml.interop.object_ids import ObjectId
-from opml.interop.orbit_arcs import line_error
 from opml.tables import ELEMENTS, SCHEMAS
 
 _TLE_DAY = 1e8  # parts of a day that the epoch of a TLE resolves; an OMM's epoch has two digits more
@@ -74,7 +73,7 @@ def read(paths: Iterable[FilePath], *, epoch: str, leave_out_damaged: bool = Fal
     """
     damaged: list[InputError] = []
     sets = chain.from_iterable(mean_elements.read_sets(path, damaged) for path in paths)
-    found = list(each(sets, _numbered, damaged))
+    found = list(each(sets, numbered, damaged))
     if not leave_out_damaged and len(damaged) > _MOST_DAMAGED * (len(found) + len(damaged)):
         raise damaged[0]
     issues = _by_epoch(found)
@@ -152,12 +151,6 @@ def satellite(row: pd.Series, *, epoch: str) -> Satrec:
     (time,) = ccsds.utc_texts(epoch, np.array([row["t"]]))
     motion, *others = (float(row[name]) for name in ELEMENTS)
     return element_set.satellite(time, [_MINUTE * motion, *others])
-
-
-def _numbered(one: ElementSet) -> ElementSet:
-    if one.number == 0:
-        raise line_error(one.path, one.line, "a catalogue number above 0", "none")
-    return one
 
 
 def _object(one: ElementSet) -> ObjectId:

@@ -7,9 +7,8 @@ formats; CCSDS 502.0-B-2, section 4.
 import csv
 import io
 import json
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import groupby
 from pathlib import Path
 from xml.sax.saxutils import escape
 
@@ -20,6 +19,7 @@ from opml.base.errors import InputError
 from opml.base.files import FilePath, replacing
 from opml.interop.element_sets import mean_elements, omm, tle
 from opml.interop.element_sets.element_set import PER_DAY
+from opml.interop.element_sets.mean_elements import Piece
 
 Fields = Mapping[str, str]  # an OMM: values by their keys
 
@@ -49,13 +49,14 @@ _STANDARD = {
 
 @dataclass(frozen=True)
 class Better:
-    """A set of a file, by path and line, and what it gets.
+    """A set of a file, by path, place and line as `ElementSet` has them, and what it gets.
 
     motion: mean motion [rad/min]
     bstar: B* [1/(6378.135 km)]
     """
 
     path: str
+    place: int
     line: int
     motion: float
     bstar: float
@@ -75,7 +76,11 @@ def write(path: FilePath, sets: Sequence[Better]) -> int:
     Raises InputError for another suffix, and where a file has changed since it was read.
     """
     check_suffix(path)
-    found = [one for _, group in groupby(sets, key=lambda one: one.path) for one in _of_file([*group])]
+    wanted: dict[str, list[Better]] = {}
+    for one in sets:
+        wanted.setdefault(one.path, []).append(one)
+    there = {file: _pieces(file, group) for file, group in wanted.items()}
+    found = [_better(there[one.path][one.place], one) for one in sets]
     text, missing = _WRITERS[Path(path).suffix.lower()](found)
     with replacing(path) as temporary:
         temporary.write_text(text, encoding="utf-8")
@@ -91,38 +96,28 @@ class _Tle:
     second: str
 
 
-def _of_file(sets: Sequence[Better]) -> Iterator[_Tle | Fields]:
-    """Yield sets of one file with their new values."""
-    path = sets[0].path
-    text = mean_elements.read_text(path)
-    wanted = {one.line: one for one in sets}
-    found: dict[int, _Tle | Fields] = {}
-    if omm.matches(text):
-        for record in omm.records(path, text):
-            if record.line in wanted:
-                found[record.line] = _better_omm(record, wanted[record.line])
-    else:
-        for number, one in map(_tle, tle.pieces(text)):
-            if number in wanted:
-                found[number] = _better_tle(one, wanted[number])
-    for line in wanted:
-        if line not in found:
+def _pieces(path: FilePath, sets: Sequence[Better]) -> dict[int, Piece]:
+    """Return the sets of a file by their places."""
+    wanted = {one.place: one.line for one in sets}
+    pieces = enumerate(mean_elements.pieces(path, mean_elements.read_text(path)))
+    there = {place: piece for place, piece in pieces if place in wanted}
+    for place, line in wanted.items():
+        if place not in there or _line(there[place]) != line:
             raise InputError(f"{path}: line {line}: expected the set that was read there, got another")
-        yield found[line]
+    return there
 
 
-def _tle(piece: Sequence[tle.Line]) -> tuple[int, _Tle]:
-    """Return the number of line 1, and the set, of a piece that was read before."""
-    *name, (number, first), (_, second) = piece
-    return number, _Tle(name[0][1].removeprefix("0 ") if name else "", first, second)
+def _line(piece: Piece) -> int:
+    """Return the line of a piece, of a TLE its line 1."""
+    return piece.line if isinstance(piece, omm.Record) else piece[-2:][0][0]
 
 
-def _better_tle(one: _Tle, better: Better) -> _Tle:
-    return _Tle(one.name, *tle.with_drag(one.first, one.second, motion=better.motion, bstar=better.bstar))
-
-
-def _better_omm(record: omm.Record, better: Better) -> Fields:
-    fields = {pair.key: pair.value for pair in record.pairs if pair.key and pair.value}
+def _better(piece: Piece, better: Better) -> _Tle | Fields:
+    if not isinstance(piece, omm.Record):
+        *name, (_, first), (_, second) = piece
+        lines = tle.with_drag(first, second, motion=better.motion, bstar=better.bstar)
+        return _Tle(name[0][1].removeprefix("0 ") if name else "", *lines)
+    fields = {pair.key: pair.value for pair in piece.pairs if pair.key and pair.value}
     return fields | {"MEAN_MOTION": f"{better.motion * PER_DAY:.10f}", "BSTAR": f"{better.bstar:.10g}"}
 
 

@@ -57,7 +57,27 @@ _PATTERNS = {
 
 
 def pieces(text: str) -> Iterator[list[Line]]:
-    """Yield the lines of each set: from its name or line 1 up to its line 2, or to where the next begins."""
+    """Yield the lines of each set: from its name or line 1 up to its line 2, or to where the next begins.
+
+    Between a line 2 alone and the next line 1 alone, lines 2 may be written before lines 1: each line there
+    is a piece of its own.
+    """
+    doubtful: list[list[Line]] = []
+    for piece in _cut(text):
+        kinds = "".join(line[0] for _, line in piece[-2:])
+        if kinds.endswith("1"):
+            yield from ([line] for pair in doubtful for line in pair)
+            doubtful = []
+            yield piece
+        elif doubtful or (kinds.endswith("2") and kinds != "12"):
+            doubtful.append(piece)
+        else:
+            yield piece
+    yield from doubtful
+
+
+def _cut(text: str) -> Iterator[list[Line]]:
+    """Yield lines up to a line 2, or to where another set begins."""
     piece: list[Line] = []
     has_first = False
     for number, line in enumerate(text.splitlines(), start=1):

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from opml.base.errors import InputError
+from opml.learning.judge import own_standardisation
 from opml.learning.models import fixed_laws
 from opml.learning.models.inputs import Training
-from opml.readings import own_standardisation
 
 VARIABLES = ("duration", "inc")
 

@@ -54,7 +54,6 @@ class Rescaled:
 def as_tested(model: Model, test: str) -> Predictor:
     """Return the model as the name of a test applies it: to rows as they are, or standardised by themselves.
 
-    A test that is standardised together with the training has a model of its own, applied to rows as they
-    are. Raises InputError for an unknown name, or a model that does not standardise.
+    Raises InputError for an unknown name, or a model that does not standardise.
     """
     return Rescaled.around(model) if parse_test(test).standardisation == "own" else model
