@@ -529,11 +529,6 @@ def correct(
     >>> list(corrected.columns)
     ['i', 'j', 'duration', 'true', 'predicted', 'residual']
     """
-<<<<<<< HEAD
-    if parse_test(test).standardisation == "together":
-        raise InputError(f"correct: test: expected one that needs no other model, got {test}")
-=======
->>>>>>> bdafb0ac96bc4153fd1ca105f5765bcf1c0e4eae
     source = dataset if learned is None else learned
     trained = None if train is None else splits.training_rows(source, train, span_days=span_days, seed=seed)
     chosen = splits.test_rows(dataset, test, span_days=span_days, trained=trained)

@@ -239,6 +239,7 @@ class Params:
             "date": wildcards.date,
             "hour": day.hour,
             "days": self.plan.product("days").folder,
+            "batch": wildcards.batch,
             "stations": self.all_stations,
             "estimation": _given(self.run.estimation),
             "max_days": self.run.prediction.max_days,
@@ -274,6 +275,7 @@ class Params:
             **self._measured(rso),
             "start": settings.starts.get(rso, ""),
             "manoeuvres": settings.manoeuvres(rso),
+            "has_message": settings.day.messages is None or rso in settings.day.messages,
         }
 
     def departures(self, wildcards: Wildcards) -> dict[str, Any]:
