@@ -13,8 +13,7 @@ from opml.learning.judge.model_choice import Mornings, summed
 from opml.report import absurd_fits, uncertainty
 from opml.report.document import Block, Heading, Items, Paragraph, Picture, link_to
 from opml.report.mornings import TITLE as EVERY_MORNING
-from opml.report.mornings import Dataset
-from opml.report.on_the_sky import days_within
+from opml.report.mornings import Dataset, days_within
 from opml.report.skill import skill
 from opml.tables import ELLIPSOID
 
@@ -26,7 +25,7 @@ TURNED = "the orbit to turn, where the extra `explore` is installed"
 """What a page shows that is made with plotly alone."""
 
 FEWEST = 10  # predictions of a duration below which neither their median nor a share of them is told
-MORNINGS = 14  # mornings below which the past chooses poorly (docs/operations.md)
+MORNINGS = 14  # mornings below which the past chooses poorly: `opml docs operations`
 
 _SPANS = {1.0: "a day", 7.0: "a week"}
 
