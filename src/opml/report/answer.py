@@ -32,20 +32,13 @@ _SPANS = {1.0: "a day", 7.0: "a week"}
 
 @dataclass(frozen=True)
 class Sources:
-    """What the answer of a dataset points at.
+    """What the answer of a dataset points at."""
 
-    files: corrected ephemerides by model, as CCSDS OEM
-    day: of the newest estimate that they start from
-    end: day on which the run ends
-    manoeuvres: which are known, in words, '' of a simulated RSO, which makes none
-    figures: links to figures by what they show
-    """
-
-    files: Mapping[str, str]
-    day: float
-    end: float
-    manoeuvres: str
-    figures: Mapping[str, str]
+    files: Mapping[str, str]  # corrected ephemerides by model, as CCSDS OEM
+    day: float  # of the newest estimate that they start from
+    end: float  # day on which the run ends
+    manoeuvres: str  # which are known, in words, '' of a simulated RSO, which makes none
+    figures: Mapping[str, str]  # links to figures by what they show
 
 
 def section(

@@ -28,8 +28,6 @@ class Score:
     """What is told of answers.
 
     scores, by_height: of `opml.benchmark.scores`
-    suspicions: a sentence each
-    about: tool, command and runtime_s, where they are told
     """
 
     task: str
@@ -38,8 +36,8 @@ class Score:
     digest: str
     scores: pd.DataFrame
     by_height: pd.DataFrame
-    suspicions: Sequence[str]
-    about: Mapping[str, Any]
+    suspicions: Sequence[str]  # a sentence each
+    about: Mapping[str, Any]  # tool, command and runtime_s, where they are told
 
     def values(self) -> dict[str, Any]:
         """Return all of it as JSON values."""
