@@ -6,7 +6,7 @@ import logging
 import os
 import re
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from datetime import UTC, date, datetime
 from importlib.util import find_spec
@@ -34,8 +34,7 @@ class Command:
     run: Callable[[argparse.Namespace], None]
 
 
-INTERRUPTED = 130
-"""Exit code of a command that its user interrupts, as of a shell's."""
+INTERRUPTED = 130  # exit code of a command that its user interrupts, as of a shell's
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -62,7 +61,10 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="opml",
         description="Orbit prediction improved by machine learning.",
-        epilog="\n".join(_listed()),
+        epilog="\n".join(
+            f"{group}:\n" + "\n".join(f"  {command.name:10} {command.help}" for command in commands)
+            for group, commands in GROUPS.items()
+        ),
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--version", action="version", version=f"opml {__version__}")
@@ -72,13 +74,6 @@ def _parser() -> argparse.ArgumentParser:
         command.add_arguments(subparser)
         subparser.set_defaults(run=command.run)
     return parser
-
-
-def _listed() -> Iterator[str]:
-    """Yield the lines of the help that list the commands, by their groups."""
-    for group, commands in GROUPS.items():
-        yield f"{group}:"
-        yield from (f"  {command.name:10} {command.help}" for command in commands)
 
 
 # The modules behind a command are imported when it runs: some need packages of an extra, some take a second.
