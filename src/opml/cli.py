@@ -266,16 +266,8 @@ def _fly_sets(options: argparse.Namespace, progress: "Progress") -> "Prediction"
 
     if options.area_to_mass is not None:
         raise InputError("--area-to-mass: expected points or tracks to fit, got element sets")
-    return prediction.predict(
-        options.files,
-        days=options.days,
-        object=options.object,
-        date=options.date,
-        weather=options.weather,
-        catalogue=options.catalogue,
-        trained=options.model,
-        progress=progress,
-    )
+    asked = {name: getattr(options, name) for name in ("days", "object", "date", "weather", "catalogue")}
+    return prediction.predict(options.files, **asked, trained=options.model, progress=progress)
 
 
 def _fit(options: argparse.Namespace, progress: "Progress") -> "PredictedOrbit":
@@ -288,15 +280,10 @@ def _fit(options: argparse.Namespace, progress: "Progress") -> "PredictedOrbit":
     predicted.check_fitted(options.output)
     if options.catalogue or options.model:
         raise InputError("--catalogue, --model: expected element sets, got points or tracks")
-    request = Request(
-        options.files,
-        options.days,
-        options.object,
-        options.date,
-        options.weather,
-        list(read_stations(project_file(options.radars)).values()),
-        0.01 if options.area_to_mass is None else options.area_to_mass,
-    )
+    asked = {name: getattr(options, name) for name in ("days", "object", "date", "weather")}
+    stations = list(read_stations(project_file(options.radars)).values())
+    area_to_mass = 0.01 if options.area_to_mass is None else options.area_to_mass
+    request = Request(options.files, **asked, stations=stations, area_to_mass=area_to_mass)
     return prediction.of_measurements(request, progress=progress)
 
 
