@@ -50,7 +50,6 @@ def load_settings(source: Source) -> CheckedSettings:
     for path in (results, *results.parents):
         if path.is_file():
             raise source.wrong(("results",), f"expected a folder, got a file at {path}")
-    _check_beside(source)
     _check_sheets(source)
     settings = with_sheets(source.values, source)
     misfit = _misfit(source, settings)
@@ -148,14 +147,6 @@ def _misfit(source: Source, settings: Settings) -> str:
         check_study(source, settings, last_day=math.inf)
         return f'{error}; "study: {{}}" in a file, or --config study={{}}, asks for no study'
     return ""
-
-
-def _check_beside(source: Source) -> None:
-    """Raise InputError where the results that stand beside a study's conjunctions have none."""
-    key = ("study", "conjunctions", "beside")
-    folder = value_at(source.values, key)
-    if folder is not MISSING and ("{" in folder or not (Path(folder) / "conjunctions").is_dir()):
-        raise source.wrong(key, f"expected the results of a study with conjunctions, got {folder}")
 
 
 def _check_sheets(source: Source) -> None:
