@@ -9,6 +9,7 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -48,15 +49,14 @@ from opml.learning.data.cleaning import Cleaning
 from opml.learning.data.components import CORRECTED
 from opml.learning.judge import metrics
 from opml.learning.judge.evaluation import evaluate
+from opml.learning.judge.own_standardisation import as_tested
 from opml.learning.models import learners
-from opml.learning.models.contract import Model, ResolvedSettings
+from opml.learning.models.contract import Model
 from opml.learning.models.daily_training import Lessons
 from opml.mornings.prediction import Request
-from opml.naming import parse_test
 from opml.orbits.sheets import Rso, Station
 from opml.orbits.sheets import read_rsos as _read_rsos
 from opml.orbits.sheets import read_stations as _read_stations
-from opml.readings.own_standardisation import as_tested
 from opml.study import prediction as measured_prediction
 from opml.study.settings import packaged
 from opml.tables import COMPONENTS, LEARNING_VARIABLES
@@ -522,15 +522,13 @@ def correct(
 
     test: which rows (``opml docs wildcards``); train, span_days, seed: as `learn` had them, so that its rows
     are left out; train is None where the model learned from another RSO; learned: the dataset of the same
-    pairs that the model learned from, where its errors are labels. Raises InputError for no rows, and for a
-    test that takes a model of its own (`-together`). Source: sec. Validation of the Trained SVM Model.
+    pairs that the model learned from, where its errors are labels. Raises InputError for no rows.
+    Source: sec. Validation of the Trained SVM Model.
 
     >>> corrected = opml.correct(model, rows)
     >>> list(corrected.columns)
     ['i', 'j', 'duration', 'true', 'predicted', 'residual']
     """
-    if parse_test(test).standardisation == "together":
-        raise InputError(f"correct: test: expected one that asks no model of its own, got {test}")
     source = dataset if learned is None else learned
     trained = None if train is None else splits.training_rows(source, train, span_days=span_days, seed=seed)
     chosen = splits.test_rows(dataset, test, span_days=span_days, trained=trained)
@@ -630,6 +628,25 @@ def ephemeris(
     )
 
 
+def style() -> dict[str, str]:
+    """Give matplotlib the look of opml's figures; return its colours by what they mean in them.
+
+    The colours (Okabe & Ito 2008) differ under every colour blindness. Needs matplotlib.
+
+    >>> colors = opml.style()
+    >>> colors["corrected"]
+    '#D55E00'
+    """
+    look = import_module("opml.figures.style")  # not above: only here the library needs matplotlib
+    import_module("matplotlib").rcParams.update(look.LOOK)
+    return {
+        "true": look.TRUE_COLOR,
+        "predicted": look.PREDICTED_COLOR,
+        "corrected": look.RESIDUAL,
+        "context": look.MUTED,
+    }
+
+
 def _known(catalogue: Catalogue) -> Known:
     """Return what is known of an RSO at its estimates; raises InputError for an unknown setting."""
     estimates, gm, cleaning = catalogue.estimates, catalogue.environment.gm, _cleaning(catalogue, "ephemeris")
@@ -646,11 +663,6 @@ def _spreads(flight: Flight, catalogue: Catalogue) -> corrected.Spreads:
         catalogue.estimates,
         weathers=Weathers.of(flattened, None),
     )
-
-
-def _resolved(learner: Mapping[str, Any], component: str) -> ResolvedSettings:
-    settings = learners.settings_of(learner)
-    return learners.resolved(settings, component=component, variables=LEARNING_VARIABLES)
 
 
 def _cleaning(catalogue: Catalogue, what: str) -> Cleaning:

@@ -112,9 +112,10 @@ def digest(tmp_path, monkeypatch):
         ("return SIZE", "return SIZE  # metres"),
         ("(axes):", '(axes):\n    """Draw it."""'),
         ("return 5", "return 6"),
+        ("SIZE = 3", 'SIZE = 3\n"""Points of the line."""'),
         ("_points(), color", "_points(),\n        color"),
     ],
-    ids=["comment", "docstring", "another function", "layout"],
+    ids=["comment", "docstring", "another function", "meaning of a constant", "layout"],
 )
 def test_what_changes_no_drawing_changes_no_digest(digest, old, new):
     assert digest(TEXT.replace(old, new)) == digest(TEXT)
@@ -143,10 +144,12 @@ def test_code_that_all_figures_share_counts(digest, monkeypatch):
 def test_a_picture_is_small_and_states_its_code(tmp_path, monkeypatch):
     monkeypatch.setattr(shrunk, "IMAGES", tmp_path)
     Image.new("RGB", (2400, 900), "white").save(tmp_path / "large.png")
-    shrunk.shrink(tmp_path / "large.png", tmp_path / "scan.png")
-    with Image.open(tmp_path / "scan.png") as small:
+    shrunk.shrink(tmp_path / "large.png", tmp_path / "learning.png")
+    with Image.open(tmp_path / "learning.png") as small:
         assert small.size == (1344, 504)
-    assert shrunk.stated_digest(tmp_path / "scan.png") == drawing_code.digest(shrunk.drawers()["scan.png"])
+    assert shrunk.stated_digest(tmp_path / "learning.png") == drawing_code.digest(
+        shrunk.drawers()["learning.png"]
+    )
     assert shrunk.stated_digest(tmp_path / "large.png") is None
 
 

@@ -79,23 +79,10 @@ def test_without_a_truth_labels_are_learned_from_and_the_truth_judges(beyond):
     assert anew["day"].unique().tolist() == [2.0]
 
 
-def test_readings_of_fits_and_tests_are_names(beyond):
-    where, model = "iss/eglin-clear-kaena", "days-0-2/svr/e_y"
-    alone = [f"metrics/{where}/{model}/iss_i50/days-2-3{mark}.parquet" for mark in ("", "-together")]
-    both = f"models/{where}/{model}/iss_i50/days-2-3-together.parquet"
-    light = f"estimates/{where}_light.parquet"
-    beyond.snakemake("-j2", CI, *(f"results/ci/{name}" for name in (*alone, both, light)))
-    # An inclination that never varies much in the training does so among all rows.
-    plain, together = (
-        read_metadata(results(beyond, name)) for name in (f"models/{where}/{model}.parquet", both)
-    )
-    inclination = plain["variables"].index("inc")
-    assert together["x_scale"][inclination] > 10.0 * plain["x_scale"][inclination]
-    p_ml, p_ml_together = (read_table(results(beyond, name), "metrics")["p_ml"][0] for name in alone)
-    assert p_ml != p_ml_together
-    estimates = [
-        read_table(results(beyond, name), "estimates") for name in (f"estimates/{where}.parquet", light)
-    ]
+def test_readings_of_fits_are_names(beyond):
+    names = [f"estimates/iss/eglin-clear-kaena{mark}.parquet" for mark in ("", "_light")]
+    beyond.snakemake("-j2", CI, *(f"results/ci/{name}" for name in names))
+    estimates = [read_table(results(beyond, name), "estimates") for name in names]
     fitted = np.logical_and.reduce([table["tracks_used"] >= 3 for table in estimates])
     apart = [table.loc[fitted, ["x", "y", "z"]].to_numpy() for table in estimates]
     moved = np.linalg.norm(apart[1] - apart[0], axis=1)

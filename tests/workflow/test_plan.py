@@ -125,8 +125,8 @@ def test_trimmed_case_has_the_same_rules(project, papers_plan):
             {**dict.fromkeys(CHAIN, 1), "spread": 1, "replay": 1},
         ),
         (
-            "results/metrics/iss/eglin_cd1_light/days-0-30/svr/e_y/iss_i50/days-30-40-together.parquet",
-            {**dict.fromkeys(CHAIN, 2), "truths": 1, "train_together": 1, "evaluate": 1},
+            "results/metrics/iss/eglin_cd1_light/days-0-30/svr/e_y/iss_i50/days-30-40-zscore.parquet",
+            {**dict.fromkeys(CHAIN, 2), "truths": 1, "train": 1, "evaluate": 1},
         ),
     ],
 )

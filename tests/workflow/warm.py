@@ -16,7 +16,6 @@ import snakemake.report.html_reporter
 import snakemake.storage
 from parsed_snakefiles import parse_once
 
-import opml.readings.scan_report
 import opml.study.beyond
 import opml.study.checks
 import opml.study.own_study

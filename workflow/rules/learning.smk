@@ -3,7 +3,6 @@ EXPERIMENT = "{rso}/{stations}{window}{reading}{label}/{train}/{learner}/{compon
 TEST = f"{EXPERIMENT}/{{target}}/{{test}}"
 TARGET_DATASET = product("dataset/{target}/{stations}{window}{reading}{label}")
 MODEL = product(f"models/{EXPERIMENT}")
-MODEL_TOGETHER = product(f"models/{TEST}")
 EVALUATION = product(f"evaluation/{TEST}")
 METRICS = product(f"metrics/{TEST}")
 ROLLING = product("rolling/{rso}/{stations}{window}{reading}{label}/{learner}/{component}")
@@ -42,44 +41,9 @@ rule train:
         "../scripts/train.py"
 
 
-rule train_together:
-    input:
-        dataset=rules.train.input.dataset,
-        beside=INPUTS.learner_tables("rso"),
-        target=TARGET_DATASET.table,
-        judge=INPUTS.true_errors(rules.dataset.output[0]),
-        beside_target=INPUTS.learner_tables("target"),
-        check=checks(PARAMS.split, PARAMS.experiment),
-    output:
-        MODEL_TOGETHER.table,
-    log:
-        MODEL_TOGETHER.log,
-    benchmark:
-        MODEL_TOGETHER.benchmark
-    wildcard_constraints:
-        rso=PLAN.training_pattern,
-        test=naming.TEST_TOGETHER,
-    conda:
-        "../envs/opml.yaml"
-    resources:
-        mem_mb=1750,
-        runtime=16,
-    params:
-        settings=lambda wildcards: {
-            **PARAMS.training(wildcards),
-            "learner": PARAMS.learner(wildcards),
-            "experiment": PARAMS.experiment(wildcards),
-        },
-        code=code("train_together.py"),
-    message:
-        "Train {wildcards.learner} on {wildcards.component} of {wildcards.rso}, {wildcards.stations}, {wildcards.train}, for {wildcards.target}, {wildcards.test}"
-    script:
-        "../scripts/train_together.py"
-
-
 rule evaluate:
     input:
-        model=INPUTS.model(rules.train.output[0], rules.train_together.output[0]),
+        model=rules.train.output[0],
         target=TARGET_DATASET.table,
         judge=INPUTS.true_errors(rules.dataset.output[0]),
         beside=INPUTS.learner_tables("target"),

@@ -49,7 +49,6 @@ BEYOND_FILES = (
     if "beyond" in STUDY
     else []
 )
-SCAN_FILES = [*rules.scan_report.output, *rules.scan_dots.output] if "scan" in STUDY else []
 CATALOGUE_FILES = (
     [
         *rules.catalogue_report.output,

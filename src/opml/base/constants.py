@@ -2,14 +2,9 @@
 
 import math
 
-HOUR = 3600.0
-"""Seconds in an hour."""
-
-DAY = 24.0 * HOUR
-"""Seconds in a day."""
-
-JULIAN_YEAR = 365.25 * DAY
-"""Seconds in a Julian year."""
+HOUR = 3600.0  # seconds in an hour
+DAY = 24.0 * HOUR  # seconds in a day
+JULIAN_YEAR = 365.25 * DAY  # seconds in a Julian year
 
 GM = {
     "sun": 132712440041.279419e9,
@@ -28,8 +23,7 @@ GM = {
 DE440: Park, Folkner, Williams & Boggs 2021, AJ 161:105 (and the comment area of the kernel itself).
 """
 
-BODIES = tuple(GM)
-"""Names of the third bodies, in the order of the tables' columns."""
+BODIES = tuple(GM)  # names of the third bodies, in the order of the tables' columns
 
 EARTH_GM = 3.986004415e14
 """Earth's gravitational parameter [m3/s2] of EGM2008 and EIGEN-6S, for the elements of the sheet of RSOs."""
@@ -37,26 +31,19 @@ EARTH_GM = 3.986004415e14
 EARTH_ANGULAR_MOMENTUM = 9.8e8
 """The Earth's angular momentum per mass [m2/s] (IERS Conventions 2010, sec. 10.3)."""
 
-WGS84_A = 6378137.0
-"""Equatorial radius of the WGS84 ellipsoid [m] (NGA.STND.0036)."""
-
-WGS84_F = 1.0 / 298.257223563
-"""Flattening of the WGS84 ellipsoid (NGA.STND.0036)."""
-
-SUN_RADIUS = 6.957e8
-"""Nominal solar radius [m] (IAU 2015 Resolution B3)."""
+WGS84_A = 6378137.0  # equatorial radius of the WGS84 ellipsoid [m] (NGA.STND.0036)
+WGS84_F = 1.0 / 298.257223563  # flattening of the WGS84 ellipsoid (NGA.STND.0036)
+SUN_RADIUS = 6.957e8  # nominal solar radius [m] (IAU 2015 Resolution B3)
 
 SRP_PRESSURE = 4.56e-6
 """Solar radiation pressure on an absorbing surface at SRP_DISTANCE [N/m2] (the paper's 'SRP')."""
 
-SRP_DISTANCE = 149_597_870.0e3
-"""Distance from the Sun at which SRP_PRESSURE holds [m] (the paper's 'SRP')."""
+SRP_DISTANCE = 149_597_870.0e3  # distance from the Sun at which SRP_PRESSURE holds [m] (the paper's 'SRP')
 
 EARTH_RATE = 2.0 * math.pi * 1.00273781191135448 / DAY
 """Rate of the Earth rotation angle [rad/s] (IERS Conventions 2010, eq. 5.15)."""
 
-SPEED_OF_LIGHT = 299_792_458.0
-"""Speed of light in vacuum [m/s] (SI)."""
+SPEED_OF_LIGHT = 299_792_458.0  # speed of light in vacuum [m/s] (SI)
 
 LANES = 16
 """Arcs that a kernel flies side by side, in the time of one.

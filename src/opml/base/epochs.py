@@ -10,6 +10,7 @@ import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from datetime import date, timedelta
+from functools import lru_cache
 
 import erfa
 import numpy as np
@@ -18,11 +19,8 @@ from numpy.typing import ArrayLike
 from opml.base.constants import DAY
 from opml.base.errors import InputError
 
-JulianDate = tuple[np.ndarray, np.ndarray]
-"""Whole days and their fractions; the date is the sum."""
-
-MJD_ZERO = 2400000.5
-"""Julian date at which the modified Julian days begin."""
+JulianDate = tuple[np.ndarray, np.ndarray]  # whole days and their fractions; the date is the sum
+MJD_ZERO = 2400000.5  # Julian date at which the modified Julian days begin
 
 _UTC_TEXT = re.compile(r"(\d{4})-(\d\d)-(\d\d)T(\d\d):(\d\d):(\d\d(?:\.\d+)?)", re.ASCII)
 
@@ -48,11 +46,18 @@ def parse(epoch: str) -> tuple[int, int, int, int, int, float]:
 
 def tai(epoch: str, t: ArrayLike) -> JulianDate:
     """Return the TAI Julian date of `epoch` + `t` SI seconds. Raises InputError on a malformed epoch."""
+    day, fraction = _tai(epoch)
+    elapsed_days = np.asarray(t, dtype=float) / DAY
+    return np.full_like(elapsed_days, day), fraction + elapsed_days
+
+
+@lru_cache(maxsize=4096)
+def _tai(epoch: str) -> tuple[float, float]:
+    """Return the TAI Julian date of an epoch, which callers ask for over and over."""
     fields = parse(epoch)
     with strict_erfa():
         day, fraction = erfa.utctai(*erfa.dtf2d("UTC", *fields))
-    elapsed_days = np.asarray(t, dtype=float) / DAY
-    return np.full_like(elapsed_days, day), fraction + elapsed_days
+    return float(day), float(fraction)
 
 
 def tt(epoch: str, t: ArrayLike) -> JulianDate:

@@ -12,17 +12,13 @@ from opml.base.errors import InputError
 _REFUSED = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.EACCES, errno.EPERM)
 """Reasons of the operating system's not to write a file: no space, no permission."""
 
-FilePath = str | os.PathLike[str]
-"""A path as text or as a path object."""
+FilePath = str | os.PathLike[str]  # a path as text or as a path object
 
 PROJECT = Path(__file__).parents[1] / "workflow" / "project"
 """Folder of the workflow's files in the package, the settings among them."""
 
-MANUAL = Path(__file__).parents[1] / "manual" / "docs"
-"""Folder of the documentation's pages in the package."""
-
-PACKAGED = PROJECT / "config" / "config.yaml"
-"""Settings of a run that come with the package."""
+MANUAL = Path(__file__).parents[1] / "manual" / "docs"  # folder of the documentation's pages in the package
+PACKAGED = PROJECT / "config" / "config.yaml"  # settings of a run that come with the package
 
 
 def project_file(path: FilePath) -> Path:

@@ -10,8 +10,7 @@ from pydantic import ConfigDict, create_model
 from opml.base.section import Section
 from opml.base.setting_types import Handler, OneOf, TypeSchema
 
-KINDS = "x-kinds"
-"""Key under which the JSON schema of settings of any kind has the name of their definition."""
+KINDS = "x-kinds"  # key under which the JSON schema of settings of any kind has the name of their definition
 
 
 class KindSection(Section):

@@ -7,8 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import TypeVar
 
-Progress = Callable[[str], None]
-"""Told what goes on, a line a stage."""
+Progress = Callable[[str], None]  # told what goes on, a line a stage
 
 Item = TypeVar("Item")
 

@@ -7,11 +7,8 @@ from typing import Annotated, Any, TypeVar
 from annotated_types import Ge, Gt, Lt, MinLen
 from pydantic import Strict
 
-TypeSchema = dict[str, Any]
-"""A core schema or a JSON schema of pydantic's."""
-
-Handler = Callable[[Any], TypeSchema]
-"""What makes the schema of the type that a mark stands on."""
+TypeSchema = dict[str, Any]  # a core schema or a JSON schema of pydantic's
+Handler = Callable[[Any], TypeSchema]  # what makes the schema of the type that a mark stands on
 
 
 @dataclass(frozen=True)
@@ -65,13 +62,7 @@ class _Given:
 
 T = TypeVar("T")
 
-Absent = Annotated[T | None, _Given()]
-"""Type of a setting that may be left out; it is None then."""
-
-
-def may_be_absent(declared: Any) -> bool:
-    """Return whether a type is that of a setting that may be left out."""
-    return any(isinstance(mark, _Given) for mark in getattr(declared, "__metadata__", ()))
+Absent = Annotated[T | None, _Given()]  # type of a setting that may be left out; it is None then
 
 
 def _without_repetition(items: list[Any]) -> list[Any]:

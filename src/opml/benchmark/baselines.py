@@ -17,7 +17,7 @@ from sgp4.api import Satrec
 from opml import __version__
 from opml.base.constants import DAY
 from opml.base.errors import InputError
-from opml.base.files import FilePath, replacing
+from opml.base.files import FilePath, check_apart, replacing
 from opml.base.progress import Progress
 from opml.benchmark import tasks
 from opml.benchmark.answers import COVARIANCE, REQUIRED, about_file
@@ -153,6 +153,15 @@ FIT = "fit"
 WAYS = (*CORRECTIONS, FIT)
 
 
+def check_written(path: FilePath, task: BenchmarkTask, trained: FilePath | None) -> None:
+    """Raise InputError for a file of answers that is no CSV, that is read, or inside the task."""
+    if Path(path).suffix.lower() != ".csv":
+        raise InputError(f"{path}: expected a suffix .csv, got {Path(path).suffix or 'none'}")
+    check_apart([path, about_file(Path(path))], [trained] if trained else [])
+    if task.folder.resolve() in Path(path).resolve().parents:
+        raise InputError(f"{path}: expected a file outside {task.folder}, the task")
+
+
 def write(path: FilePath, task: BenchmarkTask, way: str, trained: FilePath | None, progress: Progress) -> int:
     """Write a baseline's answers as CSV, and what tells of their making; return how many.
 
@@ -161,6 +170,8 @@ def write(path: FilePath, task: BenchmarkTask, way: str, trained: FilePath | Non
 
     Raises InputError for inputs that cannot be read.
     """
+    if any(task.folder.glob(f"{tasks.INPUTS}/*/*.tdm")):
+        raise InputError(f"{task.name}: expected a task of element sets, got tracks: benchmark/track_fits.py")
     lines: list[list[str]] = []
     model, first = models.read(trained), process_time()
     for t, questions in task.questions.groupby("t", sort=True):

@@ -16,17 +16,10 @@ from opml.dynamics.settings import ForceModelSettings, Integrator
 from opml.orbits.elements import from_rsw, in_rsw
 from opml.orbits.sheets import Rso
 
-_LARGE = 21
-"""Degree of the harmonics in the acceleration above which a gravity field is large."""
-
-_NEAR = 8
-"""Degree and order of the part of a large field that neighbours are propagated with."""
-
-_STEP_NEAR = 300.0
-"""Longest step of their integration at least [s]: this part of a field is smooth."""
-
-Progress = Callable[[float], None]
-"""Called with the share of the work that is done, from 0 to 1."""
+_LARGE = 21  # degree of the harmonics in the acceleration above which a gravity field is large
+_NEAR = 8  # degree and order of the part of a large field that neighbours are propagated with
+_STEP_NEAR = 300.0  # longest step of their integration at least [s]: this part of a field is smooth
+Progress = Callable[[float], None]  # called with the share of the work that is done, from 0 to 1
 
 
 def near_part(model: ForceModel) -> ForceModel:

@@ -18,28 +18,17 @@ from opml.tables import SCHEMAS
 
 @dataclass(frozen=True)
 class Kind:
-    """How an object is measured.
+    """How an object is measured."""
 
-    name: of the setting of its files
-    table: name of the schema of its measurements
-    stations: name in the place of a station set; '' where stations of the sheet measure
-    taking: the setting that says how files are taken; '' without any
-    needs_taking: whether there is no default of it
-    beneath: file of the settings beneath a user's; '' without any
-    beneath_alone: the same where no object is measured in another way
-    tells_orbit: whether a first orbit can be determined from the measurements alone
-    for_mornings: whether mornings read it
-    """
-
-    name: str
-    table: str
-    stations: str = ""
-    taking: str = ""
-    needs_taking: bool = False
-    beneath: str = ""
-    beneath_alone: str = ""
-    tells_orbit: bool = True
-    for_mornings: bool = True
+    name: str  # of the setting of its files
+    table: str  # name of the schema of its measurements
+    stations: str = ""  # name in the place of a station set; '' where stations of the sheet measure
+    taking: str = ""  # the setting that says how files are taken; '' without any
+    needs_taking: bool = False  # whether there is no default of it
+    beneath: str = ""  # file of the settings beneath a user's; '' without any
+    beneath_alone: str = ""  # the same where no object is measured in another way
+    tells_orbit: bool = True  # whether a first orbit can be determined from the measurements alone
+    for_mornings: bool = True  # whether mornings read it
 
     @property
     def module(self) -> Any:
@@ -49,22 +38,14 @@ class Kind:
 
 @dataclass(frozen=True)
 class Asked:
-    """What is asked of the files of an object.
+    """What is asked of the files of an object."""
 
-    paths: of them
-    taking: the validated settings of how they are taken
-    stations: all that there are, by name
-    epoch: UTC text
-    duration: of the run [s]
-    window_hours: that an estimate is made of
-    """
-
-    paths: Sequence[str]
-    taking: Any
-    stations: Mapping[str, Station]
-    epoch: str
-    duration: float
-    window_hours: float
+    paths: Sequence[str]  # of them
+    taking: Any  # the validated settings of how they are taken
+    stations: Mapping[str, Station]  # all that there are, by name
+    epoch: str  # UTC text
+    duration: float  # of the run [s]
+    window_hours: float  # that an estimate is made of
 
 
 TRACKS = Kind("tracks", "tracking")

@@ -19,8 +19,7 @@ from opml.dynamics.ensemble import Arcs, Departures
 from opml.dynamics.kernels.surroundings import ForceModel
 from opml.dynamics.settings import Integrator
 
-STEP = 300.0
-"""Between the epochs of the raster, which are its multiples [s]."""
+STEP = 300.0  # between the epochs of the raster, which are its multiples [s]
 
 Outcome = TypeVar("Outcome")
 

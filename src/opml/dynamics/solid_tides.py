@@ -18,8 +18,7 @@ from opml.dynamics.kernels.tides import COLUMNS, TERMS
 from opml.dynamics.run_environment import Environment
 from opml.environment.gravity_field import ZERO_TIDE, check_tide_system
 
-RAISED_BY = ("moon", "sun")
-"""Bodies that raise tides, whether or not they pull at the RSO."""
+RAISED_BY = ("moon", "sun")  # bodies that raise tides, whether or not they pull at the RSO
 
 _LOVE = {
     (2, 0): 0.30190,
@@ -38,8 +37,7 @@ _LOVE_PLUS = {(2, 0): -0.00089, (2, 1): -0.00080, (2, 2): -0.00057}
 _PERMANENT = 4.4228e-8 * -0.31460 * 0.30190
 """The part of the tide in C20 that never ends (sec. 6.2.2); a zero-tide field holds it already."""
 
-_UNIT = 1e-12
-"""Of the amplitudes in the table of corrections."""
+_UNIT = 1e-12  # of the amplitudes in the table of corrections
 
 _DAYS_PER_CENTURY = 36525.0
 _J2000 = 2451545.0

@@ -13,6 +13,7 @@ import math
 import os
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 import pandas as pd
@@ -26,12 +27,20 @@ from opml.base.progress import Progress
 from opml.element_sets import catalogue as catalogues
 from opml.element_sets import corrector, density, improve, model, ways
 from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day
+from opml.element_sets.improve import Improved
 from opml.environment import nrlmsis
 from opml.environment.space_weather import INTERVALS
 from opml.interop import ccsds, fixes_csv, tdm
 from opml.interop.element_sets import mean_elements, rewriting, usual_errors
 from opml.interop.element_sets.burns_in_sets import KnownSet, burns_among
-from opml.interop.element_sets.element_set import ElementSet, changed, elements_epoch, seconds_since
+from opml.interop.element_sets.element_set import (
+    ElementSet,
+    changed,
+    each,
+    elements_epoch,
+    numbered,
+    seconds_since,
+)
 from opml.interop.object_ids import ObjectId
 from opml.interop.orbit_arcs import contents
 from opml.interop.orbit_from_files import is_orbit
@@ -40,7 +49,11 @@ from opml.orbits.density_error import DensityErrors
 from opml.orbits.elements import bent_rsw
 
 MORNINGS = 12
-"""Mornings before the date whose predictions tell an object's own sizes."""
+"""Mornings before the date whose predictions tell an object's own sizes, radial and cross-track."""
+
+ALONG_MORNINGS = 20
+"""Mornings before the date whose predictions tell an object's own sigma along the track: more would hide a
+burn, or a month of storms."""
 
 USUAL = 8.0
 """Predictions that err as the corrector says that an object's own count against."""
@@ -196,7 +209,7 @@ def predict(
     better = improve.improve(known, model.read(trained), progress=progress)
     (place,) = np.flatnonzero(better.table["number"] == newest.number)
     how = better.table.iloc[place]
-    past = better.past[better.past["number"] == newest.number].reset_index(drop=True)
+    past = _past_of(newest.number, better)
     rows = np.flatnonzero(known.catalogue.table["number"] == newest.number)
     own = known.catalogue.take(rows)
     errors = errors_of_sets(own, date)
@@ -224,6 +237,13 @@ def predict(
     )
 
 
+def _past_of(number: int, better: Improved) -> pd.DataFrame:
+    """Return the judged predictions of an object's last ALONG_MORNINGS."""
+    first = modified_julian_day(better.date) - ALONG_MORNINGS
+    past = better.past
+    return past[(past["number"] == number) & (past["morning"] >= first)].reset_index(drop=True)
+
+
 def _basis(past: pd.DataFrame) -> str:
     """Return what the sizes of errors rest on, in words."""
     return (
@@ -239,7 +259,8 @@ def _history(paths: Sequence[FilePath], wanted: str | None) -> list[ElementSet]:
     for path in files:
         _check_sets(path)
     damaged: list[InputError] = []
-    sets = [one for path in files for one in mean_elements.read_sets(path, damaged) if one.number]
+    found = chain.from_iterable(mean_elements.read_sets(path, damaged) for path in files)
+    sets = [*each(found, numbered, damaged)]
     if damaged and not sets:
         raise damaged[0]
     sets.sort(key=lambda one: (elements_epoch(one.satellite), one.created))
@@ -247,7 +268,7 @@ def _history(paths: Sequence[FilePath], wanted: str | None) -> list[ElementSet]:
     named = {
         number
         for number, one in newest.items()
-        if wanted is None or ObjectId(one.name, one.designator, number).is_called(wanted)
+        if wanted is None or ObjectId.of(one.name, one.designator, str(number)).is_called(wanted)
     }
     if len(named) != 1:
         there = ", ".join(f"{number} {one.name}".strip() for number, one in sorted(newest.items())[:_TOLD])

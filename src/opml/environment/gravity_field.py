@@ -22,11 +22,8 @@ EIGEN_6S_URL = "https://gitlab.orekit.org/orekit/orekit-data/-/raw/main/Potentia
 _EIGEN_6S_FILE = "eigen-6s.gfc"
 _EIGEN_6S_SHA256 = "1b6e170c9df2eee0523fb24cec6cd2ef963ea6458089291ec9a80ac735cc9f24"
 
-DOWNLOAD_TIMEOUT_S = 30.0
-"""Longest silence of the server [s]."""
-
-MAX_DEGREE = 10_000
-"""Nearly twice the degree of any published field; a header with a larger one is damaged."""
+DOWNLOAD_TIMEOUT_S = 30.0  # longest silence of the server [s]
+MAX_DEGREE = 10_000  # nearly twice the degree of any published field; a header with a larger one is damaged
 
 _REQUIRED = ("product_type", "modelname", "earth_gravity_constant", "radius", "max_degree")
 _YEARS_PER_DAY = DAY / JULIAN_YEAR
@@ -39,7 +36,6 @@ class Variation(NamedTuple):
     kind: ICGEM's key: gfct (the value itself), trnd (per Julian year since `reference`), acos and asin (of
         the angle since `reference`)
     reference, start, end: TT Julian dates; the row counts from `start` up to `end`
-    period: [Julian years]
     """
 
     kind: str
@@ -50,7 +46,7 @@ class Variation(NamedTuple):
     reference: float
     start: float = -np.inf
     end: float = np.inf
-    period: float = np.nan
+    period: float = np.nan  # [Julian years]
 
     def weight(self, jd: float) -> float:
         """Return the factor of c and s at a TT Julian date."""
@@ -77,19 +73,16 @@ _RowReader = Callable[[list[str], dict[tuple[int, int], float]], Variation]
 class GravityField:
     """Fully normalised spherical harmonics of the Earth's gravity.
 
-    gm: [m3/s2]
-    radius: [m]
     c, s: constant part (degree + 1, order + 1), entry [n, m], zero above the diagonal, read-only
-    variations: time-variable part
     """
 
     name: str
-    gm: float
-    radius: float
+    gm: float  # [m3/s2]
+    radius: float  # [m]
     tide_system: str
     c: np.ndarray
     s: np.ndarray
-    variations: tuple[Variation, ...] = ()
+    variations: tuple[Variation, ...] = ()  # time-variable part
 
     def __post_init__(self) -> None:
         self.c.setflags(write=False)
@@ -180,7 +173,10 @@ def read_icgem(path: str | Path) -> GravityField:
     """
     lines = _lines(path)
     header, head_length = _read_header(path, lines)
-    degree = _header_degree(path, header)
+    text = header["max_degree"]
+    if not (text.isascii() and text.isdigit() and int(text) <= MAX_DEGREE):
+        raise InputError(f"{path}: max_degree: expected a whole number up to {MAX_DEGREE}, got {text!r}")
+    degree = int(text)
     c, s = np.zeros((degree + 1, degree + 1)), np.zeros((degree + 1, degree + 1))
     c[0, 0] = 1.0
     present = np.zeros((degree + 1, degree + 1), dtype=bool)
@@ -216,7 +212,6 @@ def _lines(path: str | Path) -> list[str]:
 def _rows(
     path: str | Path, lines: list[str], head_length: int, degree: int, read_row: _RowReader
 ) -> Iterator[Variation]:
-    """Yield the rows below the header. Raises InputError for a degree or order that the field lacks."""
     references: dict[tuple[int, int], float] = {}
     for number, line in enumerate(lines[head_length:], start=head_length + 1):
         fields = line.split()
@@ -263,13 +258,6 @@ def _header_number(path: str | Path, header: dict[str, str], key: str) -> float:
     if not value > 0.0:
         raise InputError(f"{path}: {key}: expected a positive number, got {header[key]!r}")
     return value
-
-
-def _header_degree(path: str | Path, header: dict[str, str]) -> int:
-    text = header["max_degree"]
-    if not (text.isascii() and text.isdigit() and int(text) <= MAX_DEGREE):
-        raise InputError(f"{path}: max_degree: expected a whole number up to {MAX_DEGREE}, got {text!r}")
-    return int(text)
 
 
 def _row_with_reference(fields: list[str], references: dict[tuple[int, int], float]) -> Variation:

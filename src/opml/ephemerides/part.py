@@ -62,11 +62,10 @@ def _once(make: _Method[Arguments]) -> _Method[Arguments]:
 class Part:
     """Ephemerides to be made side by side from `starts`, rows of the estimates, to the epochs of a grid.
 
-    flight: under the assumed model
     made: the tables so far
     """
 
-    flight: Flight
+    flight: Flight  # under the assumed model
     known: Known
     starts: pd.DataFrame
     grid: Grid
@@ -88,7 +87,6 @@ class Part:
 
     @_once
     def _from_estimates(self) -> pd.DataFrame:
-        """Return predictions from the starts to the grid, with what belongs to the estimates."""
         columns = self.pairs().join(self.known.at_estimates, on="i")
         return columns.assign(duration=columns["t_j"] - columns["t_i"])
 
@@ -224,7 +222,6 @@ class Part:
         return baseline.build_improved(self.pairs(), history, epoch=self.known.epoch)
 
     def _predicted(self, estimates: pd.DataFrame, flight: Flight) -> pd.DataFrame:
-        """Return predictions of estimates to the grid, as they fly."""
         arrivals = self.grid.epochs(estimates["t"].iloc[-1])
         return predict(flight, estimates, arrivals=arrivals, max_days=self.grid.max_days)
 

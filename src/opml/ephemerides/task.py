@@ -20,8 +20,7 @@ from opml.ephemerides.known import Known, KnownSettings
 from opml.ephemerides.part import Grid, Part
 from opml.tables import STATE, STATE_COVARIANCES
 
-TOGETHER = LANES
-"""Ephemerides made side by side, an arc each; their tables take some hundred MB."""
+TOGETHER = LANES  # ephemerides made side by side, an arc each; their tables take some hundred MB
 
 
 class TaskSettings(FlightSettings, KnownSettings):
@@ -34,12 +33,9 @@ class TaskSettings(FlightSettings, KnownSettings):
 
 @dataclass(frozen=True)
 class Task:
-    """Ephemerides to be made from `starts`, rows of the estimates, to the epochs of a grid.
+    """Ephemerides to be made from `starts`, rows of the estimates, to the epochs of a grid."""
 
-    flight: under the assumed model
-    """
-
-    flight: Flight
+    flight: Flight  # under the assumed model
     known: Known
     starts: pd.DataFrame
     grid: Grid

@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 
 from opml import naming
-from opml.figures.display_names import describe_run, display_learner, display_rso, display_stations
+from opml.figures.display_names import describe_run, display_learner, display_rso
 from opml.naming import Experiment, Split
 
 PAPER = "Peng & Bai"
@@ -84,16 +84,6 @@ def describe_experiment(experiment: Experiment) -> str:
     trained = f"{display_learner(experiment.learner)} trained on {describe_training(experiment.train)}"
     run = describe_run(experiment.rso, experiment.stations)
     return f"{run}; {trained}, tested on {where}{describe_test(experiment.test)}"
-
-
-def tick_label(experiment: Experiment) -> str:
-    """Return as three lines what sets an experiment apart in a study: radars or RSO, training, test."""
-    rso, target = display_rso(experiment.rso), display_rso(experiment.target)
-    where = display_stations(experiment.stations).partition(" (")[0]
-    if target != rso:
-        where = target.removeprefix(f"{rso}, ")
-    trained = describe_training(experiment.train).partition(" of ")[0]
-    return f"{where}\n{trained},\n{describe_test(experiment.test)}"
 
 
 def describe_splits(pairs: Mapping[str, Sequence[str]]) -> str:

@@ -83,10 +83,7 @@ def page(
 
     evaluations: those tables of one test, by model
     dataset: that table of the RSO tested on, which holds the epochs of the estimates
-    component: of the error
-    epoch: UTC, from which days count
     back: address of the page that this one belongs to
-    note: what was trained and tested
     """
     if not evaluations:
         raise InputError("page to explore: expected at least one model, got none")
@@ -153,7 +150,6 @@ def _path(orbit: ground.ObservedOrbit, epoch: float) -> np.ndarray:
 
 
 def _earth() -> dict[str, Any]:
-    """Return a sphere that hides what is behind it."""
     longitude, latitude = np.meshgrid(np.radians(np.arange(0, 361, 10)), np.radians(np.arange(-90, 91, 10)))
     x, y, z = (part.round(1).tolist() for part in _sphere_points(longitude, latitude, 0.995))
     light = {"ambient": 1.0, "diffuse": 0.0, "specular": 0.0}
@@ -167,7 +163,6 @@ def _earth() -> dict[str, Any]:
 
 
 def _land() -> dict[str, Any]:
-    """Return the outlines of land as one line with gaps."""
     outlines = [np.vstack([outline, [np.nan, np.nan]]) for outline in ground.outlines()]
     longitude, latitude = np.radians(np.vstack(outlines)).T
     x, y, z = _sphere_points(longitude, latitude, 1.0)
@@ -234,7 +229,6 @@ def _line(place: int) -> dict[str, str]:
 
 
 def _layout(evaluations: Mapping[str, pd.DataFrame], component: str, note: str) -> dict[str, Any]:
-    """Return the layout: orbit on the left, errors on the right, on scales that all estimates share."""
     first = next(iter(evaluations.values()))
     residuals = (table["residual"].abs() for table in evaluations.values())
     sizes = np.concatenate([first["true"].abs(), *residuals])
@@ -277,7 +271,6 @@ def _ticks(component: str) -> dict[str, Any]:
 
 
 def _labels(t: pd.Series, epoch: str) -> list[str]:
-    """Return times [s] as days since the epoch, with their date."""
     start = datetime.fromisoformat(epoch)
     return [f"{one / DAY:.2f}, {start + timedelta(seconds=one):%Y-%m-%d %H:%M} UTC" for one in t]
 

@@ -110,7 +110,6 @@ def distribution_position(pairs: pd.DataFrame, *, note: str = "") -> Figure:
     draw.
 
     pairs: rows of a `predictions` or `dataset` table; pairs without a prediction are left out
-    note: whose pairs they are
     """
     return _distribution(pairs, ("e_x", "e_y", "e_z"), note, absolute=True)
 
@@ -143,7 +142,6 @@ def svr_absolute(
     standard deviation to either side of the mean, cut at zero; see `clusters`. After the paper's figures
     'Results of the trained SVM model ...', panels 'Absolute value'. Raises InputError without a row.
 
-    evaluation: that table, of the component
     context: what the figure tells beside the errors
     """
     return _points_and_bars(evaluation, component, context, absolute=True)
@@ -198,9 +196,6 @@ def individual_reduced(evaluation: pd.DataFrame, *, component: str = "e_y", note
 
     After the paper's figure 'Individual performance of the trained SVM model on future epochs'. Raises
     InputError without a row; a model that reduces no error gives empty axes.
-
-    evaluation: that table, of the component
-    note: what was trained and tested
     """
     change = _Change("reduced", (0.0, REDUCED), ListedColormap(SHADES))
     return _individual(evaluation, _individual_p_ml(evaluation) < REDUCED, change, component, note)
@@ -221,9 +216,7 @@ def individual_distribution(
     After the paper's figure 'Distribution of the individual metric p_ML'. The dashed line ends the
     predictions whose error the model reduces. Raises InputError without a row.
 
-    evaluation: that table
     published: share of the reduced errors in the paper [%]
-    note: what was trained and tested
     """
     _check_rows(evaluation)
     individual = np.sort(_individual_p_ml(evaluation))
@@ -374,7 +367,6 @@ def _draw_fences(axes: Axes, component: str, context: Context, *, absolute: bool
 
 
 def _legend_entries(axes: Axes) -> dict[str, Artist]:
-    """Return what a panel shows, by label."""
     handles, labels = axes.get_legend_handles_labels()
     return dict(zip(labels, handles, strict=True))
 
@@ -484,7 +476,6 @@ def _drawn_errors(evaluation: pd.DataFrame, component: str, *, absolute: bool) -
 
 
 def _check_rows(table: pd.DataFrame) -> None:
-    """Raise InputError where a table has no row."""
     if table.empty:
         raise InputError("figure of errors: expected at least one row, got none")
 

@@ -22,7 +22,6 @@ def coverage_curves(tables: Mapping[str, pd.DataFrame], *, quantity: str, note: 
 
     tables: `calibration` tables by the panel's title
     quantity: of those tables
-    note: what was tested
     """
     if not tables:
         raise InputError("calibration: expected at least one model, got none")
@@ -41,7 +40,6 @@ def coverage_curves(tables: Mapping[str, pd.DataFrame], *, quantity: str, note: 
 
 
 def _draw_coverage(axes: Axes, table: pd.DataFrame) -> None:
-    """Draw the lines of one model, and the diagonal where the stated share is true."""
     axes.plot([0.0, 100.0], [0.0, 100.0], color=MUTED, ls="--", lw=1.0, label="true", zorder=4)
     for k, (day, shares) in enumerate(table.groupby("day")):
         (line,) = axes.plot(100.0 * shares["level"], 100.0 * shares["inside"], ms=3.5, label=f"{day:g} d")

@@ -76,6 +76,9 @@ matplotlib.rcParams.update(
     }
 )
 
+# Matplotlib's settings of type, axes and lines as they are now, for figures that others make.
+LOOK = matplotlib.rcParams.find_all(r"^(axes|font|grid|legend|lines|xtick|ytick)\b")
+
 
 def column_figure(*, height_mm: float) -> tuple[Figure, Axes]:
     """Return an empty figure of column width with one pair of axes; its layout follows its contents."""

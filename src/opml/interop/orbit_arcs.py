@@ -17,8 +17,7 @@ from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.interop.object_ids import UNKNOWN, ObjectId
 
-MOST_APART = 300.0
-"""Longest time between two nodes for interpolation [s]."""
+MOST_APART = 300.0  # longest time between two nodes for interpolation [s]
 
 BEHIND_TAI = {"TAI": 0.0, "TT": -32.184, "GPS": 19.0, "GAL": 19.0, "QZS": 19.0}
 """Seconds by which the clocks of a time system are behind TAI; UTC's leap seconds come from ERFA."""
@@ -31,30 +30,19 @@ _NO_SUCH_TIME = (erfa.ErfaError, erfa.ErfaWarning, ValueError)
 
 @dataclass(frozen=True)
 class Arc:
-    """Nodes of an orbit, from a file or one of its segments.
-
-    frame: ITRF, GCRF or EME2000
-    realisation: name of the frame in the file
-    scale: time system of the file
-    t: (n,) [s since the run's epoch], ascending
-    positions: (n, 3) [m]
-    velocities: (n, 3) [m/s], not finite where absent
-    lines: (n,) line numbers of the nodes
-    identity: what else than the name identifies the satellite
-    burns: when the file has it manoeuvre [s since the run's epoch]
-    """
+    """Nodes of an orbit, from a file or one of its segments."""
 
     path: FilePath
     satellite: str
-    frame: str
-    realisation: str
-    scale: str
-    t: np.ndarray
-    positions: np.ndarray
-    velocities: np.ndarray
-    lines: np.ndarray
-    identity: ObjectId = UNKNOWN
-    burns: Sequence[float] = ()
+    frame: str  # ITRF, GCRF or EME2000
+    realisation: str  # name of the frame in the file
+    scale: str  # time system of the file
+    t: np.ndarray  # (n,) [s since the run's epoch], ascending
+    positions: np.ndarray  # (n, 3) [m]
+    velocities: np.ndarray  # (n, 3) [m/s], not finite where absent
+    lines: np.ndarray  # (n,) line numbers of the nodes
+    identity: ObjectId = UNKNOWN  # what else than the name identifies the satellite
+    burns: Sequence[float] = ()  # when the file has it manoeuvre [s since the run's epoch]
 
     def part(self, rows: np.ndarray) -> Self:
         """Return the arc of some rows (n,) alone."""
@@ -122,7 +110,6 @@ def check_ascending(path: FilePath, t: np.ndarray, lines: np.ndarray) -> None:
 def seconds_since(epoch: str, calendar: np.ndarray, scale: str) -> np.ndarray:
     """Return the seconds (n,) from an epoch to calendar times.
 
-    epoch: UTC text
     calendar: (n, 6) year, month, day, hour, minute, second
     scale: time system of `calendar`, UTC or a key of BEHIND_TAI
 
@@ -155,7 +142,6 @@ def _seconds_since(epoch: str, calendar: np.ndarray, scale: str) -> np.ndarray:
 def choose_satellite(path: FilePath, satellites: Sequence[Sequence[str]], wanted: str | None) -> int:
     """Return the index of the wanted satellite of a file.
 
-    satellites: names of each satellite
     wanted: one of its names; None: the file has only one satellite
 
     Raises InputError where no satellite has the name, or several are there without a name.

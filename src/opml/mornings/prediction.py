@@ -204,6 +204,8 @@ def predict(request: Request, settings: OrbitSettings, *, progress: Progress) ->
     """
     if not 0.0 < request.days <= LONGEST:
         raise InputError(f"predict: expected more than 0 and at most {LONGEST:g} days, got {request.days:g}")
+    if not 0.0 < request.area_to_mass < np.inf:
+        raise InputError(f"predict: expected an area to mass above 0 m2/kg, got {request.area_to_mass:g}")
     times = _Times.of(request)
     progress(f"weather and forces from {times.epoch[:_DAY]} on")
     watched = _watched(request, settings, times)

@@ -5,7 +5,7 @@
 * Station set: the stations' names joined by '-' in the sheet's order, ``eglin-kaena``.
 * Split, the rows of a dataset for training or testing: ``random-80``, ``grouped-80``, ``days-0-30``,
   ``days-30-40-unseen``, ``rest``, ``seen``. A test's treatment of its rows follows: ``days-30-40-unfenced``,
-  ``days-30-40-fence3``, ``rest-zscore``, ``rest-together``.
+  ``days-30-40-fence3``, ``rest-zscore``.
 
 A suffix stands for one setting that differs from the run's; the run's own setting has no suffix. So no
 product has two names:
@@ -17,72 +17,8 @@ product has two names:
 * ``_later``, ``_smoothed``: errors against later or smoothed estimates; without a suffix, against the truth.
 """
 
-from opml.naming.estimates import (
-    ARC_PATTERN,
-    BOTH_SIDES,
-    FILTERED,
-    LABELS,
-    MEMBERS,
-    MEMORY_PATTERN,
-    PERFECT,
-    READINGS,
-    TRACK,
-    arc_suffix,
-    fit_pattern,
-    fit_suffix,
-    label_window,
-    memory_suffix,
-    other_reading,
-    parse_arc,
-    parse_both_sides,
-    parse_fit,
-    parse_memory,
-    parse_reading,
-    parse_window,
-    window_pattern,
-    window_suffix,
-)
-from opml.naming.experiment import (
-    Experiment,
-)
-from opml.naming.objects import (
-    WITHOUT,
-    learner_pattern,
-    leave_out,
-    parse_learner,
-    parse_pool,
-    pool_pattern,
-    rso_name,
-    rso_parts,
-    rso_pattern,
-    scale_kernel,
-    station_names,
-    stations_pattern,
-)
-from opml.naming.row_splits import (
-    STANDARDISATIONS,
-    TEST,
-    TEST_BY_ROW,
-    TEST_TOGETHER,
-    TRAIN,
-    Split,
-    check_split,
-    days_split,
-    fence_suffix,
-    parse_test,
-    parse_train,
-    treat_test,
-    unseen_test,
-)
-from opml.naming.spelling import (
-    DATE,
-    NOISE,
-    POSITIVE,
-    SPLIT,
-    add_seed,
-    alternatives,
-    number,
-    parse_seed,
-    seed_pattern,
-    strip_seed,
-)
+from opml.naming.estimates import *
+from opml.naming.experiment import *
+from opml.naming.objects import *
+from opml.naming.row_splits import *
+from opml.naming.spelling import *

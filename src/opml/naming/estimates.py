@@ -5,8 +5,7 @@ import re
 
 from opml.naming.spelling import POSITIVE, number
 
-LIGHT = "_light"
-"""Suffix of estimates whose fits correct the measurements for light time."""
+LIGHT = "_light"  # suffix of estimates whose fits correct the measurements for light time
 
 READINGS = {"kept_estimate": "_kept", "track": "_track"}
 """Suffix for the earlier estimate that is t_b, by the study's `cleaning.previous`."""
@@ -14,26 +13,19 @@ READINGS = {"kept_estimate": "_kept", "track": "_track"}
 LABELS = {"truth": "", "later": "_later", "smoothed": "_smoothed"}
 """Suffix for the reference of the errors in training, by the study's `label`."""
 
-MEMBERS = r"[2-9]|[1-9][0-9]{1,2}"
-"""Regular expression of the number of futures of an ensemble."""
-
-TRACK = r"0|[1-9][0-9]*"
-"""Regular expression of the number of a track."""
+MEMBERS = r"[2-9]|[1-9][0-9]{1,2}"  # regular expression of the number of futures of an ensemble
+TRACK = r"0|[1-9][0-9]*"  # regular expression of the number of a track
 
 ARC_PATTERN = f"_l(?:{POSITIVE}|filter)"
 """Regular expression of the suffix of arcs; a filter's window is all that came before."""
 
-MEMORY_PATTERN = f"_m{POSITIVE}"
-"""Regular expression of the suffix of a memory of the arcs' Cd."""
+MEMORY_PATTERN = f"_m{POSITIVE}"  # regular expression of the suffix of a memory of the arcs' Cd
 
 BOTH_SIDES = f"_b{POSITIVE}"
 """Regular expression of the suffix of estimates from tracks on both sides; nothing is predicted from them."""
 
-PERFECT = "_true"
-"""Suffix of estimates that are the truth itself."""
-
-FILTERED = "_filter"
-"""Suffix of estimates by a sequential filter, which has no window."""
+PERFECT = "_true"  # suffix of estimates that are the truth itself
+FILTERED = "_filter"  # suffix of estimates by a sequential filter, which has no window
 
 
 def other_reading(previous: str) -> str:
@@ -71,15 +63,6 @@ def window_pattern(*, default: float) -> str:
     return rf"(?:_w(?!{re.escape(number(default))}(?![\d.])){POSITIVE})?"
 
 
-def fit_suffix(
-    *, convergence: float | None = None, cd_sigma: float | None = None, light_time: bool = False
-) -> str:
-    """Return the suffix of fits with these settings in place of the run's."""
-    settings = {"_tol": convergence, "_cd": cd_sigma}
-    marks = [mark + number(value) for mark, value in settings.items() if value is not None]
-    return "".join(marks) + LIGHT * light_time
-
-
 def parse_fit(suffix: str) -> dict[str, float | bool]:
     """Return the settings of the estimation, other than the window, that a suffix of estimates changes."""
     matches = {
@@ -91,7 +74,7 @@ def parse_fit(suffix: str) -> dict[str, float | bool]:
 
 
 def fit_pattern(*, convergence: float, light_time: bool = False) -> str:
-    """Return the regular expression of the suffixes of `fit_suffix` in a run with these settings."""
+    """Return the regular expression of the suffixes of `parse_fit` in a run with these settings."""
     stopping = rf"(?:_tol(?!{re.escape(number(convergence))}(?![\d.])){POSITIVE})?"
     return rf"{stopping}(?:_cd{POSITIVE})?" + ("" if light_time else f"(?:{LIGHT})?")
 

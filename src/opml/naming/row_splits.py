@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from opml.base.errors import InputError
 from opml.naming.spelling import NUMBER, POSITIVE, number
 
-STANDARDISATIONS = {"training": "", "own": "-zscore", "together": "-together"}
+STANDARDISATIONS = {"training": "", "own": "-zscore"}
 """Suffix of a test for the rows whose mean and deviation standardise its variables."""
 
 _SHARE = rf"(random|grouped)-({NUMBER})"
@@ -28,9 +28,6 @@ TRAIN, TEST, TEST_BY_ROW = (
 )
 """Regular expressions of a training split, a test, and a test whose rows are corrected one by one."""
 
-TEST_TOGETHER = TEST_BY_ROW + STANDARDISATIONS["together"]
-"""Regular expression of a test with its own model, standardised by training and test rows together."""
-
 
 @dataclass(frozen=True)
 class Split:
@@ -44,7 +41,7 @@ class Split:
     days: tuple[float, float] = (0.0, 0.0)  # window of t_j
     unseen: bool = False  # whether t_i lies in the window, too
     fence: float | None = None  # Tukey's, of the test's rows [IQR]; infinite: no fence, None: the dataset's
-    standardisation: str = "training"  # rows that standardise the variables: training, own or together
+    standardisation: str = "training"  # rows that standardise the variables: training or own
 
     def __str__(self) -> str:
         """Return the split's name."""

@@ -19,8 +19,7 @@ def alternatives(names: Iterable[str]) -> str:
     return "|".join(map(re.escape, names)) or "(?!)"
 
 
-NOISE, SPLIT = "noise", "split"
-"""Kinds of seeds: of the measurements, and of the draw of rows and subsamples."""
+NOISE, SPLIT = "noise", "split"  # kinds of seeds: of the measurements, and of the draw of rows and subsamples
 
 
 def add_seed(text: str, kind: str, seed: int, *, default: int) -> str:
@@ -44,5 +43,4 @@ def seed_pattern(kind: str, *, default: int) -> str:
     return rf"(?:_{kind}(?!{default}(?!\d))(?:0|[1-9]\d{{0,8}}))?"
 
 
-DATE = r"[0-9]{4}-[0-9]{2}-[0-9]{2}"
-"""Regular expression of a date, as 2016-09-28."""
+DATE = r"[0-9]{4}-[0-9]{2}-[0-9]{2}"  # regular expression of a date, as 2016-09-28

@@ -14,22 +14,16 @@ from opml.base.files import FilePath
 from opml.base.yaml_files import read_yaml
 from opml.tables import read_metadata
 
-LISTED = "manoeuvre_timestamps"
-"""Key of the times in a YAML file of manoeuvres."""
+LISTED = "manoeuvre_timestamps"  # key of the times in a YAML file of manoeuvres
 
 
 @dataclass(frozen=True)
 class Manoeuvre:
-    """A manoeuvre.
+    """A manoeuvre."""
 
-    t: when it was [s]
-    known: since when it is known [s]; one that somebody named always was
-    anew: whether the windows of fits begin anew behind it, once it is known
-    """
-
-    t: float
-    known: float = -math.inf
-    anew: bool = False
+    t: float  # when it was [s]
+    known: float = -math.inf  # since when it is known [s]; one that somebody named always was
+    anew: bool = False  # whether the windows of fits begin anew behind it, once it is known
 
     @property
     def counts_from(self) -> float:
@@ -94,7 +88,6 @@ def facts(manoeuvres: Sequence[Manoeuvre]) -> dict[str, Any]:
 
 
 def _fact(one: Manoeuvre) -> dict[str, Any]:
-    """Return what metadata hold of a manoeuvre: what is not as usual."""
     known = {"known": one.known} if math.isfinite(one.known) else {}
     return {"t": one.t} | known | ({"anew": True} if one.anew else {})
 

@@ -6,18 +6,20 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 import pandas as pd
 
-from opml.base.constants import DAY
-from opml.learning.judge.errors_by_duration import at_days
+from opml.base.constants import DAY, EARTH_GM, WGS84_A
+from opml.learning.judge.errors_by_duration import REACH_DAYS, at_days
 from opml.learning.judge.model_choice import CHOSEN, CONFIDENCE, Mornings, summed
-from opml.report import on_the_sky
-from opml.report.document import Block, Heading, Paragraph, Table
+from opml.report import texts
+from opml.report.document import Block
 from opml.report.results import NO_VALUE, length
 from opml.report.skill import NO_CORRECTION, skill_cell
 
-Dataset = tuple[str, str]
-"""RSO and station set."""
+Dataset = tuple[str, str]  # RSO and station set
 
 TITLE = "Every morning"
+
+BOUND = 1000.0  # along-track error [m] that a prediction's use is counted up to
+SHARE = 0.9  # share of the errors that sizes hold
 
 
 def section(
@@ -30,47 +32,33 @@ def section(
     """
     if not replays:
         return
-    yield Heading(TITLE)
-    yield Paragraph(
-        "Each morning every model is retrained on the errors known by then, and the day's estimates are "
-        "predicted and corrected without information from after t_i. |e_y| [m] at some lead times, median "
-        "/ 95th percentile, and skill [%] relative to the best model without learning, known in hindsight "
-        "only. The model is also selected each morning: the one without learning with the smallest past "
-        f"error, or a learned one if it is better at {100.0 * CONFIDENCE:g} % confidence, over blocks of "
-        "days."
-    )
+    yield from texts.blocks("mornings.section", title=TITLE, confidence=100.0 * CONFIDENCE)
     for (rso, stations), mornings in replays.items():
-        yield Paragraph(f"**{rso}, {stations}.** {_verdict(mornings, laws)}")
-        yield Table(["model", *(f"{day:g} d" for day in marks), "skill, %"], _rows(mornings, marks, laws))
-        yield from on_the_sky.section(mornings.flown, marks)
+        told = {"rso": rso, "stations": stations, "verdict": _verdict(mornings, laws)}
+        days = texts.across(f"{day:g} d" for day in marks)
+        yield from texts.blocks("mornings.dataset", _rows(mornings, marks, laws), **told, days=days)
+        yield from on_the_sky(mornings.flown, marks)
 
 
 def _verdict(mornings: Mornings, laws: Sequence[str]) -> str:
-    """Return as text what was flown, and what it left beside the best model without learning."""
     best, least = best_model(mornings, laws)
     skill = skill_cell(summed(mornings.flown), least)
     names = [choice.chosen for choice in mornings.choices.values()]
     flown = ", ".join(f"`{name}` {number}" for name, number in Counter(names).most_common())
-    sure = sum(name in laws for name in names)
-    begin, end = (time / DAY for time in (min(mornings.choices), max(mornings.choices)))
-    return (
-        f"The models selected each day have a skill of {skill} % relative to `{best}`, the best without "
-        f"learning. On {len(mornings.choices)} mornings, days {begin:g} to {end:g}: {flown}; on "
-        f"{sure} past results showed that learning helps. {len(mornings.flown)} predictions; "
-        f"{mornings.earlier} more began before all models were available, and are not counted."
-        f"{_of_burns(mornings.flown)}"
+    verdict = texts.sentences(
+        "mornings.verdict",
+        skill=skill,
+        best=best,
+        mornings=len(mornings.choices),
+        begin=min(mornings.choices) / DAY,
+        end=max(mornings.choices) / DAY,
+        flown=flown,
+        sure=sum(name in laws for name in names),
+        predictions=len(mornings.flown),
+        earlier=mornings.earlier,
     )
-
-
-def _of_burns(flown: pd.DataFrame) -> str:
-    """Return as text how many rows of a `replay` table a burn spoilt before it was known, if any."""
-    spoilt = int(np.isfinite(flown["spoilt"]).sum()) if "spoilt" in flown else 0
-    if not spoilt:
-        return ""
-    return (
-        f" {spoilt} predictions crossed a burn, or began with a fit across it, before it was known: they "
-        "count here, but later they train no law and do not influence the choice of models and error sizes."
-    )
+    spoilt = int(np.isfinite(mornings.flown["spoilt"]).sum()) if "spoilt" in mornings.flown else 0
+    return f"{verdict} {texts.sentences('mornings.burns', spoilt=spoilt)}" if spoilt else verdict
 
 
 def best_model(mornings: Mornings, laws: Sequence[str]) -> tuple[str, float]:
@@ -102,3 +90,33 @@ def _row(name: str, table: pd.DataFrame, marks: Sequence[float], least: float) -
         for day in marks
     ]
     return [name, *cells, skill_cell(summed(table), least)]
+
+
+def on_the_sky(flown: pd.DataFrame, marks: Sequence[float]) -> list[Block]:
+    """Return the along-track errors of a `replay` table as a station sees them; marks: durations [days].
+
+    Seconds too early or too late, and degrees in the sky of a station below the RSO, which flies at n r with
+    r = (GM / n^2)^(1/3) and n its mean motion.
+    """
+    rate = float(flown["rate"].median())
+    radius = float((EARTH_GM / rate**2) ** (1.0 / 3.0))
+    speed, height = rate * radius, radius - WGS84_A
+    rows = []
+    for day in marks:
+        near = (flown["duration"] / DAY - day).abs() <= REACH_DAYS
+        if near.any():
+            size = float(flown.loc[near, "e_y"].abs().quantile(SHARE))
+            angle = np.degrees(np.arctan2(size, height))
+            rows.append([f"{day:g} d", length(size), f"{size / speed:.2g}", f"{angle:.2g}"])
+    sizes = {"speed": speed / 1000.0, "height": height / 1000.0, "within": days_within(flown)}
+    return list(texts.blocks("mornings.sky", rows, **sizes))
+
+
+def days_within(flown: pd.DataFrame) -> str:
+    """Return in words for how long nine tenths of the errors of a `replay` table stay within BOUND."""
+    step = 2.0 * REACH_DAYS
+    number = np.round(flown["duration"] / DAY / step)
+    passed = flown["e_y"].abs().groupby(number).quantile(SHARE) > BOUND
+    if not passed.any():
+        return "90 % stay within 1 km for the whole prediction."
+    return f"90 % stay within 1 km for {max(float(passed.idxmax()) - 1.0, 0.0) * step:g} days."

@@ -10,22 +10,16 @@ from opml.base.errors import InputError
 from opml.learning.judge.model_choice import choose
 from opml.report.results import NO_VALUE
 
-NO_CORRECTION = "no correction"
-"""The row of a table whose predictions stay as they are."""
+NO_CORRECTION = "no correction"  # the row of a table whose predictions stay as they are
 
 
 @dataclass(frozen=True)
 class Reference:
-    """The best model without learning, as skill needs it.
+    """The best model without learning, as skill needs it."""
 
-    name: of the model, or NO_CORRECTION
-    left: summed size of the errors that it leaves
-    day: end of the past that it was chosen by, None where it is known in hindsight only
-    """
-
-    name: str
-    left: float
-    day: float | None
+    name: str  # of the model, or NO_CORRECTION
+    left: float  # summed size of the errors that it leaves
+    day: float | None  # end of the past that it was chosen by, None where it is known in hindsight only
 
     def __str__(self) -> str:
         """Return in words which model it is, and how that is known."""
@@ -44,7 +38,6 @@ def reference(
     left: summed size of the errors that each leaves, NO_CORRECTION among them
     replays: `replay` tables of these models
     day: end of the training, None where it has none
-    seed: of the choice
     """
     if replays and day is not None:
         try:

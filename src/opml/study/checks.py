@@ -30,12 +30,9 @@ from opml.study.settings.validation import validated
 
 @dataclass(frozen=True)
 class CheckedSettings(Settings):
-    """Settings that hold.
+    """Settings that hold."""
 
-    misfit: what the default study asks of days that the run has not; empty where it fits
-    """
-
-    misfit: str
+    misfit: str  # what the default study asks of days that the run has not; empty where it fits
 
 
 def load_settings(source: Source) -> CheckedSettings:
@@ -43,10 +40,16 @@ def load_settings(source: Source) -> CheckedSettings:
 
     Raises InputError: one line with file and key, for the first thing that is wrong.
     """
-    _check_keys(source)
+    for key in mappings(source.values):
+        for name in value_at(source.values, key):
+            if not isinstance(name, str):
+                raise source.wrong((*key, name), "expected a key that is text")
     run = validated(source)
     _check_order(source)
-    _check_results(source)
+    results = Path(source.values["results"])
+    for path in (results, *results.parents):
+        if path.is_file():
+            raise source.wrong(("results",), f"expected a folder, got a file at {path}")
     _check_beside(source)
     _check_sheets(source)
     settings = with_sheets(source.values, source)
@@ -64,7 +67,17 @@ def check_data(source: Source, settings: Settings) -> None:
     """
     _check_paths(source, settings)
     coverage.check(settings.run, is_measured=bool(settings.measured))
-    _check_orbits(source, settings)
+    run, alone = settings.run, settings.run.positions_alone
+    for name in alone:
+        if name not in settings.orbits:
+            raise source.wrong(("positions_alone",), f"expected RSOs that have orbits, got {name}")
+    for name, paths in settings.orbits.items():
+        with source.naming(("orbits", name)):
+            sheets.parse_rso(name, settings.rsos)
+            duration = DAY * run.duration_days
+            orbit_from_files.check(
+                orbit_from_files.OrbitFiles(paths, run.epoch, duration, positions_alone=name in alone)
+            )
     if settings.run.day is None:  # every morning looks at the files itself, and leaves out bad ones
         for kind in KINDS:
             _check_measured(source, settings, kind)
@@ -83,7 +96,11 @@ def check_study(source: Source, settings: Settings, *, last_day: float | None = 
             checks.get(kind, bool)(value)
     _check_seen(source, settings)
     _check_references(source, settings)
-    _check_label(source, Study(settings))
+    study = Study(settings)
+    for rso in study.rsos:
+        if study.label == "truth" and not study.has_truth(rso):
+            message = f"expected later or smoothed, as {rso} was measured and has no truth, got truth"
+            raise source.wrong(("study", "label"), message)
     _check_stations(source, Study(settings))
     _check_variables(source, Study(settings))
     element_checks.check_learners(source, Study(settings))
@@ -103,6 +120,9 @@ def _check_day(source: Source, settings: Settings) -> None:
             raise source.wrong(
                 (kind.name,), "expected none where mornings are asked for (day), as these read none"
             )
+    for name in run.day.messages or ():
+        if name not in settings.measured:
+            raise source.wrong(("day", "messages"), f"expected objects that were measured, got {name}")
     for name in run.day.models:
         with source.naming(("day", "models")):
             learner = learners.resolved(
@@ -128,22 +148,6 @@ def _misfit(source: Source, settings: Settings) -> str:
         check_study(source, settings, last_day=math.inf)
         return f'{error}; "study: {{}}" in a file, or --config study={{}}, asks for no study'
     return ""
-
-
-def _check_keys(source: Source) -> None:
-    """Raise InputError for a key that is no text, as YAML allows."""
-    for key in mappings(source.values):
-        for name in value_at(source.values, key):
-            if not isinstance(name, str):
-                raise source.wrong((*key, name), "expected a key that is text")
-
-
-def _check_results(source: Source) -> None:
-    """Raise InputError where a file stands in the place of the folder of results, or of one above it."""
-    results = Path(source.values["results"])
-    for path in (results, *results.parents):
-        if path.is_file():
-            raise source.wrong(("results",), f"expected a folder, got a file at {path}")
 
 
 def _check_beside(source: Source) -> None:
@@ -172,7 +176,12 @@ def _check_order(source: Source) -> None:
         low, high = _both(source, lower, upper)
         if low is not MISSING and low > high:
             raise source.wrong(lower, f"expected at most {upper[-1]}, got {low} and {high}")
-    _check_forecast(source)
+    sources, known = source.values["environment"], source.values.get("forecasts", {})
+    asked = sources.get("forecast")
+    if (asked is not None or sources.get("knowledge") == knowledge.FORECAST) and asked not in known:
+        raise source.wrong(("environment", "forecast"), f"expected one of {', '.join(known)}, got {asked!r}")
+    if sources.get("knowledge") == knowledge.FORECAST and "issue_hours" not in sources:
+        raise source.wrong(("environment", "issue_hours"), "expected a value, got none")
     _both(source, ("study", "cleaning", "fence"), ("study", "cleaning", "fence_days"))
     for key in (
         *(("cleaning", "fence_days"), ("span_days",), ("days", "train"), ("days", "test")),
@@ -196,16 +205,6 @@ def _check_days(source: Source) -> None:
     if test[0] < train[1]:
         expected = f"expected days that follow those to train on, from {train[1]:g}"
         raise source.wrong(("study", "days", "test"), f"{expected}, got {test[0]:g} to {test[1]:g}")
-
-
-def _check_forecast(source: Source) -> None:
-    """Hold the forecast that is asked for against those that there are."""
-    sources, known = source.values["environment"], source.values.get("forecasts", {})
-    asked = sources.get("forecast")
-    if (asked is not None or sources.get("knowledge") == knowledge.FORECAST) and asked not in known:
-        raise source.wrong(("environment", "forecast"), f"expected one of {', '.join(known)}, got {asked!r}")
-    if sources.get("knowledge") == knowledge.FORECAST and "issue_hours" not in sources:
-        raise source.wrong(("environment", "issue_hours"), "expected a value, got none")
 
 
 def _both(source: Source, first: Key, second: Key) -> tuple[Any, Any]:
@@ -232,21 +231,6 @@ def _check_paths(source: Source, settings: Settings) -> None:
             for path in paths if isinstance(paths, list) else [str(paths)]:
                 if re.search("[{}]", path):
                     raise source.wrong((kind, name), f"expected a path without braces, got {path}")
-
-
-def _check_orbits(source: Source, settings: Settings) -> None:
-    """Look at the orbits that stand in for a truth: their RSO, and whether they fit the run."""
-    run, alone = settings.run, settings.run.positions_alone
-    for name in alone:
-        if name not in settings.orbits:
-            raise source.wrong(("positions_alone",), f"expected RSOs that have orbits, got {name}")
-    for name, paths in settings.orbits.items():
-        with source.naming(("orbits", name)):
-            sheets.parse_rso(name, settings.rsos)
-            duration = DAY * run.duration_days
-            orbit_from_files.check(
-                orbit_from_files.OrbitFiles(paths, run.epoch, duration, positions_alone=name in alone)
-            )
 
 
 def _check_measured(source: Source, settings: Settings, kind: Kind) -> None:
@@ -294,14 +278,6 @@ def _check_seen(source: Source, settings: Settings) -> None:
         if experiment.test == "seen" and experiment.target != experiment.rso:
             key = ("study", "evaluations", name, "test")
             raise source.wrong(key, "expected another split, as seen rows are the RSO's own")
-
-
-def _check_label(source: Source, study: Study) -> None:
-    """Raise InputError where a study learns from the truth of what was really measured."""
-    for rso in study.rsos:
-        if study.label == "truth" and not study.has_truth(rso):
-            message = f"expected later or smoothed, as {rso} was measured and has no truth, got truth"
-            raise source.wrong(("study", "label"), message)
 
 
 def _check_stations(source: Source, study: Study) -> None:
@@ -354,7 +330,7 @@ _ENTRIES = (
     *(("beyond",), ("beyond", "transfers"), ("beyond", "budget")),
     ("rolling",),
 )
-_MAPPINGS_OF_ENTRIES = (("evaluations",), ("grids",), ("curves",), ("reproduction", "readings"), ("scan",))
+_MAPPINGS_OF_ENTRIES = (("evaluations",), ("grids",), ("curves",), ("reproduction", "readings"))
 
 
 def _parts(asked: Mapping[str, Any]) -> Iterator[tuple[Key, str, Any]]:

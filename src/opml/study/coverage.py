@@ -17,8 +17,7 @@ from opml.environment import (
 )
 from opml.study.settings.model.whole import RunSettings
 
-FETCHED = "EIGEN-6S"
-"""The gravity field that only the workflow's rule may fetch; the rule checks its degree."""
+FETCHED = "EIGEN-6S"  # the gravity field that only the workflow's rule may fetch; the rule checks its degree
 
 
 def check(run: RunSettings, *, is_measured: bool = False) -> None:

@@ -14,11 +14,8 @@ from opml.naming import Experiment
 from opml.orbits.sheets import Rso
 from opml.study.settings.merging import Settings, with_sheets
 
-SIMULATED, FILES, MEASURED = "simulated", "files", "measured"
-"""Where an RSO's orbit comes from."""
-
-FILTERS = ("filtered", "filtered_mean")
-"""Kinds of learners that are sequential filters."""
+SIMULATED, FILES, MEASURED = "simulated", "files", "measured"  # where an RSO's orbit comes from
+FILTERS = ("filtered", "filtered_mean")  # kinds of learners that are sequential filters
 
 ROLLING = {"every_days": 1, "last_days": 30}
 """How often learners are trained anew, and on how many days' labels, where a study does not say [days]."""

@@ -28,8 +28,7 @@ BASELINES = ("none", "repredicted", "fit24", "fit48", "fit96", "held", *RUNNING,
 MODELS = (*BASELINES, "svr", "covariance", "mechanism", "twoarcs")
 """The models that a study compares where it names none."""
 
-MARKS = (1, 2, 4, 7)
-"""Prediction durations that the report states errors at [days]."""
+MARKS = (1, 2, 4, 7)  # prediction durations that the report states errors at [days]
 
 REPLAYED = (
     *("none", "fit48", "fit96", "held", *RUNNING, "filter", "filtermean"),

@@ -17,8 +17,7 @@ MODELS = ("fit48", "running24", "running24m3")
 FIELD = {"degree": 48, "order": 48}
 """Of gravity: 70x70 takes shorter steps and twice the time, and predicts Swarm A about as well."""
 
-STEP = 120.0
-"""Longest step [s]: this field is followed as closely as the finer one in 75 s."""
+STEP = 120.0  # longest step [s]: this field is followed as closely as the finer one in 75 s
 
 
 def of_measurements(request: Request, *, progress: Progress) -> FittedOrbit:

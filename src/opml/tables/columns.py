@@ -7,17 +7,13 @@ from typing import Self
 import numpy as np
 import pandas as pd
 
-STATE = ["x", "y", "z", "vx", "vy", "vz"]
-"""Columns of a state; a list, as pandas selects columns by a list."""
-
-PARAMETERS = [*STATE, "cd"]
-"""Columns of the estimated parameters."""
+STATE = ["x", "y", "z", "vx", "vy", "vz"]  # columns of a state; a list, as pandas selects columns by a list
+PARAMETERS = [*STATE, "cd"]  # columns of the estimated parameters
 
 BURN = ["burn_t", "burn_x", "burn_y", "burn_z"]
 """Columns of a burn that a track showed: its time, and what it changed in RSW."""
 
-COMPONENTS = tuple(f"e_{axis}" for axis in STATE)
-"""Columns of the components of a prediction error."""
+COMPONENTS = tuple(f"e_{axis}" for axis in STATE)  # columns of the components of a prediction error
 
 SPREAD = [f"{cause}_{axis}" for cause in ("drag", "weather") for axis in "xyz"]
 """Columns of the distances by which drag and the weather ahead may move a prediction."""
@@ -36,15 +32,12 @@ class Column:
 
 @dataclass(frozen=True)
 class Schema:
-    """A table: its name, the meaning of a row, and its columns in order.
-
-    optional: columns behind these that a table may have
-    """
+    """A table: its name, the meaning of a row, and its columns in order."""
 
     name: str
     row: str
     columns: tuple[Column, ...]
-    optional: tuple[Column, ...] = ()
+    optional: tuple[Column, ...] = ()  # columns behind these that a table may have
 
     def among(self, names: Iterable[str]) -> Self:
         """Return the schema of a table with columns of these names, optional ones where it has them."""

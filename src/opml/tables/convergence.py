@@ -6,8 +6,7 @@ import pandas as pd
 
 from opml.base.errors import InputError
 
-_FAR = 3.0
-"""Root mean square of weighted residuals from which on measurements are none of the orbit."""
+_FAR = 3.0  # root mean square of weighted residuals from which on measurements are none of the orbit
 
 
 def none_converged(what: str, estimates: Iterable[pd.DataFrame]) -> InputError:

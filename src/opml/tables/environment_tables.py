@@ -7,14 +7,12 @@ from opml.tables.columns import TIME, Schema, count, real
 ENVIRONMENT = ("earth_orientation", "ephemerides", "solar_activity", "gravity_field")
 """Tables from which every force model is made."""
 
-OUTLOOKS = "outlooks"
-"""Table of forecast activity, where the assumed model knows forecasts only."""
+OUTLOOKS = "outlooks"  # table of forecast activity, where the assumed model knows forecasts only
 
 THERMOSPHERE = "thermosphere"
 """Table of densities, where the truth flies through another atmosphere than DTM2000's."""
 
-OPTIONAL = (OUTLOOKS, THERMOSPHERE)
-"""Tables that only some force models need."""
+OPTIONAL = (OUTLOOKS, THERMOSPHERE)  # tables that only some force models need
 
 _ACTIVITY = (
     real("f107", "sfu", "F10.7 solar radio flux of the day before"),
@@ -65,10 +63,10 @@ ENVIRONMENT_SCHEMAS = (
     ),
     Schema(
         "futures",
-        "a node of the environment's time grid, by one of the futures told at a time of issue before",
+        "a node of the environment's time grid, in one of the futures issued at an earlier time",
         (
             count("member", "number of the future, that of the most similar day first"),
-            real("issued", "s", "when it was told, in elapsed SI seconds since the epoch"),
+            real("issued", "s", "when it was issued, in elapsed SI seconds since the epoch"),
             TIME,
             *_ACTIVITY,
         ),

@@ -13,8 +13,7 @@ from opml.tables.columns import Schema
 from opml.tables.listing import comma_separated
 from opml.tables.parquet import write_table
 
-TABLE_SUFFIXES = (".csv", ".json", ".parquet")
-"""Suffixes that `write_as` knows."""
+TABLE_SUFFIXES = (".csv", ".json", ".parquet")  # suffixes that `write_as` knows
 
 
 def check_suffix(path: FilePath) -> None:

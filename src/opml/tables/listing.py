@@ -11,14 +11,12 @@ from opml.tables.columns import Column
 from opml.tables.parquet import read_metadata, read_schema, read_table
 
 FIRST_ROWS = 3
-_LONGEST = 1000
-"""Characters of an entry of the metadata that are shown."""
+_LONGEST = 1000  # characters of an entry of the metadata that are shown
 
 _FORMULA = re.compile(r"[=@\t]|[+-](?!(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?$)")
 """How a text begins that a spreadsheet works out; a number is none."""
 
-HOW_TO_CSV = "Any table as CSV: `opml table FILE --csv`"
-"""What every page of results ends with."""
+HOW_TO_CSV = "Any table as CSV: `opml table FILE --csv`"  # what every page of results ends with
 
 
 def head(path: FilePath) -> str:

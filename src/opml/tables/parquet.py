@@ -36,14 +36,26 @@ def write_table(
         odd = sorted(set(frame.columns) ^ set(schema.names))
         raise ValueError(f"table {schema.name}: columns missing or not in the schema: {odd}")
     arrays = [_array(frame[column.name], column.dtype) for column in schema.columns]
-    arrow = _arrow_schema(schema)
+    arrow = pa.schema(
+        pa.field(
+            column.name,
+            _ARROW[column.dtype],
+            nullable=False,
+            metadata={"unit": column.unit, "frame": column.frame, "meaning": column.meaning},
+        )
+        for column in schema.columns
+    )
     values = {"table": schema.name, **metadata}
     texts = {key: json.dumps(value, sort_keys=True, allow_nan=False) for key, value in sorted(values.items())}
     table = pa.table(arrays, schema=arrow.with_metadata(texts))
 
     with replacing(path) as temporary:
         pq.write_table(table, temporary, compression="zstd", write_statistics=False)
-        _seal(temporary)
+        with open(temporary, "r+b") as file:
+            start, footer = _footer(file)
+            seal = _Seal(_digest_to(file, start), hashlib.sha256(footer).digest())
+            file.seek(start)
+            file.write(_SEAL + b"".join(seal) + footer)
 
 
 def read_table(path: FilePath, schema: str | Schema) -> pd.DataFrame:
@@ -131,26 +143,13 @@ def _array(values: pd.Series, dtype: str) -> pa.Array:
     return pa.array(np.asarray(values).astype(dtype, casting="same_kind"), type=_ARROW[dtype])
 
 
-def _arrow_schema(schema: Schema) -> pa.Schema:
-    return pa.schema(
-        pa.field(
-            column.name,
-            _ARROW[column.dtype],
-            nullable=False,
-            metadata={"unit": column.unit, "frame": column.frame, "meaning": column.meaning},
-        )
-        for column in schema.columns
-    )
-
-
 def _texts(metadata: Mapping[bytes, bytes] | None) -> dict[str, str]:
     # Arrow adds PARQUET:field_id on reading.
     items = (metadata or {}).items()
     return {key.decode(): value.decode() for key, value in items if not key.startswith(b"PARQUET:")}
 
 
-_BATCH_ROWS = 65536
-"""Rows that are read at once where a table is read by parts."""
+_BATCH_ROWS = 65536  # rows that are read at once where a table is read by parts
 
 _SEAL = b"opmlseal"
 
@@ -172,15 +171,6 @@ class _Seal(NamedTuple):
 
     pages: bytes
     footer: bytes
-
-
-def _seal(path: FilePath) -> None:
-    """Insert the seal of a file."""
-    with open(path, "r+b") as file:
-        start, footer = _footer(file)
-        seal = _Seal(_digest_to(file, start), hashlib.sha256(footer).digest())
-        file.seek(start)
-        file.write(_SEAL + b"".join(seal) + footer)
 
 
 def _check_footer(path: FilePath) -> _Seal | None:
@@ -237,7 +227,11 @@ def _checked(path: FilePath, schema: Schema) -> Iterator[tuple[pq.ParquetFile, S
         with pq.ParquetFile(path) as file:
             schema = schema.among(file.schema_arrow.names)
             for column in schema.columns:
-                _check_column(path, file.schema_arrow, column, schema.name)
+                if column.name not in file.schema_arrow.names:
+                    raise InputError(f"{path}: {column.name}: column of table {schema.name} is missing")
+                dtype = file.schema_arrow.field(column.name).type
+                if dtype != _ARROW[column.dtype]:
+                    raise InputError(f"{path}: {column.name}: expected {column.dtype}, got {dtype}")
             if not seal:
                 raise InputError(f"{path}: {_ALIEN}")
             yield file, schema
@@ -262,14 +256,6 @@ def _reading(path: FilePath) -> Iterator[None]:
         raise InputError(f"{path}: no such file") from None
     except (pa.ArrowException, OSError, ValueError, KeyError) as error:
         raise InputError(f"{path}: damaged, or not a table in Parquet ({error})") from None
-
-
-def _check_column(path: FilePath, arrow: pa.Schema, column: Column, table: str) -> None:
-    if column.name not in arrow.names:
-        raise InputError(f"{path}: {column.name}: column of table {table} is missing")
-    dtype = arrow.field(column.name).type
-    if dtype != _ARROW[column.dtype]:
-        raise InputError(f"{path}: {column.name}: expected {column.dtype}, got {dtype}")
 
 
 def _metadata(file: pq.ParquetFile) -> dict[str, Any]:

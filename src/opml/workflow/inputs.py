@@ -244,16 +244,6 @@ class Inputs:
         return path_of(pattern, rso=wildcards.rso, stations=wildcards.stations, window=window)
 
     @_input_function
-    def model(self, wildcards: Wildcards, alone: _Pattern, together: _Pattern) -> _Paths:
-        """Find the model of a test.
-
-        alone: trained on its own rows
-        together: trained for one test, whose rows standardise its variables too
-        """
-        is_together = wildcards.test.endswith(naming.STANDARDISATIONS["together"])
-        return path_of(together if is_together else alone, **dict(wildcards.items()))
-
-    @_input_function
     def futures(self, _: Wildcards, futures: _Pattern) -> _Paths:
         """Find the courses that the weather may take; none where predictions fly under no forecast."""
         if not self.plan.environment.is_forecast:

@@ -19,8 +19,7 @@ from opml.base.provenance import settings_digest, settings_of_each
 from opml.base.section import JobSettings
 from opml.tables import Schema, read_table
 
-TOLD_EVERY = 30.0
-"""Time after which a job that still runs tells on the screen how far it is [s]."""
+TOLD_EVERY = 30.0  # time after which a job that still runs tells on the screen how far it is [s]
 
 _log = logging.getLogger("opml")
 _warnings = logging.getLogger("py.warnings")

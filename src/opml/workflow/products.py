@@ -5,14 +5,10 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Product:
-    """The paths of what a rule makes, with its log and its benchmark.
+    """The paths of what a rule makes, with its log and its benchmark."""
 
-    results: folder of the results
-    name: path below it without suffix; may hold wildcards in braces
-    """
-
-    results: str
-    name: str
+    results: str  # folder of the results
+    name: str  # path below it without suffix; may hold wildcards in braces
 
     @property
     def table(self) -> str:

@@ -5,7 +5,6 @@ of results that was moved, copied or mixed from two runs has no such record, or 
 table of opml holds a digest of the settings that made it, wherever it goes.
 """
 
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -41,13 +40,8 @@ def tables_of_other_settings(job: Any) -> set[str]:
     paths = [path for path in map(str, job.output) if path.endswith(".parquet") and Path(path).exists()]
     if settings is None or not paths:
         return set()
-    digests = _digests(settings)
+    digests = {settings_digest(settings), *map(settings_digest, settings_of_each(settings))}
     return {path for path in paths if _digest_of(path) not in digests}
-
-
-def _digests(settings: Mapping[str, Any]) -> set[str]:
-    """Return the digests that a job's tables may hold: of its settings, or of those for each one alone."""
-    return {settings_digest(settings), *map(settings_digest, settings_of_each(settings))}
 
 
 def _digest_of(path: str) -> str | None:

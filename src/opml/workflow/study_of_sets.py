@@ -10,14 +10,11 @@ import numpy as np
 
 from opml.base.errors import InputError
 from opml.base.files import FilePath
-from opml.interop.element_sets import mean_elements
+from opml.element_sets import catalogue
 from opml.interop.element_sets.element_set import ElementSet, elements_epoch
 
-LONGEST = 91
-"""Days of sets that count at most, the newest."""
-
-FEWEST = 20
-"""Least days of sets."""
+LONGEST = 91  # days of sets that count at most, the newest
+FEWEST = 20  # least days of sets
 
 _AHEAD = 7  # days that predictions reach
 _TRAINED = 0.66  # of the days
@@ -53,7 +50,7 @@ class StudyOfSets:
     @classmethod
     def of(cls, path: FilePath) -> "StudyOfSets":
         """Choose a study by a file of sets; raise InputError for several objects and for too few days."""
-        sets = mean_elements.read_sets(path, damaged=[])
+        sets = catalogue.readable(path)
         if len(numbers := sorted({one.number for one in sets})) != 1:
             got = ", ".join(map(str, numbers[:5]))
             raise InputError(f"{path}: expected sets of one object, got {len(numbers)}: {got}")

@@ -287,7 +287,6 @@ def test_training_rows_in_words(name, words):
     [
         ("rest", "the rest"),
         ("seen-zscore", "the same rows, standardised alone"),
-        ("rest-together", "the rest, standardised with the training"),
         ("days-30-40-unfenced", "days 30 to 40, no fences"),
         ("days-30-40-fence3", "days 30 to 40, fences of its own"),
     ],

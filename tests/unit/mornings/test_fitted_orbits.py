@@ -156,6 +156,8 @@ def test_the_command_writes_every_format(hours, short, tmp_path, capsys):
 
 REFUSED = {
     "too many days": (["--days", "8"], "expected more than 0 and at most 7 days, got 8"),
+    "an area below 0": (["--area-to-mass", "-1"], "expected an area to mass above 0 m2/kg, got -1"),
+    "no area": (["--area-to-mass", "nan"], "expected an area to mass above 0 m2/kg, got nan"),
     "a date before all": (["--date", "2016-09-01T00:00:00"], "expected measurements before 2016-09-01"),
     "a set that is not fitted": (["-o", "mine.xml"], "mine.xml: expected .tle or .kvn"),
     "other radars": (["--radars", "none.tsv"], "none.tsv: no such file"),

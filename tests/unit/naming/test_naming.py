@@ -254,7 +254,7 @@ def test_training_split_and_back(text, split):
         ("days-30-40.5", Split("days", days=(30, 40.5))),
         ("days-30-40-unseen", Split("days", days=(30, 40), unseen=True)),
         ("rest-zscore", Split("rest", standardisation="own")),
-        ("seen-together", Split("seen", standardisation="together")),
+        ("seen-zscore", Split("seen", standardisation="own")),
         ("days-30-40-unfenced", Split("days", days=(30, 40), fence=math.inf)),
         (
             "days-3-4-unseen-fence1.5-zscore",
@@ -281,7 +281,7 @@ def test_other_texts_are_no_training_split(text):
     "text",
     [
         *("random-80", "all", "days-1", "days-30-40-seen", "days-01-2", "rest-unfenced", "days-1-2-fence0"),
-        *("rest-zscore-together", "rest-together-zscore", ""),
+        *("rest-zscore-zscore", "rest-together", ""),
     ],
 )
 def test_other_texts_are_no_test_split(text):
@@ -308,13 +308,10 @@ def test_a_test_treated_otherwise():
     unfenced = naming.treat_test("days-30-40", fence=math.inf, standardisation="own")
     assert unfenced == "days-30-40-unfenced-zscore"
     assert naming.treat_test(unfenced) == unfenced
-    assert naming.treat_test("seen", standardisation="together") == "seen-together"
+    assert naming.treat_test("seen", standardisation="own") == "seen-zscore"
     assert naming.treat_test("days-30-40-unfenced") == "days-30-40-unfenced"
     assert naming.treat_test("rest", fence=3.0) == "rest"  # its training rows have the dataset's fences
-    for test in ("rest-zscore", "rest-together"):
-        assert not re.fullmatch(naming.TEST_BY_ROW, test)
-    assert re.fullmatch(naming.TEST_TOGETHER, "days-30-40-unfenced-together")
-    assert not re.fullmatch(naming.TEST_TOGETHER, "days-30-40-unfenced")
+    assert not re.fullmatch(naming.TEST_BY_ROW, "rest-zscore")
     assert re.fullmatch(naming.TEST_BY_ROW, "days-30-40-unseen-unfenced")
 
 
@@ -327,7 +324,6 @@ def test_fits_that_differ_and_back():
         ("_cd0.5_light", {"cd_sigma": 0.5, "light_time": True}),
         ("", {}),
     ):
-        assert naming.fit_suffix(**settings) == text
         assert naming.parse_fit(f"_w24{text}") == settings
         assert naming.parse_window(f"_w24{text}", default=12) == 24
         assert naming.parse_window(text, default=12) == 12

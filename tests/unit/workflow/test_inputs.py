@@ -211,7 +211,7 @@ def test_the_forecast_is_the_named_one_or_persistence():
             ["random-80", "days-0-30_split43"],
             ["random-80_split42", "rest", "random--5"],
         ),
-        ("test", ["rest", "days-30-40-unseen", "rest-together"], ["random-80", "all"]),
+        ("test", ["rest", "days-30-40-unseen", "rest-zscore"], ["random-80", "rest-together"]),
         ("learner", ["svr", "svr_s2"], ["svr_s2.0", "svr_s0", "mechanism_s2"]),
         ("component", ["e_y", "e_vz"], ["e_w"]),
         ("evaluation", ["svr_testing_1station"], ["mine"]),
@@ -361,7 +361,7 @@ def test_what_was_measured_has_no_truth():
     jobs = user_inputs().params
     jobs.check_simulated(wildcards(rso="flown"))
     jobs.check_simulated(wildcards(rso="judged"))
-    with pytest.raises(InputError, match="truth of 'mine': expected an RSO without measurements of its own"):
+    with pytest.raises(InputError, match="truth of 'mine': expected an RSO without own measurements"):
         jobs.check_simulated(wildcards(rso="mine"))
 
 
@@ -621,12 +621,6 @@ def test_arcs_are_made_of_estimates_over_their_window():
     find = inputs().at_arc(Pattern(ESTIMATES))
     assert find(wildcards(arc="_l48")) == "estimates/iss/eglin_w48.parquet"
     assert find(wildcards(arc="_l12")) == "estimates/iss/eglin.parquet"
-
-
-def test_a_test_that_standardises_together_has_a_model_of_its_own():
-    find = inputs().model(Pattern("{learner}.parquet"), Pattern("{learner}/{target}/{test}.parquet"))
-    assert find(experiment()) == "svr.parquet"
-    assert find(experiment(test="rest-together")) == "svr/iss/rest-together.parquet"
 
 
 def test_futures_are_drawn_under_a_forecast_only():

@@ -19,12 +19,10 @@ from opml.catalog.fit.estimation import Run
 from opml.catalog.fit.neighbour_arcs import NUDGES, fly_beside
 from opml.orbits.elements import rsw_rotation
 
-STEP = 20.0
-"""Time between the epochs at which orbits are compared with each other [s]."""
+STEP = 20.0  # time between the epochs at which orbits are compared with each other [s]
 
 
-_ALIKE = 9.0
-"""How much q may be above the least at times that are as good."""
+_ALIKE = 9.0  # how much q may be above the least at times that are as good
 
 
 @dataclass(frozen=True)

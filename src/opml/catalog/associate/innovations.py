@@ -29,11 +29,8 @@ CD_SPREAD = 0.1
 Models of the thermosphere err by 10 to 15 % (Emmert 2015, Thermospheric mass density: A review, sec. 5).
 """
 
-_USUAL = 1.67
-"""Median of the largest of seven normal deviates."""
-
-LEAST = 5
-"""Fewest tracks that show how far is usual."""
+_USUAL = 1.67  # median of the largest of seven normal deviates
+LEAST = 5  # fewest tracks that show how far is usual
 
 
 @dataclass(frozen=True)

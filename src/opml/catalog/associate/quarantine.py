@@ -32,26 +32,19 @@ from opml.catalog.fit.starts import StartParameters
 from opml.catalog.flight import Flight
 from opml.tables import BURN, PARAMETERS
 
-HELD_BACK = "track of no known orbit"
-"""Why there is no estimate at a track that is held back."""
-
-AGREEING = 2
-"""Tracks on one orbit that make a burn, where that orbit meets the old one."""
-
-MANY = 4
-"""Tracks on one orbit that make a burn, or several, even where the orbits do not meet."""
+HELD_BACK = "track of no known orbit"  # why there is no estimate at a track that is held back
+AGREEING = 2  # tracks on one orbit that make a burn, where that orbit meets the old one
+MANY = 4  # tracks on one orbit that make a burn, or several, even where the orbits do not meet
 
 _WORST = 5.0
 """How far the median residual of a track is off zero at most where a fit takes it in, by what is usual."""
 
-_LATELY = 50
-"""Newest fits, whose residuals are what is usual."""
+_LATELY = 50  # newest fits, whose residuals are what is usual
 
 _DRAG = 0.5
 """Change of Cd, as a part of it, beyond which a fit that takes a far track in does so by a burn's work."""
 
-_MEDIAN = 1.2533
-"""Standard deviation of the median of many normal deviates, in that of their mean."""
+_MEDIAN = 1.2533  # standard deviation of the median of many normal deviates, in that of their mean
 
 _CD = PARAMETERS.index("cd")
 _log = logging.getLogger(__name__)

@@ -15,8 +15,7 @@ import numpy as np
 from opml.catalog.fit.range_corrections import mapped, vapour_pressure
 
 _HUMIDITY = 0.5
-_BENNETT = 282.0e-6
-"""Refractivity of the air that Bennett's formula is made for, 1010 hPa and 10 deg C."""
+_BENNETT = 282.0e-6  # refractivity of the air that Bennett's formula is made for, 1010 hPa and 10 deg C
 
 
 @dataclass(frozen=True)

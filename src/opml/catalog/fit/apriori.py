@@ -13,11 +13,8 @@ CD = PARAMETERS.index("cd")
 SCALES = np.array([1e3, 1e3, 1e3, 1.0, 1.0, 1.0, 1.0])
 """A-priori uncertainty [m, m/s, -] in which the damping measures a step."""
 
-LINEAR = 10e3
-"""How far a state may be moved along its covariance [m], to where it would be had Cd been known."""
-
-APRIORI_SIGMA = 0.5
-"""Uncertainty of the sheet's Cd, as a part of it."""
+LINEAR = 10e3  # how far a state may be moved along its covariance [m], to where it would be had Cd been known
+APRIORI_SIGMA = 0.5  # uncertainty of the sheet's Cd, as a part of it
 
 
 @dataclass(frozen=True)

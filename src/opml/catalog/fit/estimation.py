@@ -36,8 +36,7 @@ No matter of the kernels' lanes, of which a window takes eight: more windows kee
 from an older estimate.
 """
 
-NO_START = "no orbit to start from"
-"""Why a fit did not begin."""
+NO_START = "no orbit to start from"  # why a fit did not begin
 
 
 @dataclass(frozen=True)

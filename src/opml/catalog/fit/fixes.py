@@ -31,8 +31,7 @@ from opml.orbits.manoeuvres import Manoeuvre, read_manoeuvres
 from opml.orbits.sheets import Station
 from opml.tables import FIX_SIGMAS, SCHEMAS, STATE, read_measured, read_table
 
-STRETCH = HOUR
-"""Length of a stretch [s]."""
+STRETCH = HOUR  # length of a stretch [s]
 
 
 class Fixes(Measurements):

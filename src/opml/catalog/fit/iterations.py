@@ -19,8 +19,7 @@ from opml.dynamics.ensemble import REASONS
 FASTEST = 1e6
 """Speed of trials above which arcs are not propagated [m/s]: fits to short tracks of angles wander far."""
 
-TOO_FAST = "start arc faster than any orbit"
-"""Why such a fit did not begin."""
+TOO_FAST = "start arc faster than any orbit"  # why such a fit did not begin
 
 NEAR = 3.0
 """Largest change of a residual, in its standard deviation, between trials that are near each other.

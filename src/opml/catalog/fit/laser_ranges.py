@@ -22,8 +22,7 @@ from opml.catalog.simulate.observing import Stands, horizon, observe, retarded
 from opml.dynamics.frames import gcrf_to_itrf
 
 _WGS84 = 1
-_MOVERS = ("moon", "sun")
-"""Bodies whose tides move stations."""
+_MOVERS = ("moon", "sun")  # bodies whose tides move stations
 
 _STATION = [f"{axis}_station" for axis in "xyz"]
 

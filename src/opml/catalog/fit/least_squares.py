@@ -41,16 +41,11 @@ _LESS, _MORE = 0.1, 10.0
 
 @dataclass(frozen=True)
 class Method:
-    """How n parameters are fitted.
+    """How n parameters are fitted."""
 
-    scales: (n,) units in which the damping measures a step, such as a-priori uncertainties
-    free: (n,) bool, False where a parameter is held at its start
-    convergence: part of the formal uncertainty that a last step may still move
-    """
-
-    scales: np.ndarray
-    free: np.ndarray
-    convergence: float
+    scales: np.ndarray  # (n,) units in which the damping measures a step, such as a-priori uncertainties
+    free: np.ndarray  # (n,) bool, False where a parameter is held at its start
+    convergence: float  # part of the formal uncertainty that a last step may still move
 
     def step(self, normal: np.ndarray, gradient: np.ndarray, damping: float = _LEAST_DAMPING) -> np.ndarray:
         """Return the step (n,) of the parameters, full unless damped; 0 where a parameter is held."""
@@ -172,7 +167,8 @@ class Fit:
         step = self.method.step(self.normal, self.gradient, self._damping)
         self.trial = self.best + step
         if self._is_last(full - step, before):
-            self._take_unseen()
+            self.best, self.cost = self.trial, max(0.0, self.cost - self._left**2)
+            self._end(CONVERGED)
 
     def _is_last(self, damped_off: np.ndarray, before: float) -> bool:
         """Whether the trial will be found to be the minimum, so that evaluating it would only confirm it.
@@ -182,11 +178,6 @@ class Fit:
         """
         short = np.sqrt(max(0.0, damped_off @ self.normal @ damped_off))
         return bool(self._left**2 < (self.method.convergence - short) * before)
-
-    def _take_unseen(self) -> None:
-        """End at the trial, with the cost that the full step leaves of a quadratic one."""
-        self.best, self.cost = self.trial, max(0.0, self.cost - self._left**2)
-        self._end(CONVERGED)
 
     def _end(self, reason: str) -> None:
         self.running, self.reason = False, reason

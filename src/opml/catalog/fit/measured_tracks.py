@@ -19,20 +19,14 @@ from opml.catalog.simulate.observing import ANGLES, OBSERVABLES, QUANTITIES, mea
 from opml.orbits.sheets import LOWEST_PERIGEE, Station
 from opml.tables import SCHEMAS
 
-LONGEST_GAP = 300.0
-"""Longest time between two measurements of one track [s]."""
+LONGEST_GAP = 300.0  # longest time between two measurements of one track [s]
 
 BEYOND_LIMITS = 6.0
 """How far noise may take a measurement beyond what its station sees, in standard deviations."""
 
-ENOUGH = 20
-"""Measurements of which no angle is as large as a turn in radians by chance."""
-
-_SHORTEST = 60.0
-"""Shortest track whose velocity shows whether it belongs to an orbit [s]."""
-
-_CLOSE = 0.1
-"""Part of the usual step between measurements within which a station does not measure again."""
+ENOUGH = 20  # measurements of which no angle is as large as a turn in radians by chance
+_SHORTEST = 60.0  # shortest track whose velocity shows whether it belongs to an orbit [s]
+_CLOSE = 0.1  # part of the usual step between measurements within which a station does not measure again
 
 _ORBITAL = 0.2, 1.95
 """Squared speeds of an orbit, in those of a circular orbit at its height: eccentricities up to 0.8."""

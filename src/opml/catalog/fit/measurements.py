@@ -12,11 +12,8 @@ from opml.base.constants import DAY
 from opml.catalog.fit.least_squares import Evaluation
 from opml.orbits.manoeuvres import Manoeuvre
 
-BEHIND = 1.25 * DAY
-"""Time for which measurements of a window may lie before its oldest estimate [s]."""
-
-Rows = slice | np.ndarray
-"""Rows of measurements: all between two of them, or those of an index."""
+BEHIND = 1.25 * DAY  # time for which measurements of a window may lie before its oldest estimate [s]
+Rows = slice | np.ndarray  # rows of measurements: all between two of them, or those of an index
 
 
 @dataclass(frozen=True)
@@ -59,10 +56,9 @@ class Measurements(ABC):
     anew: (tracks,) time before which the window of an estimate holds nothing [s]
     states: (tracks, 6) GCRF at the epochs of the estimates, where the measurements themselves tell them
     of_theory: whether these are good enough to fit from, as those of mean elements
-    sigmas: (rows, observables) standard deviations [rad, m, m/s]
     """
 
-    sigmas: np.ndarray
+    sigmas: np.ndarray  # (rows, observables) standard deviations [rad, m, m/s]
     numbers = 3
     smooth_for = math.inf
 

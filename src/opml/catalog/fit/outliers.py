@@ -8,11 +8,8 @@ from opml.catalog.fit.estimate import Estimate
 from opml.catalog.fit.least_squares import Fit
 from opml.catalog.fit.measurements import Measurements, Window
 
-_EDITS = 10
-"""Times that outliers are looked for in a fit at most."""
-
-_NORMAL = 0.6745
-"""Median of the size of a normal deviate."""
+_EDITS = 10  # times that outliers are looked for in a fit at most
+_NORMAL = 0.6745  # median of the size of a normal deviate
 
 
 def fit_without_outliers(

@@ -42,8 +42,7 @@ from opml.dynamics.ensemble import REASONS
 from opml.orbits.elements import rsw_rotation
 from opml.tables import PARAMETER_COVARIANCES, PARAMETERS, symmetric_matrices
 
-STEP = 1800.0
-"""Longest time for which the drag coefficient keeps its value [s]."""
+STEP = 1800.0  # longest time for which the drag coefficient keeps its value [s]
 
 _CD = PARAMETERS.index("cd")
 _PASSES = 4
@@ -206,17 +205,12 @@ class Filters:
 
 @dataclass(frozen=True)
 class Filtering:
-    """All that the filters of a run share.
+    """All that the filters of a run share."""
 
-    flight: under the assumed model
-    bank: a noise for each filter
-    light_time: as in `Estimation`
-    """
-
-    flight: Flight
+    flight: Flight  # under the assumed model
     measured: Measurements
-    bank: Sequence[Noise]
-    light_time: bool
+    bank: Sequence[Noise]  # a noise for each filter
+    light_time: bool  # as in `Estimation`
 
     def next(self, filters: Filters, track: int) -> Filters:
         """Return the filters at the next track, with its measurements. Raises LostError."""
@@ -254,7 +248,8 @@ class Filtering:
             means = parted + np.append(leg.path[k + 1], leg.cd)
             noise = self._noise(step / DAY, transition[:_CD, _CD], axes[k + 1, [0, 2]].T)
             wide = np.concatenate([transition @ roots, noise], axis=2)
-            roots = _triangles(wide)
+            upper = np.asarray(np.linalg.qr(wide.transpose(0, 2, 1), mode="r"))
+            roots = upper.transpose(0, 2, 1)
         return means, roots
 
     def _noise(self, days: float, by_cd: np.ndarray, aside: np.ndarray) -> np.ndarray:
@@ -286,12 +281,6 @@ class Filtering:
             "measurements_used": filters.measurements,
             "weighted_rms": np.sqrt(meeting.chi2 / self.measured.count(self.measured.track(track).rows)),
         }
-
-
-def _triangles(roots: np.ndarray) -> np.ndarray:
-    """Return square roots (n, 7, 7) of the covariances that have roots (n, 7, m)."""
-    upper = np.asarray(np.linalg.qr(roots.transpose(0, 2, 1), mode="r"))
-    return upper.transpose(0, 2, 1)
 
 
 def _covariance(estimate: pd.Series) -> np.ndarray:

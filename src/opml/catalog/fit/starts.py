@@ -18,16 +18,11 @@ StartParameters = tuple[int, np.ndarray]
 
 @dataclass(frozen=True)
 class Solution:
-    """What a fit came to.
+    """What a fit came to."""
 
-    at: number of its epoch among those of the run's measurements
-    best: (7,) parameters
-    covariance: (7, 7) of these
-    """
-
-    at: int
-    best: np.ndarray
-    covariance: np.ndarray
+    at: int  # number of its epoch among those of the run's measurements
+    best: np.ndarray  # (7,) parameters
+    covariance: np.ndarray  # (7, 7) of these
     converged: bool
 
 

@@ -5,8 +5,7 @@ from opml.base.errors import InputError
 from opml.catalog.kinds import Asked
 from opml.interop.element_sets import histories
 
-FEWEST_SETS = 3
-"""Sets of mean elements that a window of fits holds at least: Cd goes wild in fits to fewer."""
+FEWEST_SETS = 3  # sets of mean elements that a window of fits holds at least: Cd goes wild in fits to fewer
 
 
 def check(asked: Asked) -> None:

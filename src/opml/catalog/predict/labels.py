@@ -11,8 +11,7 @@ from opml.catalog import kinds
 from opml.orbits.elements import in_rsw, rsw_rotation
 from opml.tables import COMPONENTS, PARAMETER_COVARIANCES, SCHEMAS, SIGMAS, STATE, symmetric_matrices
 
-NO_LATER_ESTIMATE = "later estimate"
-"""What a label's reason begins with; the reason of the fit follows."""
+NO_LATER_ESTIMATE = "later estimate"  # what a label's reason begins with; the reason of the fit follows
 
 
 def build(

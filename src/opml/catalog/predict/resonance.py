@@ -24,16 +24,11 @@ PHASE_STEP = 1800.0
 
 @dataclass(frozen=True)
 class Resonances:
-    """Which resonances are met, and by which fits.
+    """Which resonances are met, and by which fits."""
 
-    pairs: (k, m) of each resonance
-    window_hours: of the fits
-    gm: of the elements [m3/s2]
-    """
-
-    pairs: Sequence[tuple[int, int]]
-    window_hours: float
-    gm: float
+    pairs: Sequence[tuple[int, int]]  # (k, m) of each resonance
+    window_hours: float  # of the fits
+    gm: float  # of the elements [m3/s2]
 
 
 def columns(pairs: Sequence[tuple[int, int]]) -> list[str]:

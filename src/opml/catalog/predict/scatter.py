@@ -7,11 +7,8 @@ tracks differ by more, and a catalogue sees that without a truth.
 import numpy as np
 import pandas as pd
 
-_MEDIAN = 0.4549
-"""Median of the square of a normal deviate."""
-
-_LEAST = 5
-"""Fewest comparisons that tell a scatter."""
+_MEDIAN = 0.4549  # median of the square of a normal deviate
+_LEAST = 5  # fewest comparisons that tell a scatter
 
 
 def excess(estimates: pd.DataFrame, *, window: float) -> np.ndarray:

@@ -11,8 +11,7 @@ from opml.catalog.predict.neighbours import Neighbours
 from opml.orbits.elements import in_rsw
 from opml.tables import STATE
 
-CD_NUDGE = 0.01
-"""Change of Cd between neighbouring arcs: small against Cd, large against rounding."""
+CD_NUDGE = 0.01  # change of Cd between neighbouring arcs: small against Cd, large against rounding
 
 
 def sensitivities(

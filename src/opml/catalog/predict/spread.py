@@ -23,25 +23,18 @@ from opml.tables import SPREAD, STATE
 FLATTENED = ForceModelSettings(degree=2, order=0, third_bodies=[])
 """Settings of the force model that the arcs are propagated with."""
 
-LONGEST_STEP = 300.0
-"""Longest step of their integration [s]: differences of arcs need no more."""
-
-TENTH = 0.1
-"""Part of the drag that the columns `drag_*` are the effect of."""
+LONGEST_STEP = 300.0  # longest step of their integration [s]: differences of arcs need no more
+TENTH = 0.1  # part of the drag that the columns `drag_*` are the effect of
 
 _MEMORY_DAYS = 30.0
 
 
 @dataclass(frozen=True)
 class Weathers:
-    """The weather that is expected, and its futures, in one force model.
+    """The weather that is expected, and its futures, in one force model."""
 
-    model: its outlooks are the expected ones, and behind these each future's
-    issued: of each weather, when its outlooks were issued [s], ascending
-    """
-
-    model: ForceModel
-    issued: Sequence[np.ndarray]
+    model: ForceModel  # its outlooks are the expected ones, and behind these each future's
+    issued: Sequence[np.ndarray]  # of each weather, when its outlooks were issued [s], ascending
 
     @classmethod
     def of(cls, model: ForceModel, futures: pd.DataFrame | None) -> Self:

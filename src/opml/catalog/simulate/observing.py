@@ -20,11 +20,8 @@ from opml.orbits.sheets import Station
 
 _WGS84 = 1
 
-QUANTITIES = ["azimuth", "elevation", "range"]
-"""What radars measure, in the order of `observe`."""
-
-OBSERVABLES = [*QUANTITIES, "range_rate", "right_ascension", "declination"]
-"""All that a station may measure."""
+QUANTITIES = ["azimuth", "elevation", "range"]  # what radars measure, in the order of `observe`
+OBSERVABLES = [*QUANTITIES, "range_rate", "right_ascension", "declination"]  # all that a station may measure
 
 ANGLES = [name for name in OBSERVABLES if not name.startswith("range")]
 
@@ -71,20 +68,13 @@ def difference(one: np.ndarray, other: np.ndarray, names: Sequence[str]) -> np.n
 
 @dataclass(frozen=True)
 class Stands:
-    """Where stations stand at the times of n measurements, in the axes of ITRF at each time.
+    """Where stations stand at the times of n measurements, in the axes of ITRF at each time."""
 
-    position: (n, 3) in ITRF [m]
-    velocity: (n, 3) inertial [m/s]
-    to_horizon: (n, 3, 3) rotations to east, north, up
-    from_gcrf: (n, 3, 3) rotations from GCRF
-    two_way: (n,) whether the light went there and back
-    """
-
-    position: np.ndarray
-    velocity: np.ndarray
-    to_horizon: np.ndarray
-    from_gcrf: np.ndarray
-    two_way: np.ndarray
+    position: np.ndarray  # (n, 3) in ITRF [m]
+    velocity: np.ndarray  # (n, 3) inertial [m/s]
+    to_horizon: np.ndarray  # (n, 3, 3) rotations to east, north, up
+    from_gcrf: np.ndarray  # (n, 3, 3) rotations from GCRF
+    two_way: np.ndarray  # (n,) whether the light went there and back
 
     @classmethod
     def at(

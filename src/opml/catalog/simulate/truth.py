@@ -13,8 +13,7 @@ from opml.orbits.elements import cartesian_from_coe, true_from_mean_anomaly
 from opml.orbits.sheets import Rso
 from opml.tables import STATE
 
-_GAP = 1.5
-"""Steps of a truth's grid that make a gap."""
+_GAP = 1.5  # steps of a truth's grid that make a gap
 
 
 def initial_state(rso: Rso, gm: float) -> np.ndarray:

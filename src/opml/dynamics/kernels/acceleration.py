@@ -13,8 +13,7 @@ from opml.dynamics.kernels.third_body import third_bodies
 SWITCHES = ("relativity",)
 """Forces that a setting of their name switches on, in the order of `ForceModel.switched`."""
 
-SCRATCH_ROWS = 40
-"""Rows of lanes that `acceleration` needs for intermediate results."""
+SCRATCH_ROWS = 40  # rows of lanes that `acceleration` needs for intermediate results
 
 
 @compiled

@@ -15,8 +15,7 @@ REASONS = ("", "decayed below 120 km", "state not finite", "step below the minim
 """Reasons for retiring an arc, by its status; the first one stands for an arc in flight."""
 
 _FLYING, _DECAYED, _NOT_FINITE, _STEP_TOO_SMALL = range(4)
-_FARTHEST = 1e12
-"""Altitude [m] above which an arc's numbers count as lost."""
+_FARTHEST = 1e12  # altitude [m] above which an arc's numbers count as lost
 
 
 class Workspace(NamedTuple):

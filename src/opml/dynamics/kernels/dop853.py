@@ -10,8 +10,7 @@ from opml.dynamics.kernels.lanes import absolute, compiled, load, splat, sqrt, s
 from opml.dynamics.kernels.shadow_edges import LIT, RATES, count_light
 from opml.dynamics.kernels.surroundings import look_up
 
-ORDER_OF_ERROR = 8.0
-"""Power of the step's length to which the estimated error is proportional."""
+ORDER_OF_ERROR = 8.0  # power of the step's length to which the estimated error is proportional
 
 
 @compiled

@@ -16,15 +16,13 @@ from opml.dynamics.kernels.lanes import WIDTH, compiled, exp, load, log, rows, s
 QUANTITIES = ("tt", "t0", "tp", "h", "he", "o", "n2", "o2", "n")
 """Names of the nine quantities in the file of coefficients."""
 
-FLUX_COUPLED = rows(1)
-"""A row with 1 for each quantity whose periodic terms the solar flux scales, too."""
+FLUX_COUPLED = rows(1)  # a row with 1 for each quantity whose periodic terms the solar flux scales, too
 FLUX_COUPLED[0, : len(QUANTITIES)] = 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0
 
 LATITUDE_TERMS = 9
 """Number of terms of the latitude: a constant, P10 to P60, and P20 and P40 about the magnetic pole."""
 
-TESSERAL_TERMS = 30
-"""Number of terms of the local time and the longitude."""
+TESSERAL_TERMS = 30  # number of terms of the local time and the longitude
 
 _STEADY = 5  # after the terms of the flux
 _ANNUAL = _STEADY + LATITUDE_TERMS
@@ -34,8 +32,7 @@ _TERDIURNAL = _SEMIDIURNAL + 10
 FACTORS = _DIURNAL + TESSERAL_TERMS
 """Number of rows of factors; the names above are the first rows of each kind of term."""
 
-LOWEST_ALTITUDE = 120e3
-"""The model's lower boundary [m]."""
+LOWEST_ALTITUDE = 120e3  # the model's lower boundary [m]
 
 _POLAR_RADIUS_KM = 6356.77
 _BASE_KM = 120.0

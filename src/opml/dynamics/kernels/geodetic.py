@@ -6,8 +6,7 @@ from opml.dynamics.kernels.lanes import compiled, select, splat, sqrt
 _B = WGS84_A * (1.0 - WGS84_F)
 _E2 = WGS84_F * (2.0 - WGS84_F)
 _EP2 = _E2 / (1.0 - _E2)
-_ON_AXIS = 1e-3
-"""Distance from the polar axis [m] below which the longitude counts as 0."""
+_ON_AXIS = 1e-3  # distance from the polar axis [m] below which the longitude counts as 0
 
 
 @compiled

@@ -12,8 +12,7 @@ import numpy as np
 
 from opml.dynamics.kernels.lanes import compiled, splat
 
-PARTS = 7
-"""Columns of the weights: the factor of the recursion, and those of six sums."""
+PARTS = 7  # columns of the weights: the factor of the recursion, and those of six sums
 
 
 def weights(c: np.ndarray, s: np.ndarray) -> np.ndarray:

@@ -19,8 +19,7 @@ from numba.extending import intrinsic, overload
 from opml.base.compiled import decorators
 from opml.base.constants import LANES
 
-WIDTH = LANES
-"""Lanes in one vector."""
+WIDTH = LANES  # lanes in one vector
 
 FLAGS = ("contract", "nsz")
 """Freedoms of the compiler with a formula: to fuse multiply and add, and to ignore the sign of zero."""

@@ -5,11 +5,8 @@ import math
 from opml.base.constants import SRP_DISTANCE, SRP_PRESSURE, SUN_RADIUS, WGS84_A, WGS84_F
 from opml.dynamics.kernels.lanes import WIDTH, compiled, lanes_set, load, select, splat, sqrt, store
 
-WGS84_B = WGS84_A * (1.0 - WGS84_F)
-"""Polar radius of the WGS84 ellipsoid [m]."""
-
-_CLEARANCE = 0.006
-"""Tangent of an angle larger than the Sun's angular radius (0.0047)."""
+WGS84_B = WGS84_A * (1.0 - WGS84_F)  # polar radius of the WGS84 ellipsoid [m]
+_CLEARANCE = 0.006  # tangent of an angle larger than the Sun's angular radius (0.0047)
 
 
 @compiled

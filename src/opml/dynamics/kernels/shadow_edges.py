@@ -20,20 +20,14 @@ from opml.dynamics.kernels.lanes import WIDTH, compiled, lanes_set, load, splat,
 from opml.dynamics.kernels.radiation_pressure import limb, part_in_sight, radiation_pressure
 from opml.dynamics.kernels.surroundings import BODIES, ROTATION, sun
 
-RATES = 7
-"""Rows of a stage: the derivatives of the state, then the illumination."""
-
-LIT = 6
-"""Row of the illumination in a stage."""
-
-_SAMPLES = 4
-"""Number of places along the step, evenly spaced, with Sun and limb; a cubic joins them."""
+RATES = 7  # rows of a stage: the derivatives of the state, then the illumination
+LIT = 6  # row of the illumination in a stage
+_SAMPLES = 4  # number of places along the step, evenly spaced, with Sun and limb; a cubic joins them
 
 _CELLS = 64
 """Number of cells of the integrals over a step: 1.4 s each of 90 s, where a penumbra takes 8 s or more."""
 
-_LAST = RATES * (STAGES - 1)
-"""First row of the last stage, which is at the end of the step."""
+_LAST = RATES * (STAGES - 1)  # first row of the last stage, which is at the end of the step
 
 _MOMENTS = 4
 """Number of integrals of f w^k over a step, k from 0; they are in the scratch lanes after the samples."""

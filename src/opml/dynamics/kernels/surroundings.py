@@ -23,11 +23,8 @@ BODIES = TIDE + tides.COLUMNS
 Precession and tide are zero where the force model has none.
 """
 
-AXIS = ROTATION + 6
-"""First index of the Earth's axis in GCRF: the last row of the rotation."""
-
-_ASIDE = 5e-4
-"""Distance [s] from a jump at which steps end, so that each step sees one side of it only."""
+AXIS = ROTATION + 6  # first index of the Earth's axis in GCRF: the last row of the rotation
+_ASIDE = 5e-4  # distance [s] from a jump at which steps end, so that each step sees one side of it only
 
 _SixWeights = tuple[float, float, float, float, float, float]
 

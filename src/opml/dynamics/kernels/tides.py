@@ -13,16 +13,14 @@ import numpy as np
 from opml.dynamics.kernels.gravity import PARTS, row, weights
 from opml.dynamics.kernels.lanes import compiled
 
-DEGREE, ORDER = 4, 3
-"""Highest degree and order of a coefficient with a tide."""
+DEGREE, ORDER = 4, 3  # highest degree and order of a coefficient with a tide
 
 TERMS = ((2, 0), (2, 1), (2, 2), (3, 0), (3, 1), (3, 2), (3, 3), (4, 0), (4, 1), (4, 2))
 """Degree and order of each pair of coefficients with a tide."""
 
 ORDERS = np.array([m for _, m in TERMS])
 
-COLUMNS = 2 * len(TERMS)
-"""Numbers of a tide: cosine and sine coefficient of each pair."""
+COLUMNS = 2 * len(TERMS)  # numbers of a tide: cosine and sine coefficient of each pair
 
 
 class Tides(NamedTuple):

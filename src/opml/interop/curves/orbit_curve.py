@@ -15,15 +15,9 @@ from opml.interop.curves import orbit_breaks
 from opml.interop.curves.gravity_interpolation import Bridges, bridge
 from opml.interop.orbit_arcs import MOST_APART, Arc
 
-ON_NODE = 1e-6
-"""Largest distance of a time from a node whose state is taken unchanged [s]."""
-
-ALIEN = 10.0
-"""Usual difference [m/s] from the velocities of the positions that means another unit or frame."""
-
-STRAYING = 0.05
-"""Difference [m/s] below which a single velocity counts as right, whatever is usual."""
-
+ON_NODE = 1e-6  # largest distance of a time from a node whose state is taken unchanged [s]
+ALIEN = 10.0  # usual difference [m/s] from the velocities of the positions that means another unit or frame
+STRAYING = 0.05  # difference [m/s] below which a single velocity counts as right, whatever is usual
 _TIMES_USUAL = 10.0  # least ratio of the difference to the usual one for a wrong single velocity
 _EXACT = 1e-4  # usual difference [m/s] that counts as none
 _MOST_LOGGED = 10
@@ -34,22 +28,14 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class OrbitCurve:
-    """An orbit in GCRF through ascending nodes.
+    """An orbit in GCRF through ascending nodes."""
 
-    t: (n,) times of the nodes [s]
-    states: (n, 6) of the nodes [m, m/s], not finite at a wrong node
-    bridges: the orbit between the nodes
-    breaks: of the orbit
-    misses: (m,) distances by which the curve through every second node misses the others [m]
-    left_out: numbers of positions and of velocities that do not fit
-    """
-
-    t: np.ndarray
-    states: np.ndarray
-    bridges: Bridges
-    breaks: list[orbit_breaks.Break]
-    misses: np.ndarray
-    left_out: tuple[int, int]
+    t: np.ndarray  # (n,) times of the nodes [s]
+    states: np.ndarray  # (n, 6) of the nodes [m, m/s], not finite at a wrong node
+    bridges: Bridges  # the orbit between the nodes
+    breaks: list[orbit_breaks.Break]  # of the orbit
+    misses: np.ndarray  # (m,) distances by which the curve through every second node misses the others [m]
+    left_out: tuple[int, int]  # numbers of positions and of velocities that do not fit
 
     def interpolate(self, t: np.ndarray) -> np.ndarray:
         """Return the states (m, 6) at times (m,) [s], not finite where unknown; at a node, its state."""
@@ -66,7 +52,6 @@ def fit_curve(arcs: Sequence[Arc], orientation: pd.DataFrame, attraction: Attrac
 
     arcs: one after the other, without overlap
     orientation: table `earth_orientation` over their times
-    attraction: the Earth's gravity
 
     Intervals longer than MOST_APART and breaks stay open. Raises InputError where velocities are in another
     unit or frame than the positions.
@@ -159,7 +144,6 @@ def _isolated_nodes(bridged: np.ndarray) -> np.ndarray:
 
 
 def _log_wrong_nodes(arcs: Sequence[Arc], wrong: np.ndarray) -> None:
-    """Log the first few wrong nodes."""
     lines = np.concatenate([arc.lines for arc in arcs])
     arc_numbers = np.repeat(np.arange(len(arcs)), [len(arc.t) for arc in arcs])
     for node in np.flatnonzero(wrong)[:_MOST_LOGGED]:

@@ -11,14 +11,10 @@ from opml.tables import STATE
 
 @dataclass(frozen=True)
 class SetSampling:
-    """Which points stand for a set of mean elements.
+    """Which points stand for a set of mean elements."""
 
-    reach: from the first point to the last [s]
-    step: between points [s]
-    """
-
-    reach: float
-    step: float
+    reach: float  # from the first point to the last [s]
+    step: float  # between points [s]
 
     def times(self, end: float) -> np.ndarray:
         """Return the times (n,) of the points of a set up to its last one, `end` [s]."""
@@ -30,7 +26,6 @@ def before(row: pd.Series, end: float, *, epoch: str, sampling: SetSampling) -> 
 
     row: of a table `element_sets`
     end: the set's epoch, or soon behind it [s]
-    epoch: UTC text, the table's
 
     Shortly before a re-entry SGP4 may fail within hours.
     """

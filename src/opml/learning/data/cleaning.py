@@ -55,13 +55,10 @@ class Cleaning(Section):
 
 @dataclass(frozen=True)
 class Burns:
-    """The manoeuvres of an RSO, each with the time since which it is known.
-
-    window: how long before an estimate its oldest measurement may be [s]
-    """
+    """The manoeuvres of an RSO, each with the time since which it is known."""
 
     manoeuvres: Sequence[Manoeuvre] = ()
-    window: float = 0.0
+    window: float = 0.0  # how long before an estimate its oldest measurement may be [s]
 
     def crosses(self, begin: np.ndarray, t: np.ndarray, known: np.ndarray) -> np.ndarray:
         """Return which rows (n,) have a manoeuvre in them, as far as anybody knew.
@@ -77,8 +74,7 @@ class Burns:
 
 NO_BURNS = Burns()
 
-OUTSIDE_FENCES = "outside Tukey fences"
-"""Why a row is dropped that only the fences drop."""
+OUTSIDE_FENCES = "outside Tukey fences"  # why a row is dropped that only the fences drop
 
 PAPER_BOUNDS = (1.2, 3.2)
 PAPER_FENCE = 3.0

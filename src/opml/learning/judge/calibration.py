@@ -20,14 +20,9 @@ from opml.learning.judge.errors_by_duration import REACH_DAYS
 from opml.orbits.rsw_covariance import half_width, mahalanobis
 from opml.tables import COMPONENTS, ELLIPSOID, LEVELS, PLANE, SIGMA_STATE, WHOLE
 
-_MARKS = (1.0, 3.0, 5.0, 7.0)
-"""Prediction durations that the shares are stated at [days]."""
-
-PASSES = 0.05
-"""Least p-value at which a covariance counts as true."""
-
-LEAST = 5
-"""Mornings that the test of distances needs."""
+_MARKS = (1.0, 3.0, 5.0, 7.0)  # prediction durations that the shares are stated at [days]
+PASSES = 0.05  # least p-value at which a covariance counts as true
+LEAST = 5  # mornings that the test of distances needs
 
 
 def marks(longest_days: float) -> list[float]:

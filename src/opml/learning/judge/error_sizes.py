@@ -48,11 +48,8 @@ from opml.learning.data.splits import are_over
 from opml.orbits.rsw_covariance import AXES, free_parts, half_width, rsw_covariances
 from opml.tables import COMPONENTS, DOUBT, SIGMA_STATE, UNSEEN
 
-LEVEL = 0.9
-"""Share of the errors that intervals and ellipsoids are to hold, and the level that reports print."""
-
-INSIDE = half_width(LEVEL)
-"""Half the width of that interval, in standard deviations."""
+LEVEL = 0.9  # share of the errors that intervals and ellipsoids are to hold, and the level that reports print
+INSIDE = half_width(LEVEL)  # half the width of that interval, in standard deviations
 
 MEMORY_DAYS = 8.0
 """Time in which the weight of a past error falls by e: eight days, so that predictions of a week count."""
@@ -61,52 +58,33 @@ OVERLAP = 1.5
 """Independent errors per duration of a prediction, where predictions overlap: 1 / (integral of (1 - x)^2 over
 both sides of 0)."""
 
-LEAST_FREEDOM = 2.0
-"""Least degrees of freedom: a factor of 1.8."""
-
-LEAST_ROWS = 20
-"""Least number of past errors to learn sizes from."""
+LEAST_FREEDOM = 2.0  # least degrees of freedom: a factor of 1.8
+LEAST_ROWS = 20  # least number of past errors to learn sizes from
 
 _MOST_ROWS = 3000
 _FACTORS_AT = DAY * np.array([0.5, 1.0, 2.0, 4.0, 7.0])
 """Durations at which the ellipsoids of the past have a factor each [s]; between them by the logarithm."""
 
-_NEARBY = 0.35
-"""Width of the bell of ln(duration) whose ellipsoids a factor comes from."""
+_NEARBY = 0.35  # width of the bell of ln(duration) whose ellipsoids a factor comes from
 
 _FIRST_GUESSES = ((-0.5, -1.0, -1.0), (-1.0, -1.0, 0.0))
-_SMALLEST = 1.0
-"""Least size of an error that is stated for a position [m]."""
-
-_TURNING = np.array([True, False, True])
-"""Axes whose errors go round with the orbit."""
-
-_LEAST_SHOWN = 0.5
-"""Least part of a size that differences from estimates are taken to show that err alike."""
+_SMALLEST = 1.0  # least size of an error that is stated for a position [m]
+_TURNING = np.array([True, False, True])  # axes whose errors go round with the orbit
+_LEAST_SHOWN = 0.5  # least part of a size that differences from estimates are taken to show that err alike
 
 
 @dataclass(frozen=True, eq=False)
 class Sizes:
-    """Sizes of errors, in the terms of the module's formula.
+    """Sizes of errors, in the terms of the module's formula."""
 
-    constant: (3,) a [m]
-    rate: (3,) b [m/s]
-    drag: (3,) c
-    velocity: (3,) factors of the velocity
-    inflation: (5,) factors of the variances, at the durations `_FACTORS_AT`
-    days: length of the past that the sizes come from
-    reach: its longest prediction [s]
-    flat: least D in the radial and the cross-track size [s]: 0 but where estimates err alike
-    """
-
-    constant: np.ndarray
-    rate: np.ndarray
-    drag: np.ndarray
-    velocity: np.ndarray
-    inflation: np.ndarray
-    days: float
-    reach: float
-    flat: float = 0.0
+    constant: np.ndarray  # (3,) a [m]
+    rate: np.ndarray  # (3,) b [m/s]
+    drag: np.ndarray  # (3,) c
+    velocity: np.ndarray  # (3,) factors of the velocity
+    inflation: np.ndarray  # (5,) factors of the variances, at the durations `_FACTORS_AT`
+    days: float  # length of the past that the sizes come from
+    reach: float  # its longest prediction [s]
+    flat: float = 0.0  # least D in the radial and the cross-track size [s]: 0 but where estimates err alike
 
     def sigmas(self, rows: pd.DataFrame) -> np.ndarray:
         """Return standard deviations (n, 6) [m, m/s] of the parts for `rsw_covariance.rsw_covariances`.

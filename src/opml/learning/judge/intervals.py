@@ -24,16 +24,11 @@ from opml.learning.models.contract import Model
 
 @dataclass(frozen=True)
 class Conformal:
-    """What intervals are to hold, and what they are calibrated on.
+    """What intervals are to hold, and what they are calibrated on."""
 
-    level: share of the rows of an estimate inside, in the mean over estimates
-    share: of the estimates of the training, held out to calibrate on
-    bin_hours: width of the bins of durations that share a scale
-    """
-
-    level: float
-    share: float
-    bin_hours: float
+    level: float  # share of the rows of an estimate inside, in the mean over estimates
+    share: float  # of the estimates of the training, held out to calibrate on
+    bin_hours: float  # width of the bins of durations that share a scale
 
 
 @dataclass(frozen=True, eq=False)

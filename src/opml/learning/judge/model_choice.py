@@ -26,28 +26,20 @@ CONFIDENCE = 0.95
 BLOCK_DAYS = 3.0
 """Predictions that ended within so many days are one piece of evidence, because they share their weather."""
 
-LEAST_BLOCKS = 4
-"""Least number of such pieces."""
+LEAST_BLOCKS = 4  # least number of such pieces
 
 _DRAWS = 1000
 
 
 @dataclass(frozen=True)
 class Choice:
-    """The model of a morning, and the comparison that it follows from.
+    """The model of a morning, and the comparison that it follows from."""
 
-    chosen: the model to fly
-    plain: the best model that learned nothing
-    law: the best model that learned, None where none was replayed for long enough
-    ratio: error that the law left in the past, divided by that of the plain model
-    high: upper bound of the ratio, at CONFIDENCE
-    """
-
-    chosen: str
-    plain: str
-    law: str | None = None
-    ratio: float = float("nan")
-    high: float = float("nan")
+    chosen: str  # the model to fly
+    plain: str  # the best model that learned nothing
+    law: str | None = None  # the best model that learned, None where none was replayed for long enough
+    ratio: float = float("nan")  # error that the law left in the past, divided by that of the plain model
+    high: float = float("nan")  # upper bound of the ratio, at CONFIDENCE
 
 
 def choose(replays: Mapping[str, pd.DataFrame], laws: Sequence[str], *, now: float, seed: int) -> Choice:
@@ -124,8 +116,7 @@ class _Past:
         return max(ratios, key=lambda ratio: ratio[1])
 
 
-CHOSEN = "selected each day"
-"""What the models that were flown are called beside the others."""
+CHOSEN = "selected each day"  # what the models that were flown are called beside the others
 
 
 @dataclass(frozen=True)

@@ -20,16 +20,11 @@ from opml.learning.models.contract import Model
 
 @dataclass(frozen=True)
 class Rolling:
-    """When a learner is trained anew, in days.
+    """When a learner is trained anew, in days."""
 
-    days: first and last day of the predictions to correct
-    every_days: time between trainings
-    last_days: length of the past to train on
-    """
-
-    days: tuple[float, float]
-    every_days: float
-    last_days: float
+    days: tuple[float, float]  # first and last day of the predictions to correct
+    every_days: float  # time between trainings
+    last_days: float  # length of the past to train on
 
     @property
     def begins(self) -> np.ndarray:

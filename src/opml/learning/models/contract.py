@@ -145,8 +145,7 @@ def table_of(row: str, *columns: Column) -> Table:
 ARC_MEMORY_DAYS = 30.0
 """Memory of the arcs' mean Cd where a learner does not ask for another [days]: about a turn of the Sun."""
 
-WHOLE_PAST = math.inf
-"""Window of the arcs of a sequential filter [h]."""
+WHOLE_PAST = math.inf  # window of the arcs of a sequential filter [h]
 
 _SETTLED = 48.0
 

@@ -14,18 +14,12 @@ from opml.learning.models.contract import Model, ResolvedSettings
 
 @dataclass(frozen=True)
 class Lessons:
-    """Models of e_y by the time of their training.
+    """Models of e_y by the time of their training."""
 
-    dataset: labelled rows
-    settings: of the learner, resolved
-    seed: of its draws
-    first_day: of the rows to train on [days]
-    """
-
-    dataset: pd.DataFrame
-    settings: ResolvedSettings
-    seed: int
-    first_day: float = 0.0
+    dataset: pd.DataFrame  # labelled rows
+    settings: ResolvedSettings  # of the learner, resolved
+    seed: int  # of its draws
+    first_day: float = 0.0  # of the rows to train on [days]
     _trained: dict[float, Model] = field(default_factory=dict, repr=False, compare=False)
 
     @property

@@ -21,7 +21,6 @@ class Training:
     groups: (n,) the estimate that a row starts from, where known
     weights: (n,) inverse variances of the target, up to a factor; None where all rows weigh the same. A
         squared loss takes them as they are, an absolute loss takes their roots.
-    standardised_with: (m, variables) further rows whose variables count in the standardisation
     """
 
     x: np.ndarray
@@ -30,7 +29,6 @@ class Training:
     seed: int
     groups: np.ndarray | None = None
     weights: np.ndarray | None = None
-    standardised_with: np.ndarray | None = None
 
     @classmethod
     def from_rows(cls, rows: pd.DataFrame, variables: Sequence[str], *, component: str, seed: int) -> Self:
@@ -59,22 +57,11 @@ class Training:
 
     def narrow(self, names: Sequence[str]) -> Self:
         """Return the training with these variables only."""
-        beside = self.standardised_with
-        return replace(
-            self,
-            x=pick_columns(self.x, self.variables, names),
-            variables=names,
-            standardised_with=None if beside is None else pick_columns(beside, self.variables, names),
-        )
+        return replace(self, x=pick_columns(self.x, self.variables, names), variables=names)
 
     def row_weights(self) -> np.ndarray:
         """Return weights (n,), ones where all rows weigh the same."""
         return np.ones(len(self.x)) if self.weights is None else np.asarray(self.weights, dtype=float)
-
-    def standardisation(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return mean and sample deviation (variables,) of x and of the rows that count beside it."""
-        beside = self.standardised_with
-        return standardisation(self.x if beside is None else np.vstack([self.x, beside]))
 
 
 def columns_of(rows: pd.DataFrame, variables: Sequence[str]) -> np.ndarray:

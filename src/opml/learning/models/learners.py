@@ -262,7 +262,6 @@ def _by_kind() -> dict[str, Learner[Any]]:
 
 KINDS = OfItsKind("learner", lambda: {kind: learner.settings for kind, learner in _by_kind().items()})
 
-AnyLearner = Annotated[LearnerSettings, KINDS]
-"""Settings of a learner, of whatever kind."""
+AnyLearner = Annotated[LearnerSettings, KINDS]  # settings of a learner, of whatever kind
 
 _STACKED = stacked.learner(by_kind, KINDS)

@@ -20,7 +20,7 @@ from opml.learning.data.cleaning import quartiles
 from opml.learning.models import kernel_scale as scales
 from opml.learning.models.contract import ChoosingSettings, Learner, Metadata
 from opml.learning.models.gaussian_kernel import expansion, vector_rows, vector_table
-from opml.learning.models.inputs import Training, check_rows
+from opml.learning.models.inputs import Training, check_rows, standardisation
 from opml.learning.models.metadata import describe, restore
 from opml.tables import real
 
@@ -95,7 +95,7 @@ class SvrSettings(ChoosingSettings):
 def fit(training: Training, settings: SvrSettings) -> SvrModel:
     """Train a machine; raise InputError for too few rows or values that are not finite."""
     training = training.validate(least=MIN_ROWS)
-    x_mean, x_scale = training.standardisation()
+    x_mean, x_scale = standardisation(training.x)
     z = (training.x - x_mean) / x_scale
     q1, q3 = quartiles(training.y)
     y_scale = (q3 - q1) / NORMAL_IQR if q3 > q1 else 1.0  # fitrsvm falls back to C = 1, epsilon = 0.1 as well

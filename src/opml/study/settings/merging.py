@@ -27,8 +27,7 @@ from opml.study.settings.model.run import DaySettings, Sheets, TakingSettings, t
 from opml.study.settings.model.whole import RunSettings
 from opml.study.settings.overlay import MISSING, Key, Layer, Source, laid_over, read_layer
 
-STUDIES = "config/studies"
-"""Folder of the studies that are called by their names."""
+STUDIES = "config/studies"  # folder of the studies that are called by their names
 
 REAL_SATELLITES = "config/real_satellites.yaml"
 """Settings under those of a user whose orbits come from files or whose tracks were measured."""

@@ -13,8 +13,7 @@ from opml.base.yaml_files import read_yaml
 
 Key = tuple[str | int, ...]
 
-MISSING = object()
-"""What stands under a key that is not there."""
+MISSING = object()  # what stands under a key that is not there
 
 COMMAND_LINE = "--config"
 

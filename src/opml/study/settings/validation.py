@@ -13,8 +13,7 @@ from opml.study.settings.json_schema import child, choices, dereferenced, json_s
 from opml.study.settings.model.whole import RunSettings
 from opml.study.settings.overlay import Key, Source, value_at, with_numbers
 
-_NAME = "[key]"
-"""Last part of the location of an error about a name, by pydantic."""
+_NAME = "[key]"  # last part of the location of an error about a name, by pydantic
 
 
 class _Refusal(NamedTuple):

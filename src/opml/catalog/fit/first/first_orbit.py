@@ -36,16 +36,12 @@ from opml.orbits.sheets import Rso
 FARTHEST = 1000e3
 """How far tracks may be, in the median, from where a known state leads [m]; no fit finds back from there."""
 
-FEWEST = 5
-"""Measurements of a track that an orbit is determined from."""
-
-SHORTEST = 30.0
-"""Shortest track that an orbit is determined from [s]."""
+FEWEST = 5  # measurements of a track that an orbit is determined from
+SHORTEST = 30.0  # shortest track that an orbit is determined from [s]
 
 _log = logging.getLogger(__name__)
 
-TimedState = tuple[float, np.ndarray]
-"""A time [s] and the GCRF state (6,) then [m, m/s]."""
+TimedState = tuple[float, np.ndarray]  # a time [s] and the GCRF state (6,) then [m, m/s]
 
 
 def of_sheet(rso: Rso, gm: float) -> TimedState | None:

@@ -29,17 +29,10 @@ from opml.catalog.fit.first.track_fits import (
 from opml.catalog.fit.measurements import Window
 from opml.catalog.fit.neighbour_arcs import fly_parameters
 
-FEWEST = 3
-"""Measurements of a track that an orbit is looked for from."""
-
-SHORTEST = 30.0
-"""Shortest track that an orbit is looked for from [s]."""
-
-ROUND = 0.02
-"""Standard deviation of the eccentricity of orbits near a circle."""
-
-FIRSTS = 3
-"""Tracks from which orbits go on at most."""
+FEWEST = 3  # measurements of a track that an orbit is looked for from
+SHORTEST = 30.0  # shortest track that an orbit is looked for from [s]
+ROUND = 0.02  # standard deviation of the eccentricity of orbits near a circle
+FIRSTS = 3  # tracks from which orbits go on at most
 
 ENOUGH = 3
 """Tracks besides the first: an orbit is right that links so many and all, and wrong where it links none."""
@@ -50,38 +43,23 @@ NOISE = 3.0
 FARTHEST = 5e3
 """The same in the median, where they are larger, as the model errs more than precise tracks do [m]."""
 
-_ITERATIONS = 60
-"""Iterations of these fits at most: some come from far."""
-
-_SPACING = 200e3
-"""Distance between neighbouring orbits of the line, at the next track [m]."""
-
-_MOST = 401
-"""Orbits of the line at most."""
-
-_WIDTH = 3.0
-"""How far the line goes on, in formal uncertainties of the semi-major axis."""
-
-_TRIALS = 3
-"""Orbits of the line that are fitted at most."""
+_ITERATIONS = 60  # iterations of these fits at most: some come from far
+_SPACING = 200e3  # distance between neighbouring orbits of the line, at the next track [m]
+_MOST = 401  # orbits of the line at most
+_WIDTH = 3.0  # how far the line goes on, in formal uncertainties of the semi-major axis
+_TRIALS = 3  # orbits of the line that are fitted at most
 
 _log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
 class TrackSeries:
-    """Fits to one track more each.
+    """Fits to one track more each."""
 
-    first: track that they begin with
-    last: to all that were linked
-    linked: number of tracks besides the first
-    following: number of those that were tried
-    """
-
-    first: int
-    last: Estimate
-    linked: int
-    following: int
+    first: int  # track that they begin with
+    last: Estimate  # to all that were linked
+    linked: int  # number of tracks besides the first
+    following: int  # number of those that were tried
 
     @property
     def is_whole(self) -> bool:

@@ -10,8 +10,7 @@ Source: Milani & Gronchi 2010, Theory of Orbit Determination, ch. 8 (what a shor
 
 import numpy as np
 
-_RADII = np.geomspace(6.45e6, 1e8, 600)
-"""Radii between which those of circular orbits are looked for [m]."""
+_RADII = np.geomspace(6.45e6, 1e8, 600)  # radii between which those of circular orbits are looked for [m]
 
 
 def round_orbits(t: np.ndarray, standing: np.ndarray, sights: np.ndarray, gm: float) -> np.ndarray:

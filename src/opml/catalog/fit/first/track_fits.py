@@ -13,8 +13,7 @@ from opml.catalog.fit.neighbour_arcs import fly_parameters
 from opml.catalog.flight import Flight
 from opml.tables import PARAMETERS
 
-WITHOUT_CD = np.array([name != "cd" for name in PARAMETERS])
-"""Which parameters (7,) are free."""
+WITHOUT_CD = np.array([name != "cd" for name in PARAMETERS])  # which parameters (7,) are free
 
 
 def is_of_first_day(times: np.ndarray) -> np.ndarray:

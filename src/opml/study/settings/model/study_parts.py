@@ -40,7 +40,7 @@ class ClaimSettings(Item):
     holds: Holds = setting("what then holds of our numbers")
     limit: Absent[float] = setting("number that they are compared with", unit="% or km", default=None)
     start: Absent[Positive] = setting("mean error before the correction", unit="km", default=None)
-    share: Absent[Share] = setting("how far a number may be off, or what is left of it", default=None)
+    share: Absent[Share] = setting("how far a number may be off, or its residual share", default=None)
     beside: Absent[Names] = setting("evaluations whose numbers are shown with the entry's own", default=None)
     beyond: Absent[float] = setting("value of a curve from which on the numbers count", default=None)
 
@@ -282,7 +282,7 @@ class ReadingSettings(Section):
         "fences of future tests: none, or of so many IQR from the rows tested", default=None
     )
     standardisation: Absent[Standardisation] = setting(
-        "rows that standardise the variables: those of the `training`, the test's `own`, or both `together`",
+        "rows that standardise the variables: those of the `training`, or the test's `own`",
         default=None,
     )
 
@@ -293,32 +293,6 @@ class ReproductionSettings(Section):
     fixed: str = setting("learner with one fixed kernel scale", unit="name")
     calibrated: str = setting("evaluation that this scale was chosen to meet", unit="name")
     readings: dict[EntryName, ReadingSettings] = setting("an interpretation of an open point of the paper")
-
-
-class OtherFit(Item):
-    """Settings of the estimation that differ."""
-
-    convergence: Absent[Positive] = setting("as `estimation.convergence`", default=None)
-    cd_sigma: Absent[Positive] = setting("as `estimation.cd_sigma`", default=None)
-    light_time: Absent[bool] = setting("as `estimation.light_time`", default=None)
-
-
-class Axes(Section):
-    """Readings that are combined, a product of axes."""
-
-    learners: Names = setting("learners that are combined with all other axes")
-    estimations: Absent[Annotated[list[OtherFit], MinLen(1)]] = setting(
-        "estimations, each with any of `convergence`, `cd_sigma` and `light_time`", unit="list", default=None
-    )
-    previous: Absent[Annotated[list[Previous], MinLen(1)]] = setting(
-        "where t_b is taken from: `kept_estimate`, `track`", unit="list", default=None
-    )
-    fences: Absent[Annotated[list[Fence], MinLen(1)]] = setting(
-        "fences of future tests: `dataset`, `none` or a number", unit="list", default=None
-    )
-    standardisations: Absent[Annotated[list[Standardisation], MinLen(1)]] = setting(
-        "rows that standardise the variables: `training`, `own`, `together`", unit="list", default=None
-    )
 
 
 class OwnStudySettings(Section):
@@ -380,9 +354,6 @@ class PaperStudy(Section):
     )
     seeds: Absent[StudySeeds] = setting("seeds of the curves and spreads", default=None)
     reproduction: Absent[ReproductionSettings] = setting("the paper's numbers and ours", default=None)
-    scan: Absent[Annotated[dict[EntryName, Axes], MinLen(1)]] = setting(
-        "combinations of interpretations for `snakemake scan`", default=None
-    )
 
 
 class BeyondStudy(Section):
