@@ -65,6 +65,7 @@ _SECONDS, _DAY = len("2016-09-28T12:09:45"), len("2016-09-28")
 _HISTORY = 5.0  # of measurements that the first morning fits [days]
 _AFTER = HOUR  # that paths reach beyond the end
 _LEAST_STRETCHES = 4.0
+_JUDGED = 3.0  # longest prediction that tells the verdict, as few mornings have longer ones [days]
 _NO_ELEMENTS = dict.fromkeys(("a", "e", "i", "argp", "raan", "mean_anomaly"), np.nan)
 _USUAL = "usual errors of such fits: their own covariance, density, and the weather that may come"
 
@@ -350,8 +351,8 @@ def _verdict(watched: Watched, left: Left, records: Records, past: pd.DataFrame,
     start = left.records.issued.rename(columns={"t_i": "t"})
     if start["t"].isna().all():
         return left.verdict
-    burns = [*watched.manoeuvres, *records.burns]
-    return judged.verdict(past, start, now=now, burns=burns, window=watched.plan.base * HOUR)
+    burns, often = [*watched.manoeuvres, *records.burns], past[past["duration"] <= DAY * _JUDGED]
+    return judged.verdict(often, start, now=now, burns=burns, window=watched.plan.base * HOUR)
 
 
 def _basis(past: pd.DataFrame) -> str:
