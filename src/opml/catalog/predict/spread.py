@@ -63,7 +63,7 @@ def build(
     without any. Not finite where an arc does not reach.
     """
     started = estimates.set_index("track").loc[np.unique(pairs["i"])]
-    cd = _past_cd(estimates, flight.rso.cd).loc[started.index].to_numpy()
+    cd = mean_cd(estimates, flight.rso.cd).loc[started.index].to_numpy()
     integrator = flight.integrator.evolve(max_step_s=LONGEST_STEP)
     coarse = replace(flight.under(weathers.model), integrator=integrator)
     # First the prediction, then more drag, then the futures, all side by side.
@@ -85,7 +85,7 @@ def build(
     return pairs[["i", "j"]].assign(**dict(zip(SPREAD, distances.T, strict=True)))
 
 
-def _past_cd(estimates: pd.DataFrame, apriori: float) -> pd.Series:
-    """Return the mean of the past Cd at each estimate, by its track."""
+def mean_cd(estimates: pd.DataFrame, apriori: float) -> pd.Series:
+    """Return the mean of the past Cd at each estimate, by its track; apriori: of the sheet."""
     past = past_cd(estimates, apriori=apriori, memory_days=_MEMORY_DAYS)
     return pd.Series(past["mean"].to_numpy(), index=estimates["track"])
