@@ -42,6 +42,9 @@ _SVR = svr.SvrSettings(
 _FEWEST = 40
 """Rows of a lead below which nothing is learned."""
 
+_MORNINGS = 20
+"""Mornings before t that are replayed; the weather and the histories of frozen tasks reach for few more."""
+
 _SEED = 1
 _UPPER = np.triu_indices(3)
 
@@ -198,7 +201,7 @@ def _answers(
     weather = str(folder / "weather.csv")
     known = improve.read([folder / "sets.tle"], date=t, weather=weather, latency=task.latency)
     today = modified_julian_day(t)
-    rows = improve.replayed(known, model, np.arange(-ways.PAST, 1) + today)
+    rows = improve.replayed(known, model, np.arange(-_MORNINGS, 1) + today)
     morning = Morning(known, model, rows, (rows["morning"] == today).to_numpy())
     found = CORRECTIONS["sgp4" if way == FIT else way](morning)
     now = rows.loc[morning.is_now, ["number", "lead", "tau", "response"]].join(found)

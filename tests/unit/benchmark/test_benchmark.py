@@ -20,6 +20,7 @@ from support import REPOSITORY, refusal
 from opml import cli
 from opml.base.errors import InputError
 from opml.benchmark import answers, baselines, freezing, recipes, tasks
+from opml.benchmark.scores import crps, log_score
 from opml.environment import solar_activity
 from opml.environment.weather import Weather
 from opml.interop import oem
@@ -158,6 +159,17 @@ def test_scores_are_those_by_hand(sgp4):
         for key, value in expected.items():
             assert row[f"{name}_{key}"] == pytest.approx(value, rel=1e-9, abs=1e-9), (lead, name, key)
         assert (row["asked"], row["answered"]) == (12, 100.0)
+
+
+def test_another_package_agrees_on_scores():
+    """The package scoringrules, on errors of up to twenty deviations."""
+    referee = pytest.importorskip("scoringrules")
+    rng = np.random.default_rng(1)
+    sigma = 10.0 ** rng.uniform(0.0, 5.0, 1000)
+    error = sigma * rng.uniform(-20.0, 20.0, 1000)
+    theirs = referee.crps_normal(0.0, error, sigma), referee.logs_normal(0.0, error, sigma)
+    np.testing.assert_allclose(crps(error, sigma), theirs[0], rtol=1e-9)
+    assert log_score(pd.Series(error), pd.Series(sigma)) == pytest.approx(theirs[1].mean(), rel=1e-12)
 
 
 def test_bands_of_height_share_the_answers(sgp4):
