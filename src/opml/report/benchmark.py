@@ -29,8 +29,6 @@ class Score:
     """What is told of answers.
 
     scores, by_height, by_weather: of `opml.benchmark.scores`
-    suspicions: a sentence each
-    about: tool, command and runtime_s, where they are told
     """
 
     task: str
@@ -40,8 +38,8 @@ class Score:
     scores: pd.DataFrame
     by_height: pd.DataFrame
     by_weather: pd.DataFrame
-    suspicions: Sequence[str]
-    about: Mapping[str, Any]
+    suspicions: Sequence[str]  # a sentence each
+    about: Mapping[str, Any]  # tool, command and runtime_s, where they are told
 
     def values(self) -> dict[str, Any]:
         """Return all of it as JSON values."""
