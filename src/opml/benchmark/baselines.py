@@ -156,7 +156,7 @@ FIT = "fit"
 WAYS = (*CORRECTIONS, FIT)
 
 
-def check_written(path: FilePath, task: BenchmarkTask, trained: FilePath | None) -> None:
+def _check_written(path: FilePath, task: BenchmarkTask, trained: FilePath | None) -> None:
     """Raise InputError for a file of answers that is no CSV, that is read, or inside the task."""
     if Path(path).suffix.lower() != ".csv":
         raise InputError(f"{path}: expected a suffix .csv, got {Path(path).suffix or 'none'}")
@@ -173,6 +173,9 @@ def write(path: FilePath, task: BenchmarkTask, way: str, trained: FilePath | Non
 
     Raises InputError for inputs that cannot be read.
     """
+    if way not in WAYS:
+        raise InputError(f"answer: expected {', '.join(WAYS)}, got {way}")
+    _check_written(path, task, trained)
     if any(task.folder.glob(f"{tasks.INPUTS}/*/*.tdm")):
         raise InputError(f"{task.name}: expected a task of element sets, got tracks: benchmark/track_fits.py")
     lines: list[list[str]] = []
