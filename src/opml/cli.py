@@ -360,27 +360,22 @@ def _add_task(parser: argparse.ArgumentParser) -> None:
 def _task(options: argparse.Namespace) -> None:
     from opml.benchmark import freezing, recipes
 
-    truth = f"{options.output.rstrip('/')}-truth"
-    folders = freezing.Folders(options.output, truth)
-    known = freezing.WeatherSources(options.weather, options.forecasts)
-    count = recipes.make(recipes.read(options.recipe), options.orbits, folders, known)
-    judge = "is for the judge alone" if os.path.exists(truth) else "is made by `opml truth` when it is over"
-    print(f"{options.output}: {count} questions; {truth} {judge}")
+    folders = freezing.Folders.of(options.output)
+    weather = freezing.WeatherSources(options.weather, options.forecasts)
+    count = recipes.make(recipes.read(options.recipe), options.orbits, folders, weather)
+    print(f"{options.output}: {count} questions; {folders.truth_in_words}")
 
 
 def _add_truth(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("task", help="the folder of a hidden task")
+    parser.add_argument("task", help="the folder of a hidden task; its truth gets -truth")
     parser.add_argument("sets", nargs="+", help="files and folders of TLEs that were published since")
-    parser.add_argument("-o", "--output", required=True, help="the truth's folder")
-    parser.add_argument("--weather", default="OBSERVED", help="space weather, CSSI (that of the package)")
 
 
 def _truth(options: argparse.Namespace) -> None:
-    from opml.benchmark import recipes, tasks
+    from opml.benchmark import freezing, recipes
 
-    task = tasks.read(options.task)
-    count = recipes.make_truth(task, options.sets, options.output, options.weather)
-    print(f"{options.output}: the truth of {count} of {len(task.questions)} questions")
+    folders = freezing.Folders.of(options.task)
+    print(f"{folders.truth}: the truth of {recipes.make_truth(folders, options.sets)} questions")
 
 
 def _add_answer(parser: argparse.ArgumentParser) -> None:
@@ -393,12 +388,8 @@ def _add_answer(parser: argparse.ArgumentParser) -> None:
 def _answer(options: argparse.Namespace) -> None:
     from opml.benchmark import baselines, tasks
 
-    if options.way not in baselines.WAYS:
-        raise InputError(f"answer: expected {', '.join(baselines.WAYS)}, got {options.way}")
-    task = tasks.read(options.task)
-    baselines.check_written(options.output, task, options.model)
-    with on_stderr() as progress:
-        count = baselines.write(options.output, task, options.way, options.model, progress)
+    with on_stderr() as say:
+        count = baselines.write(options.output, tasks.read(options.task), options.way, options.model, say)
     print(f"{options.output}: {count} answers")
 
 
@@ -412,8 +403,7 @@ def _add_score(parser: argparse.ArgumentParser) -> None:
 def _score(options: argparse.Namespace) -> None:
     from opml.report import benchmark
 
-    for path in options.output:
-        benchmark.check(path)
+    benchmark.check(*options.output)
     score = benchmark.score(options.task, options.answers, options.truth)
     for path in options.output:
         benchmark.write(path, score)
