@@ -32,7 +32,7 @@ from opml.interop.element_sets.histories import History
 from opml.learning.models.learners import JobLearner
 from opml.mornings import days, measured
 from opml.mornings.calendar import Calendar
-from opml.mornings.days import Task, UnderWay
+from opml.mornings.days import MorningTask, UnderWay
 from opml.mornings.measured import MeasurementSource, Span
 from opml.mornings.morning import FlightModel, MorningPlan, Watched
 from opml.mornings.outcomes import FAILED
@@ -268,14 +268,15 @@ def _begin(
     """Return an object before the first of its mornings that are not over."""
     calendar, plan = settings.calendar, settings.plan
     span = Span(settings.epoch, plan.end)
-    source = MeasurementSource(one.kind, one.files, one.taking, one.start, one.manoeuvres)
+    source = MeasurementSource(
+        one.kind, one.files, one.taking, one.start, one.manoeuvres, surroundings.read_sets
+    )
     found = measured.read(
         source,
         span,
         surroundings.stations,
         surroundings.orientation,
         since=days.since(done, calendar, plan),
-        read_sets=surroundings.read_sets,
     )
     known = max(surroundings.seen_until, days.last_known(found.tracking))
     days.check_reached(calendar, settings.date, known)
@@ -293,4 +294,6 @@ def _begin(
     )
     shared = settings.model_dump(include=_SHARED)
     digest = settings_digest(shared | one.model_dump(include={"rso", "taking"}))
-    return UnderWay.begin(Task(name, calendar, settings.date, digest, one.has_message), watched, store, done)
+    return UnderWay.begin(
+        MorningTask(name, calendar, settings.date, digest, one.has_message), watched, store, done
+    )

@@ -18,6 +18,8 @@ NOTHING: dict[str, Any] = {
     "newest_estimate": None,
     "age_hours": None,
     "burn": None,
+    "height_km": None,
+    "inclination_deg": None,
     "tracks": 0,
     "converged": 0,
     "late": 0,

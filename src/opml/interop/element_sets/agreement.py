@@ -87,7 +87,7 @@ def weighed(
     known: list[_Set] = []  # the newest set that counts, and those after it
     for row in sets.to_dict("records"):
         one = _Set(float(row["t"]), satellite(row, epoch=epoch))
-        if known and contain_any(*np.array([[known[0].t], [one.t]]), manoeuvres)[0]:
+        if known and contain_any(np.array([known[0].t]), np.array([one.t]), manoeuvres)[0]:
             known = []
         if len(known) == _FEWEST:
             past, known = _Past(), []
