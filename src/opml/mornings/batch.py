@@ -32,7 +32,7 @@ from opml.interop.element_sets.histories import History
 from opml.learning.models.learners import JobLearner
 from opml.mornings import days, measured
 from opml.mornings.calendar import Calendar
-from opml.mornings.days import MorningTask, UnderWay
+from opml.mornings.days import BatchTask, UnderWay
 from opml.mornings.measured import MeasurementSource, Span
 from opml.mornings.morning import FlightModel, MorningPlan, Watched
 from opml.mornings.outcomes import FAILED
@@ -295,5 +295,5 @@ def _begin(
     shared = settings.model_dump(include=_SHARED)
     digest = settings_digest(shared | one.model_dump(include={"rso", "taking"}))
     return UnderWay.begin(
-        MorningTask(name, calendar, settings.date, digest, one.has_message), watched, store, done
+        BatchTask(name, calendar, settings.date, digest, one.has_message), watched, store, done
     )

@@ -33,14 +33,10 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class _Past:
-    """Disagreements of sets with those before them.
+    """Disagreements of sets with those before them."""
 
-    gaps: between the epochs of the two [s]
-    distances: root mean squares (3,) in RSW [m]
-    """
-
-    gaps: list[float] = field(default_factory=list)
-    distances: list[np.ndarray] = field(default_factory=list)
+    gaps: list[float] = field(default_factory=list)  # between the epochs of the two [s]
+    distances: list[np.ndarray] = field(default_factory=list)  # root mean squares (3,) in RSW [m]
 
     def add(self, gap: float, distance: np.ndarray) -> None:
         """Take a disagreement."""

@@ -42,22 +42,14 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class History:
-    """Sets of mean elements of one object or several.
+    """Sets of mean elements of one object or several."""
 
-    sets: table `element_sets`, by object and epoch
-    doubles: number of sets that were there already
-    superseded: number of sets in whose place others of the same epoch came
-    out_of_order: number of sets that came after a later one of their object
-    damaged: errors of the sets that are left out
-    objects: what the newest set of each catalogue number shows about its object
-    """
-
-    sets: pd.DataFrame
-    doubles: int
-    superseded: int
-    out_of_order: int
-    damaged: Sequence[InputError]
-    objects: Mapping[int, ObjectId]
+    sets: pd.DataFrame  # table `element_sets`, by object and epoch
+    doubles: int  # number of sets that were there already
+    superseded: int  # number of sets in whose place others of the same epoch came
+    out_of_order: int  # number of sets that came after a later one of their object
+    damaged: Sequence[InputError]  # errors of the sets that are left out
+    objects: Mapping[int, ObjectId]  # what the newest set of each catalogue number shows about its object
 
 
 def read(paths: Iterable[FilePath], *, epoch: str, leave_out_damaged: bool = False) -> History:

@@ -29,7 +29,6 @@ _log = logging.getLogger(__name__)
 class Taking:
     """How sets are taken for measurements.
 
-    step: between the points that stand for a set [s]
     reach: from the first of them to its epoch [s]; None: as long as it was fitted to, where the sets up to it
         tell
     sigmas: (3,) standard deviations of a set in RSW [m]; None: learned from the sets before it
@@ -37,7 +36,7 @@ class Taking:
     since: earlier sets tell how accurate later ones are, but have no points, unless all are earlier [s]
     """
 
-    step: float
+    step: float  # between the points that stand for a set [s]
     reach: float | None = None
     sigmas: Sequence[float] | None = None
     raster: float | None = None
@@ -70,16 +69,13 @@ class HistoryTaking(JobSettings):
 
 @dataclass(frozen=True)
 class MeasuredSets:
-    """The sets of a run that count, in ascending order.
+    """The sets of a run that count, in ascending order."""
 
-    epochs: (sets,) of their last points [s]
-    known: (sets,) when they and those before them were made, at the earliest at their epochs [s]
-    points: of each set: t, state in GCRF, standard deviations in RSW
-    """
-
-    epochs: np.ndarray
-    known: np.ndarray
-    points: list[pd.DataFrame]
+    epochs: np.ndarray  # (sets,) of their last points [s]
+    known: (
+        np.ndarray
+    )  # (sets,) when they and those before them were made, at the earliest at their epochs [s]
+    points: list[pd.DataFrame]  # of each set: t, state in GCRF, standard deviations in RSW
 
 
 def of_run(sets: pd.DataFrame, duration: float) -> pd.DataFrame:
