@@ -18,13 +18,13 @@ from opml.base.provenance import settings_digest
 from opml.interop import ccsds, oem
 from opml.learning.judge.error_sizes import INSIDE, along_track
 from opml.mornings import beside_sgp4
-from opml.mornings.batch_day import Finished
 from opml.mornings.calendar import Calendar
 from opml.mornings.judged import OLDEST
+from opml.mornings.kept.batch_day import Finished
+from opml.mornings.kept.store import Store
 from opml.mornings.morning import Left, MorningPlan, Watched, morning
 from opml.mornings.outcomes import NOTHING
 from opml.mornings.records import Records
-from opml.mornings.store import Store
 from opml.orbits.elements import coe_from_cartesian
 from opml.tables import STATE
 

@@ -12,8 +12,8 @@ from pathlib import Path
 from opml.base.errors import InputError
 from opml.base.progress import counted
 from opml.mornings import outcomes
+from opml.mornings.kept.store import Store
 from opml.mornings.outcomes import DO_NOT_USE
-from opml.mornings.store import Store
 from opml.report.day import document, summary
 from opml.report.document import markdown
 from opml.study.checks import load_settings

@@ -8,11 +8,11 @@ import pytest
 from support import refusal
 
 from opml.base.errors import InputError
-from opml.mornings.batch_day import PATHS, Finished
 from opml.mornings.calendar import HORIZON
 from opml.mornings.days import failed
+from opml.mornings.kept.batch_day import PATHS, Finished
+from opml.mornings.kept.store import Store
 from opml.mornings.records import Paths, Records
-from opml.mornings.store import Store
 from opml.tables import SCHEMAS, paths_schema
 
 DAY = date(2016, 10, 5)
