@@ -378,7 +378,7 @@ def _task(options: argparse.Namespace) -> None:
 
     truth = f"{options.output.rstrip('/')}-truth"
     folders = freezing.Folders(options.output, truth)
-    known = freezing.Known(options.weather, options.forecasts)
+    known = freezing.WeatherSources(options.weather, options.forecasts)
     count = recipes.make(recipes.read(options.recipe), options.orbits, folders, known)
     judge = "is for the judge alone" if os.path.exists(truth) else "is made by `opml truth` when it is over"
     print(f"{options.output}: {count} questions; {truth} {judge}")

@@ -36,7 +36,7 @@ class Facts:
 
 
 @dataclass(frozen=True)
-class Known:
+class WeatherSources:
     """What a recipe is given beside orbits.
 
     weather: OBSERVED or a CSSI file
@@ -69,7 +69,7 @@ def freeze(
     questions: Sequence[Question],
     states: Sequence[np.ndarray],
     fill: Callable[[str, Path], None],
-    known: Known,
+    known: WeatherSources,
     folders: Folders,
 ) -> int:
     """Write the folders of a task and of its truth; return the number of questions.

@@ -19,7 +19,7 @@ from opml.base.seeds import derive
 from opml.base.setting_types import Count, NotNegative, Text
 from opml.base.yaml_files import read_yaml
 from opml.benchmark import freezing, tasks, track_recipes
-from opml.benchmark.freezing import Facts, Folders, Known, Question, utc_text
+from opml.benchmark.freezing import Facts, Folders, Question, WeatherSources, utc_text
 from opml.benchmark.tasks import BenchmarkTask
 from opml.benchmark.track_recipes import TrackRecipe
 from opml.element_sets import catalogue as catalogues
@@ -77,7 +77,9 @@ def read(path: FilePath) -> Recipe | TrackRecipe:
     return recipe
 
 
-def make(recipe: Recipe | TrackRecipe, orbits: Iterable[FilePath], folders: Folders, known: Known) -> int:
+def make(
+    recipe: Recipe | TrackRecipe, orbits: Iterable[FilePath], folders: Folders, known: WeatherSources
+) -> int:
     """Make the folders of a task and of its truth; return the number of questions.
 
     orbits: files and folders of TLEs, or of precise orbits

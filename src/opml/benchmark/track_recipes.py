@@ -19,7 +19,7 @@ from opml.base.files import FilePath, project_file
 from opml.base.section import Section
 from opml.base.setting_types import Count, NotNegative, Positive, Text
 from opml.benchmark import freezing, tasks
-from opml.benchmark.freezing import Facts, Folders, Known, Question, utc_text
+from opml.benchmark.freezing import Facts, Folders, Question, WeatherSources, utc_text
 from opml.catalog.simulate import tracking
 from opml.element_sets.catalogue import modified_julian_day
 from opml.element_sets.pairs import LEADS
@@ -69,7 +69,7 @@ class TrackRecipe(Section):
     digest: str = ""
 
 
-def make(recipe: TrackRecipe, orbits: Iterable[FilePath], folders: Folders, known: Known) -> int:
+def make(recipe: TrackRecipe, orbits: Iterable[FilePath], folders: Folders, known: WeatherSources) -> int:
     """Make a task as `opml.benchmark.recipes.make` does; orbits: files in SP3, CPF or OEM."""
     files = [Path(path) for path in orbits]
     questions: list[Question] = []

@@ -512,16 +512,20 @@ def test_forecasts_are_those_issued_last(recipe, tmp_path):
     )
     early = recipe.evolve(first=date(2025, 12, 23), last=date(2025, 12, 23), groups=1)
     folder = tmp_path / "task"
-    folders, known = freezing.Folders(folder, tmp_path / "truth"), freezing.Known(forecasts=issued)
+    folders, known = freezing.Folders(folder, tmp_path / "truth"), freezing.WeatherSources(forecasts=issued)
     recipes.make(early, sets, folders, known)
     text = (folder / "inputs/2025-12-23T060000/forecast.csv").read_text()
     assert text == "issued,valid,f107\n2025-12-20T03:00:00Z,2025-12-21,150\n"
     for made, given, told in (
         (early.evolve(digest="0" * 64), known, "digest: expected 0000"),
-        (early, freezing.Known(forecasts=tmp_path / "none.csv"), "none.csv: expected comma-separated values"),
         (
             early,
-            freezing.Known(_until(tmp_path / "weather.csv", "2025-11-20")),
+            freezing.WeatherSources(forecasts=tmp_path / "none.csv"),
+            "none.csv: expected comma-separated values",
+        ),
+        (
+            early,
+            freezing.WeatherSources(_until(tmp_path / "weather.csv", "2025-11-20")),
             "measured up to 2025-12-23",
         ),
     ):
@@ -543,7 +547,7 @@ def test_a_task_takes_the_place_of_no_other_files(folder, recipe, tmp_path):
     (tmp_path / "sets" / "one.tle").write_text("whatever it holds\n")
     for task, truth in ((tmp_path / folder, tmp_path / "new"), (tmp_path / "new", tmp_path / folder)):
         folders = freezing.Folders(task, truth)
-        told = refusal(recipes.make, recipe, [tmp_path / "sets"], folders, freezing.Known())
+        told = refusal(recipes.make, recipe, [tmp_path / "sets"], folders, freezing.WeatherSources())
         assert "expected a new folder, an empty one" in told
     assert (tmp_path / "sets" / "one.tle").is_file()
 

@@ -11,7 +11,7 @@ from support import REPOSITORY, refusal
 
 from opml.base import epochs
 from opml.benchmark import recipes, tasks
-from opml.benchmark.freezing import Folders, Known
+from opml.benchmark.freezing import Folders, WeatherSources
 from opml.interop import tdm
 from opml.report import benchmark
 
@@ -101,7 +101,7 @@ def test_more_forces_predict_better(fits, tmp_path):
 def test_what_no_file_answers_is_refused(tmp_path):
     recipe = recipes.read(REPOSITORY / "benchmark" / "sample-tracks.yaml")
     folders = Folders(tmp_path / "task", tmp_path / "truth")
-    told = refusal(recipes.make, recipe, [tmp_path / "other.oem"], folders, Known())
+    told = refusal(recipes.make, recipe, [tmp_path / "other.oem"], folders, WeatherSources())
     assert "sample-tracks: 1: expected files as iss.oem, got none" in told
     assert not list(tmp_path.iterdir())
 

@@ -72,9 +72,7 @@ class MeasuredSets:
     """The sets of a run that count, in ascending order."""
 
     epochs: np.ndarray  # (sets,) of their last points [s]
-    known: (
-        np.ndarray
-    )  # (sets,) when they and those before them were made, at the earliest at their epochs [s]
+    known: np.ndarray  # (sets,) when they and all before them were made, their epochs at the earliest [s]
     points: list[pd.DataFrame]  # of each set: t, state in GCRF, standard deviations in RSW
 
 
