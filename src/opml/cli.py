@@ -312,6 +312,7 @@ def _add_day(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--date", type=date.fromisoformat, help="the day, as 2016-10-05 (today, UTC)")
     parser.add_argument("--since", type=date.fromisoformat, help="first day that gets a page (the same)")
     parser.add_argument("--configfile", nargs="*", default=[], help="files of settings")
+    parser.add_argument("--object", help="print what became of this one, and process nothing")
     parser.add_argument("-j", "--cores", type=int, help="cores (2)")
     parser.add_argument("--profile", help="a profile of Snakemake, as profiles/slurm")
     parser.add_argument("-n", "--dry-run", action="store_true", help="show the plan alone")
@@ -321,6 +322,8 @@ def _day(options: argparse.Namespace) -> None:
     from opml.workflow import daily
 
     day = options.date or datetime.now(UTC).date()
+    if options.object:
+        return daily.show(options.object, day, options.configfile)
     call = daily.Call(day, options.since or day, options.configfile, _where(options), options.dry_run)
     if code := daily.run(call):
         sys.exit(code)
