@@ -20,7 +20,7 @@ from opml.interop import ccsds
 from opml.interop.element_sets.element_set import changed, seconds_since
 from opml.tables import IMPROVED_MODELS, SCHEMAS
 
-_REACH = 60
+_REACH = 80
 """Days before a morning beyond which no set tells anything of it, those of the PAST mornings reckoned."""
 
 _SOON = 0.5
@@ -100,7 +100,7 @@ class ImprovedHistory:
 
     @cached_property
     def _air(self) -> LearnedAir:
-        first = int(np.floor(self._catalogue.table["known"].min())) - ways.PAST - density.RUN_UP - 1
+        first = int(np.floor(self._catalogue.table["known"].min())) - density.RUN_UP - 1
         end = density.end_of(self._weather)
         return LearnedAir(self._weather, density.measured(self._weather, first, end), self._trained.outlook)
 
