@@ -62,7 +62,8 @@ def code_digest(*modules: str) -> str:
     """
     reached = closure(*modules)
     digest = hashlib.sha256()
-    for path in sorted({_path(module) for module in reached} | _data_files(reached)):
+    data = {path for module in reached for path in _named_data(module)}
+    for path in sorted({_path(module) for module in reached} | data):
         digest.update(path.relative_to(_PACKAGE).as_posix().encode() + b"\0")
         digest.update(_content_digest(path))
     return digest.hexdigest()
@@ -133,10 +134,6 @@ def _imported_from(node: ast.ImportFrom, package: str) -> Iterator[str]:
     yield base
     for alias in node.names:
         yield f"{base}.{alias.name}"
-
-
-def _data_files(modules: set[str]) -> set[Path]:
-    return {path for module in modules for path in _named_data(module)}
 
 
 # The workflow asks for the digests of some forty scripts at each start of a job; all share most modules.

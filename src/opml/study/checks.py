@@ -51,7 +51,10 @@ def load_settings(source: Source) -> CheckedSettings:
         if path.is_file():
             raise source.wrong(("results",), f"expected a folder, got a file at {path}")
     _check_beside(source)
-    _check_sheets(source)
+    for kind, path in source.values["sheets"].items():
+        # The package's own settings alone name the package's own sheets.
+        if source.origin(("sheets", kind)) != str(PACKAGED) and not Path(path).exists():
+            raise source.wrong(("sheets", kind), f"{path}: no such file")
     settings = with_sheets(source.values, source)
     misfit = _misfit(source, settings)
     learners.check(run.learners, variables=run.learning.variables, resonances=run.mechanism.resonances)
@@ -94,7 +97,10 @@ def check_study(source: Source, settings: Settings, *, last_day: float | None = 
     for key, kind, value in _parts(settings.asked):
         with source.naming(("study", *key)):
             checks.get(kind, bool)(value)
-    _check_seen(source, settings)
+    for name, experiment in Paper(Study(settings)).evaluations.items():
+        if experiment.test == "seen" and experiment.target != experiment.rso:
+            key = ("study", "evaluations", name, "test")
+            raise source.wrong(key, "expected another split, as seen rows are the RSO's own")
     _check_references(source, settings)
     study = Study(settings)
     for rso in study.rsos:
@@ -153,13 +159,6 @@ def _check_beside(source: Source) -> None:
     folder = value_at(source.values, key)
     if folder is not MISSING and ("{" in folder or not (Path(folder) / "conjunctions").is_dir()):
         raise source.wrong(key, f"expected the results of a study with conjunctions, got {folder}")
-
-
-def _check_sheets(source: Source) -> None:
-    """Raise InputError where a sheet is missing; the package's own settings alone name the package's own."""
-    for kind, path in source.values["sheets"].items():
-        if source.origin(("sheets", kind)) != str(PACKAGED) and not Path(path).exists():
-            raise source.wrong(("sheets", kind), f"{path}: no such file")
 
 
 def _check_order(source: Source) -> None:
@@ -268,13 +267,6 @@ def _check_starts(source: Source, settings: Settings) -> None:
                 else:
                     for time in settings.manoeuvres(name):
                         epochs.parse(time)
-
-
-def _check_seen(source: Source, settings: Settings) -> None:
-    for name, experiment in Paper(Study(settings)).evaluations.items():
-        if experiment.test == "seen" and experiment.target != experiment.rso:
-            key = ("study", "evaluations", name, "test")
-            raise source.wrong(key, "expected another split, as seen rows are the RSO's own")
 
 
 def _check_stations(source: Source, study: Study) -> None:

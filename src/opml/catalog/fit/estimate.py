@@ -30,7 +30,8 @@ class Estimate:
     def row(self, measured: Measurements, *, tells_rejected: bool) -> dict[str, Any]:
         """Return the estimate as a row of the table, with how many numbers do not count where asked for."""
         window, fit = self.window, self.fit
-        rms = np.sqrt(fit.cost / self._count(measured)) if np.isfinite(fit.cost) else np.nan
+        count = measured.count(window.rows) if self.kept is None else int(np.count_nonzero(self.kept))
+        rms = np.sqrt(fit.cost / count) if np.isfinite(fit.cost) else np.nan
         return {
             "track": window.track,
             "t": measured.epochs[window.at],
@@ -44,12 +45,6 @@ class Estimate:
             "weighted_rms": rms,
             **(self._rejected(measured) if tells_rejected else {}),
         }
-
-    def _count(self, measured: Measurements) -> int:
-        """Return how many numbers the estimate is made of."""
-        if self.kept is None:
-            return measured.count(self.window.rows)
-        return int(np.count_nonzero(self.kept))
 
     def _rejected(self, measured: Measurements) -> dict[str, int]:
         """Return how many numbers of the window and of the track do not count."""

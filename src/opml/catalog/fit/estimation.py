@@ -280,11 +280,8 @@ def estimate_over_windows(
         for run, window, rows in zip(runs, windows, earlier.values(), strict=True)
     ]
     methods = [run.method(run.free_parameters()) for run in runs]
-    estimates = runs[0].fit_windows(windows, _side_by_side(candidates), methods)
+    # The starts (windows, 7) of all windows, not finite where one has no more.
+    starts = map(np.concatenate, zip_longest(*candidates, fillvalue=np.full((1, 7), np.nan)))
+    estimates = runs[0].fit_windows(windows, starts, methods)
     rows = [run.row(estimate) for run, estimate in zip(runs, estimates, strict=True)]
     return pd.DataFrame(rows).assign(window_hours=list(earlier))
-
-
-def _side_by_side(candidates: Sequence[Iterator[np.ndarray]]) -> Iterator[np.ndarray]:
-    """Yield the starts (windows, 7) of all windows, not finite where one has no more."""
-    return map(np.concatenate, zip_longest(*candidates, fillvalue=np.full((1, 7), np.nan)))

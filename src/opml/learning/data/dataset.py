@@ -177,7 +177,9 @@ def of_estimates(
     table["d_cd"] = table["cd_b"] - estimates["cd"].where(converged)
 
     coe = coe_from_cartesian(states, gm)
-    predicted = _predicted_states(predictions, pd.MultiIndex.from_arrays([table["b"], table.index]))
+    pairs = pd.MultiIndex.from_arrays([table["b"], table.index])
+    made = predictions[predictions["reason"] == ""].set_index(["i", "j"])[STATE]
+    predicted = made.reindex(pairs).to_numpy(dtype=float)  # NaN without a prediction from t_b to t_i
     difference = coe_from_cartesian(predicted, gm) - coe
     difference[:, 2:] = wrap_half_turn(difference[:, 2:])
     relative = in_rsw(predicted - states, states)
@@ -228,12 +230,6 @@ def _previous(tracks: np.ndarray, usable: np.ndarray, setting: str) -> np.ndarra
         last_usable = np.where(usable, position, -1)
     before = np.concatenate([[-1], last_usable[:-1]])
     return np.where(before >= 0, tracks[before], NO_PREVIOUS)
-
-
-def _predicted_states(predictions: pd.DataFrame, pairs: pd.MultiIndex) -> np.ndarray:
-    """Return predicted states (n, 6) at t_i from t_b of the pairs (b, i), NaN without such a prediction."""
-    made = predictions[predictions["reason"] == ""]
-    return made.set_index(["i", "j"])[STATE].reindex(pairs).to_numpy(dtype=float)
 
 
 def _highest_measurements(tracking: pd.DataFrame, tracks: pd.Index) -> pd.DataFrame:

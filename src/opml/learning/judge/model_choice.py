@@ -166,7 +166,9 @@ class Mornings:
             name: table.set_index(["i", "j"]).loc[pairs].reset_index() for name, table in replays.items()
         }
         longest = max(replays.values(), key=len)
-        return cls(tables, _flown(tables, choices), choices, int((longest["morning"] < min(choices)).sum()))
+        chosen = ((now, tables[choice.chosen]) for now, choice in choices.items())
+        flown = pd.concat([table[table["morning"] == now] for now, table in chosen], ignore_index=True)
+        return cls(tables, flown, choices, int((longest["morning"] < min(choices)).sum()))
 
     def against_truth(self, truth: pd.DataFrame, labelled: pd.DataFrame) -> Self:
         """Return the same mornings, and choices, with errors against the truth in the place of labels.
@@ -208,9 +210,3 @@ def _shared_pairs(replays: Mapping[str, pd.DataFrame], mornings: Sequence[float]
     for pairs in of_model[1:]:
         shared = shared[shared.isin(pairs)]
     return shared
-
-
-def _flown(tables: Mapping[str, pd.DataFrame], choices: Mapping[float, Choice]) -> pd.DataFrame:
-    """Return the rows of each morning of the model that it chose."""
-    chosen = ((now, tables[choice.chosen]) for now, choice in choices.items())
-    return pd.concat([table[table["morning"] == now] for now, table in chosen], ignore_index=True)
