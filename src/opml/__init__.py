@@ -44,6 +44,7 @@ __all__ = [
     "read_stations",
     "read_tracks",
     "replay",
+    "style",
     "track",
     "write_tracks",
 ]

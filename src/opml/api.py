@@ -9,6 +9,7 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -625,6 +626,25 @@ def ephemeris(
         spreads=_spreads(flight, catalogue),
         first_morning=until,
     )
+
+
+def style() -> dict[str, str]:
+    """Give matplotlib the look of opml's figures; return its colours by what they mean in them.
+
+    The colours (Okabe & Ito 2008) differ under every colour blindness. Needs matplotlib.
+
+    >>> colors = opml.style()
+    >>> colors["corrected"]
+    '#D55E00'
+    """
+    look = import_module("opml.figures.style")  # not above: only here the library needs matplotlib
+    import_module("matplotlib").rcParams.update(look.LOOK)
+    return {
+        "true": look.TRUE_COLOR,
+        "predicted": look.PREDICTED_COLOR,
+        "corrected": look.RESIDUAL,
+        "context": look.MUTED,
+    }
 
 
 def _known(catalogue: Catalogue) -> Known:

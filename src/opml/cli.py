@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from datetime import UTC, date, datetime
 from importlib.util import find_spec
+from itertools import chain
 from typing import TYPE_CHECKING
 
 from opml import __version__
@@ -192,6 +193,11 @@ def _instant(text: str) -> str:
     return f"{text}T00:00:00" if re.fullmatch(r"[\d-]{10}", text) else text
 
 
+def _beside(options: argparse.Namespace) -> list[str]:
+    """Return the files of weather and model that are read beside the others."""
+    return [path for path in (options.weather, options.model) if path]
+
+
 def _add_improve(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("sets", nargs="+", help="files and folders of TLEs or OMMs (JSON, CSV, XML, KVN)")
     parser.add_argument("-o", "--output", required=True, help="better sets: .tle, .json, .csv, .xml or .kvn")
@@ -205,7 +211,7 @@ def _add_improve(parser: argparse.ArgumentParser) -> None:
 def _improve(options: argparse.Namespace) -> None:
     from opml.element_sets import improve, model
 
-    improve.check_written(options.output, options.table, options.sets)
+    improve.check_written(options.output, options.table, [*options.sets, *_beside(options)])
     date = options.date or datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%S")
     latency = (6.0 if options.date else 0.0) if options.latency is None else options.latency
     if not latency >= 0.0:
@@ -246,7 +252,7 @@ def _predict(options: argparse.Namespace) -> None:
     from opml.workflow import predicted
 
     predicted.check(options.output)
-    check_apart(options.output, [*options.files, *options.catalogue])
+    check_apart(options.output, [*options.files, *options.catalogue, options.radars, *_beside(options)])
     places = [passes.place(text) for text in options.station]
     with on_stderr() as progress:
         made = (_fit if is_measured(options.files[0]) else _fly_sets)(options, progress)
@@ -312,7 +318,8 @@ def _train(options: argparse.Namespace) -> None:
     for one in options.sets:
         name, is_named, path = one.rpartition("=")
         populations.setdefault(name if is_named else "all", []).append(path)
-    check_apart([options.output], [path for paths in populations.values() for path in paths])
+    model.check_suffix(options.output)
+    check_apart([options.output], [options.weather, *chain.from_iterable(populations.values())])
     with on_stderr() as progress:
         trained = training.train(populations, weather=options.weather, progress=progress)
     model.write(options.output, trained)
@@ -396,6 +403,7 @@ def _answer(options: argparse.Namespace) -> None:
     if options.way not in baselines.WAYS:
         raise InputError(f"answer: expected {', '.join(baselines.WAYS)}, got {options.way}")
     task = tasks.read(options.task)
+    baselines.check_written(options.output, task, options.model)
     with on_stderr() as progress:
         count = baselines.write(options.output, task, options.way, options.model, progress)
     print(f"{options.output}: {count} answers")

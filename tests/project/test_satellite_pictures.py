@@ -1,34 +1,49 @@
-"""The pictures of real satellites: which rows of a finished study they compare."""
+"""The pictures of real satellites have the numbers of the pages' tables."""
 
-import numpy as np
 import pytest
-from mornings import replays
 
-from validation.pictures import satellite_figures as figures
-from validation.pictures.real_satellites import NAMES, Satellite
+from validation.pictures import real_satellites as pictures
 
-
-@pytest.fixture
-def satellite(tmp_path, monkeypatch):
-    """A study of Swarm A whose models leave different shares of one error."""
-    shares = {"fit48": 0.5, "running24": 0.3, "mechanism": 0.4}
-    tables = {name: (table := replays()).assign(e_y=share * table["e_y"]) for name, share in shares.items()}
-    monkeypatch.setattr(Satellite, "replay", lambda self, name: tables.get(name, replays()))
-    return Satellite.read("swarm", tmp_path)
+SATELLITES = pictures.satellites()
 
 
-def test_every_study_is_of_a_satellite_with_a_name(tmp_path):
-    names = [Satellite.read(name, tmp_path).name for name in NAMES]
-    assert names == ["Swarm A", "Larets", "Sentinel-3A", "LAGEOS-2"]
+def test_each_satellite_has_its_errors_and_its_number_of_predictions():
+    assert {name: one.predictions for name, one in SATELLITES.items()} == {
+        "Swarm A": 7200,
+        "Larets": 8120,
+        "Sentinel-3A": 558,
+        "LAGEOS-2": 135,
+    }
+    assert all(set(one.errors) == set(pictures.LOOKS) for one in SATELLITES.values())
+    assert SATELLITES["Swarm A"].errors[pictures.SELECTED][7.0] == (474.0, 2430.0)
+    assert SATELLITES["LAGEOS-2"].errors[pictures.BEFORE] == {1.0: (59.7, 286.0), 2.0: (110.0, 544.0)}
 
 
-def test_the_best_without_learning_and_the_choice_stand_beside_no_correction(satellite):
-    tables = satellite.tables
-    assert set(tables) == {figures.BEFORE, figures.PLAIN, figures.CHOSEN}
-    assert len({len(table) for table in tables.values()}) == 1
-    plain, before = tables[figures.PLAIN], tables[figures.BEFORE]
-    assert np.allclose(plain["e_y"], 0.3 * before["e_y"] / 50.0)
+def test_the_overview_draws_every_median():
+    for axes, one in zip(pictures.overview(SATELLITES).axes, SATELLITES.values(), strict=True):
+        drawn = {line.get_label(): list(line.get_ydata()) for line in axes.lines}
+        assert drawn == {kind: [size for size, _ in e.values()] for kind, e in one.errors.items()}
 
 
-def test_another_model_is_compared_on_the_same_predictions(satellite):
-    assert len(satellite.beside(replays())) == len(satellite.tables[figures.CHOSEN]) < len(replays())
+def test_the_headline_on_learning_is_true_after_the_longest_lead_time():
+    for one in SATELLITES.values():
+        learned, selected = (
+            list(one.errors[kind].values()) for kind in (pictures.LEARNED, pictures.SELECTED)
+        )
+        assert learned[-1][0] > selected[-1][0]
+
+
+def test_hindsight_follows_the_corrections():
+    figure = pictures.ladder(SATELLITES["Swarm A"], pictures.hindsight())
+    labels = [label.get_text() for label in figure.axes[0].get_yticklabels()]
+    assert labels[:3] == list(SATELLITES["Swarm A"].errors)
+    assert labels[-1] == "hindsight: state, Cd of each week, weather"
+    assert figure.get_suptitle().strip() == (
+        "Swarm A after a week: 14 km by a 12-hour fit, 470 m by the model selected"
+    )
+
+
+def test_shares_inside_have_wilsons_interval():
+    figure = pictures.ellipsoids(pictures.coverage())
+    assert "contain 83 to 98 % of the errors, 75 to 93 % in a storm" in figure.get_suptitle()
+    assert pictures.interval(50.0, 10.0) == pytest.approx((26.93, 73.07), abs=0.01)

@@ -10,6 +10,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import laser_files
+import matplotlib
 import pandas as pd
 import pytest
 import sinking_histories
@@ -130,3 +131,12 @@ def _coarse(degree):
 def test_what_is_unknown_is_told_in_one_line(call, message):
     with pytest.raises(opml.InputError, match=message):
         call()
+
+
+def test_the_look_of_figures_is_set_again_where_it_was_changed():
+    with matplotlib.rc_context():
+        matplotlib.rcdefaults()
+        assert matplotlib.rcParams["axes.spines.top"]
+        colors = opml.style()
+        assert not matplotlib.rcParams["axes.spines.top"]
+        assert len(set(colors.values())) == len(colors)

@@ -10,7 +10,7 @@ import sys
 import numpy as np
 import pandas as pd
 import pytest
-from support import REPOSITORY
+from support import REPOSITORY, refusals
 
 from opml import __version__, cli
 from opml.orbits.sheets import read_rsos
@@ -213,3 +213,11 @@ def test_a_project_without_a_folder_is_refused(tmp_path, monkeypatch, capsys, fo
     assert cli.main(["init", folder]) == 1
     assert capsys.readouterr().err == f"opml: init: expected a folder, got {folder!r}; . is this one\n"
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(("arguments", "line"), refusals("written_files"))
+def test_what_is_read_is_not_written_over(arguments, line, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert cli.main(arguments) == 1
+    assert capsys.readouterr().err.startswith(f"opml: {line}")
+    assert not any(tmp_path.iterdir())

@@ -17,18 +17,21 @@ from opml.figures import explore
 from opml.figures.axis_labels import clauses
 from opml.figures.display_names import describe_run
 from opml.figures.ground import ObservedOrbit
+from opml.study.experiments import Study
+from opml.study.own_study import OwnStudy
+from opml.study.settings.merging import merged, with_sheets
 from opml.tables import read_table
 from validation.case import ROOT
-from validation.pictures.real_satellites import Satellite
 
 PAGE = ROOT / "docs" / "static" / "explore.html"
 LEARNERS = ("svr", "mechanism", "fit48", "filter", "running24m3")
 """Models of the page; the last one is shown first."""
 
 
-def explore_page(satellite: Satellite) -> str:
-    """Return the page of a satellite as HTML, with plotly as a file beside it."""
-    study, results = satellite.study, satellite.results
+def explore_page(results: Path) -> str:
+    """Return the page of Swarm A as HTML, with plotly as a file next to it; results: of its study."""
+    files = [ROOT / "config" / "config.yaml", ROOT / "config" / "studies" / "swarm.yaml"]
+    study = OwnStudy(Study(with_sheets(merged(files).values)))
     ((rso, stations),) = study.datasets
     train, test = study.splits[study.shown_split]
     settings = study.study.settings
@@ -55,7 +58,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("results", type=Path, help="folder with the folder of results of `swarm`")
     try:
-        text = explore_page(Satellite.read("swarm", parser.parse_args().results))
+        text = explore_page(parser.parse_args().results / "swarm")
     except InputError as error:
         sys.exit(f"opml: {error}")
     with replacing(PAGE) as temporary:

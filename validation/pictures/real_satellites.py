@@ -1,151 +1,213 @@
-"""Draw the pictures of real satellites: README's, the overview, and whether the ellipsoids are true.
+"""The pictures of real satellites, from tables of the pages.
 
-    python -m validation.pictures.real_satellites results
+    python -m validation.pictures.real_satellites
 
-Reads the finished studies of config/studies that NAMES lists, each from its folder in `results`, and of the
-first one the replay of `svr`, which no study makes by itself.
+They are `swarm` and `satellites` of docs/reality.md, and `ellipsoids` of docs/uncertainty.md.
 """
 
-import argparse
-import sys
-from dataclasses import dataclass
-from functools import cached_property
+import re
+import tempfile
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from tempfile import TemporaryDirectory
+from typing import NamedTuple
 
 import numpy as np
-import pandas as pd
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, NullLocator
 
-from opml.base.constants import WGS84_A
-from opml.base.errors import InputError
-from opml.figures.display_names import display_rso
-from opml.figures.reliability import coverage_curves
-from opml.figures.style import save
-from opml.learning.judge import calibration
-from opml.learning.judge.model_choice import Mornings
-from opml.study.experiments import Study
-from opml.study.own_study import OwnStudy
-from opml.study.settings.merging import merged, with_sheets
-from opml.tables import ELLIPSOID, read_table
+from opml.figures import style
+from opml.figures.ticks import metres, rounded
+from opml.orbits.rsw_covariance import half_width
 from validation.case import ROOT
-from validation.pictures import satellite_figures as figures
-from validation.pictures.shrunk import IMAGES, shrink
+from validation.pictures import shrunk
+from validation.pictures.page_tables import rows
 
-NAMES = ("swarm", "larets", "sentinel3a", "lageos2")
-NOTE = (
-    "tracks of three radars, simulated on a precise orbit; predictions fly under the space weather that was "
-    "forecast that day"
-)
+BEFORE, LEARNED, SELECTED = "12-hour fit", "best that learned", "selected, no learning"
+LOOKS = {
+    BEFORE: (style.TRUE_COLOR, "o"),
+    LEARNED: (style.ESTIMATE, "D"),
+    SELECTED: (style.RESIDUAL, "^"),
+}
+HEIGHTS_KM = {"Swarm A": 430, "Larets": 690, "Sentinel-3A": 800, "LAGEOS-2": 5700}
+MORNINGS = 19
+"""Of Swarm A's replay; the others have as many, or fewer."""
 
+LEVEL = 0.9
 
-@dataclass(frozen=True)
-class Satellite:
-    """A finished study of one real satellite.
-
-    study: its experiments
-    results: its folder
-    """
-
-    study: OwnStudy
-    results: Path
-
-    @classmethod
-    def read(cls, name: str, results: Path) -> "Satellite":
-        """Return a study of config/studies by its name; results: the folder with the folders of all."""
-        files = [ROOT / "config" / "config.yaml", ROOT / "config" / "studies" / f"{name}.yaml"]
-        return cls(OwnStudy(Study(with_sheets(merged(files).values))), results / name)
-
-    @property
-    def name(self) -> str:
-        """As a figure writes it."""
-        return display_rso(self.study.study.rsos[0])
-
-    @property
-    def title(self) -> str:
-        """Its name, and how many predictions there are."""
-        return f"{self.name}, {len(self.mornings.flown)} predictions"
-
-    @property
-    def altitude(self) -> float:
-        """Median height above the equator's radius [m]."""
-        truth = read_table(self.results / "truth" / f"{self.study.study.rsos[0]}.parquet", "truth")
-        return float(np.median(np.linalg.norm(truth[["x", "y", "z"]], axis=1))) - WGS84_A
-
-    def replay(self, learner: str) -> pd.DataFrame:
-        """Return the `replay` table of a learner."""
-        ((rso, stations),) = self.study.datasets
-        days = self.study.splits[self.study.shown_split][0]
-        return read_table(self.results / "replays" / rso / stations / days / f"{learner}.parquet", "replay")
-
-    @property
-    def fit(self) -> pd.DataFrame:
-        """The `calibration` table of the fits' own covariances."""
-        (path,) = (self.results / "fit_calibration").rglob("*.parquet")
-        return read_table(path, "calibration")
-
-    @cached_property
-    def mornings(self) -> Mornings:
-        """The mornings of all models that the study replays."""
-        replays = {name: self.replay(name) for name in self.study.replayed_models}
-        return Mornings.from_replays(replays, self.study.laws, seed=self.study.study.settings.run.seed.split)
-
-    @property
-    def tables(self) -> dict[str, pd.DataFrame]:
-        """What figures compare: rows of `replay` tables of the same predictions."""
-        mornings, laws = self.mornings, self.study.laws
-        plain = mornings.best([name for name in mornings.tables if name not in laws])
-        before = mornings.flown.assign(e_y=mornings.flown["before"])
-        return {
-            figures.BEFORE: before,
-            figures.PLAIN: mornings.tables[plain],
-            figures.CHOSEN: mornings.flown,
-        }
-
-    def beside(self, replay: pd.DataFrame) -> pd.DataFrame:
-        """Return the rows of a `replay` table that are of the predictions of the mornings."""
-        pairs = self.mornings.flown[["i", "j"]]
-        return replay.merge(pairs, on=["i", "j"])
+Errors = Mapping[float, tuple[float, float]]
+"""Median and 95th percentile of |e_y| [m] by lead time [d]."""
 
 
-def pictures(results: Path) -> dict[str, Figure]:
-    """Return the figures by the picture's name; results: the folder with a folder for each study."""
-    satellites = [Satellite.read(name, results) for name in NAMES]
-    first, days = satellites[0], satellites[0].study.report.durations
-    replayed = {one.title: one.mornings.flown for one in satellites}
-    fits = {f"{one.name}, the fit's own": one.fit for one in satellites[:2]}
-    return {
-        "swarm": figures.headline(
-            f"{first.name}, September 2019",
-            first.tables | {figures.PAPER: first.beside(first.replay("svr"))},
-            note=NOTE,
-        ),
-        "satellites": figures.overview(
-            {one.name: one.tables for one in satellites},
-            {one.name: one.altitude for one in satellites},
-            note=NOTE,
-        ),
-        "ellipsoids": coverage_curves(
-            calibration.of_replays(replayed, days=days) | fits,
-            quantity=ELLIPSOID,
-            note="chosen by the past each morning, and before correction with the fit's own covariance",
-        ),
+class Satellite(NamedTuple):
+    """Errors of a satellite's predictions by what corrected them, and how many predictions there are."""
+
+    errors: Mapping[str, Errors]
+    predictions: int
+
+
+def _kind(cell: str) -> str:
+    """Return what the first cell of a row is about, '' for another model."""
+    words = {BEFORE: "no correction", LEARNED: "that learned", SELECTED: r"selected ev|selected each|chosen"}
+    return next((kind for kind, text in words.items() if re.search(text, cell)), "")
+
+
+def _errors(heads: Sequence[str], cells: Sequence[str]) -> Errors:
+    """Return the errors of a row; heads: of its columns, with the lead times."""
+    leads = [float(re.search(r"(\d+) d", head)[1]) for head in heads]
+    sizes = [tuple(map(float, cell.split("/"))) for cell in cells]
+    return dict(zip(leads, sizes, strict=True))
+
+
+def satellites() -> dict[str, Satellite]:
+    """Return the satellites of docs/reality.md and notes/reality.md by name."""
+    columns = {
+        "Swarm A": ("docs/reality", "## Swarm A", slice(1, 4)),
+        "Larets": ("docs/reality", "## Larets", slice(1, 4)),
+        "Sentinel-3A": ("notes/reality", "## Sentinel-3A and LAGEOS-2", slice(1, 4)),
+        "LAGEOS-2": ("notes/reality", "## Sentinel-3A and LAGEOS-2", slice(5, 7)),
     }
+    found = {}
+    for name, (page, heading, part) in columns.items():
+        heads, _, *table = rows(page, heading)[: 14 if page.startswith("docs") else 8]
+        errors = {_kind(row[0]): _errors(heads[part], row[part]) for row in table if _kind(row[0])}
+        text = " ".join((ROOT / f"{page}.md").read_text("utf-8").partition(f"\n{heading}\n")[2].split())
+        counts = re.findall(r"(\d[\d ]*) predictions", text)
+        found[name] = Satellite(errors, int(counts[int(part.start > 1)].replace(" ", "")))
+    return found
+
+
+def hindsight() -> dict[str, Errors]:
+    """Return the errors of Swarm A's mornings with what only hindsight knows, by what that is."""
+    heads, _, *table = rows("notes/reality", "## Swarm A: what hindsight would gain")
+    kinds = ("state, Cd of the month", "state, Cd of each week")
+    names = [name for kind in kinds for name in (kind, f"{kind}, weather")]
+    return {name: _errors(heads[1:], row[1:]) for name, row in zip(names, table, strict=True)}
+
+
+def overview(found: Mapping[str, Satellite]) -> Figure:
+    """Draw medians of |e_y| by lead time and their 95th percentiles, a panel for each satellite."""
+    figure = style.page_figure(height_mm=82.0)
+    panels = figure.subplots(1, len(found), sharey=True)
+    for axes, (name, satellite) in zip(panels, found.items(), strict=True):
+        for aside, (kind, errors) in zip((-0.12, 0.0, 0.12), satellite.errors.items(), strict=True):
+            color, marker = LOOKS[kind]
+            leads = np.array(list(errors))
+            median, most = np.array(list(errors.values())).T
+            axes.plot(leads + aside, median, color=color, marker=marker, ms=4.0, label=kind)
+            axes.vlines(leads + aside, median, most, color=color, lw=0.8)
+        title = f"{name}, {HEIGHTS_KM[name]} km\n{satellite.predictions} predictions"
+        axes.set_title(title, fontsize=8.0, loc="left")
+        axes.set(yscale="log", xlim=(0.5, 7.5), xlabel="lead time [d]")
+        axes.set_xticks([1, 4, 7])
+    panels[0].set_ylabel("along-track error")
+    panels[0].yaxis.set_major_formatter(FuncFormatter(metres))
+    panels[-1].legend(loc="upper right", fontsize=style.NOTE_SIZE, handlelength=1.0, borderaxespad=0.0)
+    headline = "On four satellites orbit determination removes most of the error, learning no more"
+    note = (
+        "learning from the object's own past; tracks of three simulated radars, weather as forecast that "
+        "day; marks: median, bars: up to the 95th percentile"
+    )
+    style.add_head(figure, headline, note)
+    return figure
+
+
+def ladder(satellite: Satellite, known: Mapping[str, Errors]) -> Figure:
+    """Draw a row for each correction of a satellite, then for what hindsight would gain."""
+    figure = style.page_figure(height_mm=86.0)
+    axes = figure.add_subplot()
+    table = {**satellite.errors, **{f"hindsight: {what}": errors for what, errors in known.items()}}
+    for place, errors in enumerate(table.values()):
+        for k, (lead, (median, most)) in enumerate(errors.items()):
+            height, look = place + 0.2 * (k - 1), {"color": style.RAMP[k]}
+            label = f"{lead:g} d" if place == 0 else None
+            axes.plot(median, height, marker=style.MARKERS[k], ls="", ms=5.0, label=label, **look)
+            axes.hlines(height, median, most, lw=0.9, **look)
+    axes.set(xscale="log", xlabel="along-track error", ylim=(len(table) - 0.5, -0.5))
+    axes.xaxis.set_major_formatter(FuncFormatter(metres))
+    axes.set_yticks(range(len(table)), list(table))
+    axes.yaxis.set_minor_locator(NullLocator())
+    axes.axhline(len(satellite.errors) - 0.5, color=style.MUTED, lw=0.8, ls="--")
+    axes.legend(title="lead time", loc="lower right", fontsize=style.NOTE_SIZE)
+    week = {name: metres(rounded(list(errors.values())[-1][0])) for name, errors in table.items()}
+    headline = (
+        f"Swarm A after a week: {week[BEFORE]} by a 12-hour fit, {week[SELECTED]} by the model selected"
+    )
+    note = (
+        f"September 2019, {MORNINGS} mornings, {satellite.predictions} predictions, weather as forecast that "
+        "day; marks: median, bars: up to the 95th percentile"
+    )
+    style.add_head(figure, headline, note)
+    return figure
+
+
+def coverage() -> dict[str, dict[str, dict[float, float]]]:
+    """Return the share [%] of errors inside the 90 % ellipsoids by case, model and lead time [d]."""
+    heads, _, *table = rows("docs/uncertainty", "## Results")
+    found: dict[str, dict[str, dict[float, float]]] = {}
+    for case, model, *cells in table:
+        shares = {
+            float(head.removesuffix(" d")): float(cell.split(" %")[0])
+            for head, cell in zip(heads[2:], cells, strict=True)
+        }
+        found.setdefault(case, {})[model] = shares
+    return found
+
+
+def ellipsoids(found: Mapping[str, Mapping[str, Mapping[float, float]]]) -> Figure:
+    """Draw the share of errors inside the 90 % ellipsoids by lead time, a panel for each case."""
+    figure = style.page_figure(height_mm=68.0)
+    panels = figure.subplots(1, len(found), sharey=True)
+    looks = {"selected each day": LOOKS[SELECTED], "no correction": LOOKS[BEFORE]}
+    for axes, (case, models) in zip(panels, found.items(), strict=True):
+        axes.axhline(100.0 * LEVEL, color=style.MUTED, ls="--", lw=1.0)
+        for model, shares in models.items():
+            color, marker = looks[model]
+            leads = np.array(list(shares)) + (0.12 if model == "no correction" else -0.12)
+            axes.plot(leads, list(shares.values()), color=color, marker=marker, ms=4.0, label=model)
+            for place, (lead, share) in zip(leads, shares.items(), strict=True):
+                axes.vlines(place, *interval(share, MORNINGS / lead), color=color, lw=0.8)
+        axes.set_title(case.replace(", ", ",\n"), fontsize=8.0, loc="left")
+        axes.set(xlabel="lead time [d]", xlim=(0.5, 7.5), ylim=(20.0, 102.0))
+        axes.set_xticks([1, 3, 5, 7])
+    panels[0].set_ylabel("errors inside the 90 % ellipsoid [%]")
+    panels[0].legend(loc="lower left", fontsize=style.NOTE_SIZE)
+    *quiet, storm = ([min(shares.values()), max(shares.values())] for shares in _selected(found))
+    low, high = min(map(min, quiet)), max(map(max, quiet))
+    inside, in_storm = f"{low:g} to {high:g} %", f"{storm[0]:g} to {storm[1]:g} %"
+    headline = f"90 % ellipsoids contain {inside} of the errors, {in_storm} in a storm"
+    note = (
+        "positions, weather as forecast that day; bars: Wilson's 90 % interval, counting one independent "
+        f"prediction per lead time in {MORNINGS} days"
+    )
+    style.add_head(figure, headline, note)
+    return figure
+
+
+def _selected(found: Mapping[str, Mapping[str, Mapping[float, float]]]) -> list[Mapping[float, float]]:
+    return [models["selected each day"] for models in found.values()]
+
+
+def interval(share: float, count: float) -> tuple[float, float]:
+    """Return Wilson's 90 % interval [%] of a share [%] of `count` independent errors, a number or a part."""
+    p, z = share / 100.0, half_width(0.9)
+    middle, weight = p + z**2 / (2.0 * count), 1.0 + z**2 / count
+    half = z * np.sqrt(p * (1.0 - p) / count + z**2 / (4.0 * count**2))
+    return 100.0 * (middle - half) / weight, 100.0 * (middle + half) / weight
 
 
 def main() -> None:
-    """Draw the three pictures."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("results", type=Path, help="folder with a folder of results for each study")
-    try:
-        drawn = pictures(parser.parse_args().results)
-    except InputError as error:
-        sys.exit(f"opml: {error}")
-    with TemporaryDirectory() as folder:
+    """Draw the three pictures and shrink them."""
+    found = satellites()
+    drawn = {
+        "swarm": ladder(found["Swarm A"], hindsight()),
+        "satellites": overview(found),
+        "ellipsoids": ellipsoids(coverage()),
+    }
+    with tempfile.TemporaryDirectory() as folder:
         for name, figure in drawn.items():
-            whole = Path(folder) / f"{name}.png"
-            save(figure, whole.with_suffix(".pdf"), whole)
-            shrink(whole, IMAGES / f"{name}.png")
+            large = Path(folder) / f"{name}.png"
+            style.save_png(figure, large)
+            shrunk.shrink(large, shrunk.IMAGES / f"{name}.png")
 
 
 if __name__ == "__main__":

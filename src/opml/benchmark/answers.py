@@ -35,6 +35,8 @@ REQUIRED = ("object", "t", "time", "frame", *STATE)
 FRAMES = ("GCRF", "TEME")
 
 _SAME = 1e-5  # [s]
+_NEAREST, _FARTHEST = 6e6, 1e9  # from the Earth's centre [m]
+_SLOWEST, _FASTEST = 100.0, 12e3  # [m/s]
 _UPPER = np.triu_indices(3)
 
 
@@ -128,7 +130,7 @@ class _Asked:
         nearest = (
             f"the nearest time asked is {-gap:+.6g} s from it" if places else "not this object at this t"
         )
-        self.stray.append(f"{where}: answers what nobody asked: {nearest}")
+        self.stray.append(f"{where}: no question has this answer: {nearest}")
         return None
 
     def put(
@@ -140,6 +142,14 @@ class _Asked:
         self.states[places], self.covariances[places] = states, covariances
 
 
+def _check_orbits(states: np.ndarray, where: str, path: Path) -> None:
+    """Raise InputError for states (n, 6) of no satellite, as in another unit; NaN is no answer."""
+    distances, speeds = (np.linalg.norm(part, axis=1) for part in (states[:, :3], states[:, 3:]))
+    is_off = (distances < _NEAREST) | (distances > _FARTHEST) | (speeds < _SLOWEST) | (speeds > _FASTEST)
+    if is_off.any():
+        raise InputError(f"{path}: {where}: expected a state of an orbit [m, m/s], got another")
+
+
 def _read_oem(path: Path, asked: _Asked) -> None:
     for k, segment in enumerate(oem.read(path, epoch=tasks.EPOCH), start=1):
         number = segment.identity.number or int(segment.name if segment.name.isdecimal() else 0)
@@ -147,12 +157,14 @@ def _read_oem(path: Path, asked: _Asked) -> None:
         where = f"segment {k}"
         if not places:
             asked.stray.append(
-                f"{where}: object {number or segment.name}: nobody asked for it at its first time"
+                f"{where}: object {number or segment.name}: no question is about it at its first time"
             )
             continue
         orbit = comparison.States(str(path), comparison.stretches_of(segment))
         times = asked.time[places]
-        asked.put(places, orbit.at(times), orbit.covariances(times), where, path)
+        states = orbit.at(times)
+        _check_orbits(states, where, path)
+        asked.put(places, states, orbit.covariances(times), where, path)
 
 
 def _read_csv(path: Path, asked: _Asked) -> None:
@@ -168,6 +180,7 @@ def _read_csv(path: Path, asked: _Asked) -> None:
         number = _whole(path, line, row["object"])
         place = asked.at(number, t[k], time[k], f"line {line}: object {number}, {row['time']}")
         state = np.array([_number(path, line, row[name]) for name in STATE])
+        _check_orbits(state[None], f"line {line}", path)
         turned = (turns[k] @ state.reshape(2, 3).T).T.ravel()
         covariance = np.full((3, 3), np.nan)
         if has_covariance and row[COVARIANCE[0]]:

@@ -6,7 +6,7 @@ begins after what was asked last: no file of a task holds what another question 
 
 import json
 from collections.abc import Iterable
-from dataclasses import dataclass
+from datetime import date
 from pathlib import Path
 from typing import Any
 
@@ -16,18 +16,21 @@ import pandas as pd
 from opml.base import epochs
 from opml.base.errors import InputError
 from opml.base.files import FilePath, replacing_folder
+from opml.base.section import Section
 from opml.base.seeds import derive
+from opml.base.setting_types import Count, NotNegative, Text
 from opml.base.yaml_files import read_yaml
 from opml.benchmark import tasks
 from opml.element_sets import catalogue as catalogues
 from opml.element_sets import pairs
 from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day
+from opml.element_sets.improve import OLDEST_WEATHER, check_newest
 from opml.element_sets.training import HOUR_OF_MORNING
 from opml.environment import knowledge
 from opml.environment.space_weather import INTERVALS, KP
 from opml.environment.weather import MEAN_DAYS, Weather
 from opml.interop import ccsds
-from opml.interop.element_sets import mean_elements
+from opml.interop.element_sets import mean_elements, tle
 from opml.interop.element_sets.element_set import seconds_since
 
 _WEATHER_DAYS = 200
@@ -35,8 +38,7 @@ _TLE = 2  # lines
 _ISSUED = "issued"
 
 
-@dataclass(frozen=True)
-class Recipe:
+class Recipe(Section):
     """How a task is made.
 
     first, last: dates of the mornings that ask, one every so many days
@@ -46,20 +48,20 @@ class Recipe:
     digest: SHA-256 of SHA256SUMS, '' before the task is frozen
     """
 
-    name: str
-    title: str
-    first: str
-    last: str
-    every_days: int
-    groups: int
-    history_days: int
-    latency_hours: float = 6.0
+    name: Text
+    title: Text
+    first: date
+    last: date
+    every_days: Count
+    groups: Count
+    history_days: Count
+    latency_hours: NotNegative = 6.0
     digest: str = ""
 
     @property
     def mornings(self) -> np.ndarray:
         """Times (n,) that ask, modified Julian days, 06 UTC."""
-        first, last = (modified_julian_day(f"{date}T00:00:00") for date in (self.first, self.last))
+        first, last = (modified_julian_day(f"{one}T00:00:00") for one in (self.first, self.last))
         return np.arange(first, last + 1.0, self.every_days) + HOUR_OF_MORNING
 
 
@@ -68,10 +70,7 @@ def read(path: FilePath) -> Recipe:
     values: Any = read_yaml(path)
     if not isinstance(values, dict) or values.pop("format", None) != tasks.FORMAT:
         raise InputError(f"{path}: format: expected {tasks.FORMAT}")
-    try:
-        recipe = Recipe(**values)
-    except TypeError as error:
-        raise InputError(f"{path}: expected the keys of a recipe ({error})") from None
+    recipe = Recipe.read(values, str(path))
     if recipe.groups * recipe.every_days < recipe.history_days + pairs.LEADS[-1] + 1:
         raise InputError(f"{path}: groups: expected more, so that no history holds what was asked before")
     return recipe
@@ -92,8 +91,11 @@ def make(
     weather: OBSERVED or a CSSI file
     forecasts: CSV of forecasts with a column `issued` (UTC), as they were issued; None: the task has none
 
-    Raises InputError for unreadable files, without a question, and where the task is not the frozen one.
+    Raises InputError for unreadable files, without a question, for folders that hold anything but a task or a
+    truth, for weather that ends before a morning, and where the task is not the frozen one.
     """
+    _check_free(Path(folder), tasks.TASK)
+    _check_free(Path(truth_folder), tasks.TRUTH)
     catalogue = catalogues.read(sets, latency=recipe.latency_hours / 24.0)
     rows, judges = _asked(recipe, catalogue)
     questions, states = _questions(catalogue, rows, judges)
@@ -108,7 +110,9 @@ def make(
             place = new / tasks.INPUTS / tasks.folder_name(_text(float(morning)))
             place.mkdir(parents=True)
             _write_sets(place / "sets.tle", recipe, catalogue, part, float(morning))
-            _write_weather(place / "weather.csv", measured.keep_known(float(morning)))
+            known = measured.keep_known(float(morning))
+            check_newest(known, weather, date=_text(float(morning)), oldest=OLDEST_WEATHER)
+            _write_weather(place / "weather.csv", known)
             if issued is not None:
                 _write_forecast(place / "forecast.csv", issued, _text(float(morning)))
         _write_task(new, recipe, tasks.digest(new_truth / tasks.TRUTH))
@@ -116,6 +120,14 @@ def make(
         if recipe.digest not in ("", found):
             raise InputError(f"{recipe.name}: digest: expected {recipe.digest}, got {found}: other sources")
     return len(questions)
+
+
+def _check_free(folder: Path, name: str) -> None:
+    """Raise InputError for a file, and for a folder that is not empty and has no file of a name."""
+    if folder.is_dir() and ((folder / name).is_file() or not any(folder.iterdir())):
+        return
+    if folder.exists():
+        raise InputError(f"{folder}: expected a new folder, an empty one or one with {name}, got another")
 
 
 def _rounded(state: np.ndarray) -> list[str]:
@@ -183,15 +195,16 @@ def _write_sets(
     table = catalogue.table
     known = (table["known"] <= morning) & (table["t"] >= morning - recipe.history_days)
     own = table[known & table["number"].isin(rows["number"].unique())]
-    texts = {file: mean_elements.read_text(file).splitlines() for file in own["file"].unique()}
+    texts = {file: mean_elements.read_text(file) for file in own["file"].unique()}
+    pieces = {file: dict(enumerate(tle.pieces(text))) for file, text in texts.items()}
     lines = [
         line
-        for file, number in zip(own["file"], own["line"], strict=True)
-        for line in texts[file][number - 1 : number - 1 + _TLE]
+        for file, place in zip(own["file"], own["place"], strict=True)
+        for _, line in pieces[file].get(place, [(0, "")])[-_TLE:]
     ]
     if not all(line.startswith(("1 ", "2 ")) for line in lines):
         raise InputError(f"{own['file'].iloc[0]}: expected TLEs of two lines, got another format")
-    path.write_text("\n".join(line.rstrip() for line in lines) + "\n", encoding="utf-8")
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 def _write_weather(path: Path, known: Weather) -> None:
@@ -211,7 +224,10 @@ def _write_weather(path: Path, known: Weather) -> None:
 
 
 def _read_forecasts(path: FilePath) -> pd.DataFrame:
-    table = pd.read_csv(path, dtype=str)
+    try:
+        table = pd.read_csv(path, dtype=str)
+    except (OSError, ValueError) as reason:
+        raise InputError(f"{path}: expected comma-separated values, got {reason}") from None
     if _ISSUED not in table:
         raise InputError(f"{path}: expected a column {_ISSUED}, got {', '.join(table.columns)}")
     return table

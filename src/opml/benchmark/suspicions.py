@@ -88,7 +88,7 @@ def _frame(task: BenchmarkTask, answers: Answers, truth: np.ndarray) -> Iterator
         read = np.median(np.linalg.norm(np.einsum("nij,nj->ni", turn, states) - true, axis=1))
         if read < _BETTER * stated:
             yield (
-                f"frame: it seems that {name}: they are {stated / 1e3:.3g} km from the truth as told and "
+                f"frame: it seems that {name}: they are {stated / 1e3:.3g} km from the truth as stated and "
                 f"{read / 1e3:.3g} km as read so"
             )
 

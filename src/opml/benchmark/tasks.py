@@ -87,13 +87,16 @@ def read(folder: FilePath) -> BenchmarkTask:
     if not (place / TASK).is_file():
         raise InputError(f"{folder}: expected a task with {TASK}, got none: `opml docs benchmark`")
     _check_sums(place)
-    facts = json.loads((place / TASK).read_text(encoding="utf-8"))
-    if facts.get("format") != FORMAT:
-        raise InputError(f"{place / TASK}: format: expected {FORMAT}, got {facts.get('format')}")
-    return BenchmarkTask(
-        place, facts["name"], facts["title"], facts["latency_hours"] / 24.0, facts["truth_sha256"],
-        pd.read_csv(place / QUESTIONS, dtype={"t": str, "time": str})[[*QUESTION]],
-    )  # fmt: skip
+    try:
+        facts = json.loads((place / TASK).read_text(encoding="utf-8"))
+        if facts["format"] != FORMAT:
+            raise InputError(f"{place / TASK}: format: expected {FORMAT}, got {facts['format']}")
+        return BenchmarkTask(
+            place, facts["name"], facts["title"], facts["latency_hours"] / 24.0, facts["truth_sha256"],
+            pd.read_csv(place / QUESTIONS, dtype={"t": str, "time": str})[[*QUESTION]],
+        )  # fmt: skip
+    except (KeyError, TypeError, ValueError) as reason:
+        raise InputError(f"{folder}: expected {TASK} and {QUESTIONS} of a task, got {reason!r}") from None
 
 
 def sums_of(folder: Path) -> list[str]:

@@ -25,6 +25,7 @@ from opml.interop import ccsds, fixes_csv, oem
 from opml.interop.curves.orbit_curve import rotate_to_gcrf
 from opml.interop.element_sets import histories
 from opml.interop.element_sets.mean_elements import MOST_DAYS
+from opml.interop.object_ids import UNKNOWN, ObjectId
 from opml.interop.orbit_arcs import Arc, contents
 from opml.interop.orbit_from_files import OrbitFiles, is_orbit, whole_arcs
 from opml.orbits.elements import bent_rsw, rsw_rotation
@@ -85,11 +86,13 @@ class States:
     source: the file, the first of several
     stretches: in the order of time; where they overlap the later one counts
     is_flown: whether states follow from mean elements at any time
+    identity: of the object
     """
 
     source: str
     stretches: Sequence[Stretch]
     is_flown: bool = False
+    identity: ObjectId = UNKNOWN
 
     @cached_property
     def t(self) -> np.ndarray:
@@ -119,6 +122,7 @@ class Sets:
 
     source: str
     sets: pd.DataFrame
+    identity: ObjectId
     is_flown: bool = True
 
     @property
@@ -164,9 +168,11 @@ def compare(ours: ComparedOrbit, other: ComparedOrbit) -> pd.DataFrame:
 
     Where the other has mean elements, or ours knows nothing between its own states, the times are those of
     ours; where both have mean elements, every minute of a week from our newest set on.
-    Along the track the distance is an arc, so that a satellite far ahead is not below. Raises InputError
-    where both know nothing of the same time.
+    Along the track the distance is an arc, so that a satellite far ahead is not below. Objects that are known
+    to be two are logged. Raises InputError where both know nothing of the same time.
     """
+    if ours.identity.is_another(other.identity):
+        _log.warning("compare: expected orbits of one object, got %s and %s", ours.identity, other.identity)
     t = _times(ours, other)
     mine, theirs = ours.at(t), other.at(t)
     both = np.isfinite(mine[:, :3]).all(axis=1) & np.isfinite(theirs[:, :3]).all(axis=1)
@@ -240,13 +246,14 @@ def _of_orbit(paths: Sequence[FilePath], wanted: str | None, *, is_message: bool
     segments = [
         one for path in paths for one in oem.read(path, epoch=EPOCH) if (one.name, one.t[0]) in begins
     ]
-    return States(str(paths[0]), [stretch for one in segments for stretch in stretches_of(one)])
+    stretches = [stretch for one in segments for stretch in stretches_of(one)]
+    return States(str(paths[0]), stretches, identity=segments[0].identity)
 
 
 def _of_arcs(arcs: Sequence[Arc]) -> States:
     ordered = sorted(arcs, key=lambda arc: float(arc.t[0]))
     stretches = [one for arc in ordered for one in _stretches(str(arc.path), *_in_gcrf(_in_one_unit(arc)))]
-    return States(str(arcs[0].path), stretches)
+    return States(str(arcs[0].path), stretches, identity=arcs[0].identity)
 
 
 def _in_one_unit(arc: Arc) -> Arc:
@@ -294,7 +301,8 @@ def _with_velocities(t: np.ndarray, states: np.ndarray) -> np.ndarray:
 
 def _of_sets(paths: Sequence[FilePath], wanted: str | None) -> Sets:
     history = histories.read(paths, epoch=EPOCH)
-    return Sets(str(paths[0]), histories.of_object(history.sets, _number(paths[0], history, wanted)))
+    sets = histories.of_object(history.sets, _number(paths[0], history, wanted))
+    return Sets(str(paths[0]), sets, history.objects[sets["number"].iloc[0]])
 
 
 def _number(path: FilePath, history: histories.History, wanted: str | None) -> int | None:

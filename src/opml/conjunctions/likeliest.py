@@ -29,6 +29,7 @@ from opml.orbits.equinoctial import cartesian_from_equinoctial, equinoctial_from
 _SIGN = np.array([-1.0, 1.0])  # of the first and the second object in what is relative
 _STEP = 1e-5  # of the differences that tell how states change with the elements
 _ROUNDS = 30  # at most, to the likeliest elements
+_FAR, _FAR_ROUNDS = 1500.0, 6  # squared distance with no probability, rounds after which it stays so
 _SETTLED = 1e-3  # change of the squared distance in standard deviations that ends them
 _STEADY = 0.02  # share of a velocity that its standard deviation may be
 _STANDSTILL = 1e-6  # relative speed below which objects stand beside each other [m/s]
@@ -80,21 +81,39 @@ class UncertainPairs:
     radius: np.ndarray
     common: np.ndarray | None = None
 
+    def distances(self, t: np.ndarray) -> np.ndarray:
+        """Return the expected distances (n,) at times (n,) [s] of a pair [m]."""
+        elements = np.broadcast_to(self._elements, (*t.shape, 2, 6))
+        states = cartesian_from_equinoctial(elements, t[:, None], EARTH_GM)[:, :, None] @ self._axes
+        return np.asarray(np.linalg.norm(_SIGN @ states[:, :, 0, :3], axis=-1))
+
+    def straight_meeting(self) -> float:
+        """Return when a pair most likely collides [s], by its relative velocity now."""
+        position, velocity = np.split(_SIGN @ self.states, 2)
+        spread = self.covariances.sum(axis=0)[:3, :3] + self.radius**2 / 5.0 * np.eye(3)
+        weighed = np.linalg.solve(spread, velocity)
+        return -float(weighed @ position) / max(float(weighed @ velocity), np.finfo(float).tiny)
+
     def clouds(self, t: np.ndarray) -> tuple[Cloud, np.ndarray]:
         """Return the relative states at times (...) [s] about where both collide then, and how far that is.
 
         The latter are squared distances (...) in standard deviations. This is for 3D-Nc.
         """
-        elements, before = np.broadcast_to(self._elements, (*t.shape, 2, 6)), np.full(t.shape, np.inf)
-        sphere = (self.radius**2 / 5.0)[..., None, None] * np.eye(3)
-        for _ in range(_ROUNDS):
-            cloud, mixed = self._about(elements, t)
-            met = np.linalg.solve(cloud.covariance[..., :3, :3] + sphere, cloud.mean[..., :3, None])[..., 0]
-            squared = np.sum(cloud.mean[..., :3] * met, axis=-1)
-            if _settled(squared, before).all():
+        times = t.ravel()
+        elements, squared = np.tile(self._elements, (len(times), 1, 1)), np.full(len(times), np.inf)
+        clouds = Cloud(np.empty((len(times), 6)), np.empty((len(times), 6, 6)))
+        sphere, sought = self.radius**2 / 5.0 * np.eye(3), np.arange(len(times))
+        for k in range(_ROUNDS):
+            cloud, mixed = self._about(elements[sought], times[sought])
+            met = np.linalg.solve(cloud.covariance[:, :3, :3] + sphere, cloud.mean[:, :3, None])[..., 0]
+            before, squared[sought] = squared[sought], np.sum(cloud.mean[:, :3] * met, axis=-1)
+            clouds.mean[sought], clouds.covariance[sought] = cloud.mean, cloud.covariance
+            elements[sought] = self._pulled(mixed, met)
+            is_far = (squared[sought] > _FAR) & (k >= _FAR_ROUNDS)
+            if not len(sought := sought[~(_settled(squared[sought], before) | is_far)]):
                 break
-            elements, before = self._pulled(mixed, met), squared
-        return cloud, squared
+        shaped = Cloud(clouds.mean.reshape(*t.shape, 6), clouds.covariance.reshape(*t.shape, 6, 6))
+        return shaped, squared.reshape(t.shape)
 
     def collisions(self) -> Collision:
         """Return where both most likely collide at any time, flying straight past each other: for 2D-Nc."""

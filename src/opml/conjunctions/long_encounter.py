@@ -2,10 +2,10 @@
 
 While slow objects pass, the relative motion bends and the covariance changes. So probability flows, at any
 time and from all sides, into the sphere of the sum of their radii, and its flow is summed over the time from
-one least flow to the next, half a revolution to either side at most. What is in the sphere to begin with is
-added. What flows at other times of the revolution, where the expected distance may have no minimum, is told
-beside. Both objects fly by Kepler's laws, and at each time their deviations are linear in the elements about
-where they most likely collide then. Who enters twice counts twice.
+one largest expected distance to the next. What is in the sphere to begin with is added. Where the flow has
+not ended at such a limit, it belongs to the next encounter from the least flow on, and is told beside. Both
+objects fly by Kepler's laws, and at each time their deviations are linear in the elements about where they
+most likely collide then. Who enters twice counts twice.
 
 Sources: Coppola 2012, Including velocity uncertainty in the probability of collision between space objects
 (AAS 12-247); Hall 2021, Expected collision rates for tracked satellites, J. Spacecr. Rockets 58.
@@ -23,7 +23,7 @@ from opml.conjunctions.probability import Chance, is_flat
 LEAST_SIGMA = 0.1
 """Least standard deviation of the relative position, as a share of the radius: narrower ones are widened."""
 
-_PANELS = 32  # in half a revolution, before they are halved
+_PANELS = 32  # to either side, before they are halved
 _HALVINGS = 16  # of a panel, at most
 _MOST_PANELS = 400  # after that, where the likeliest collision jumps with time
 _RESOLVED = 4.0  # change of the squared distance in a panel that is not halved
@@ -31,6 +31,9 @@ _TIMES, _TIME_WEIGHTS = np.polynomial.legendre.leggauss(8)
 _HEIGHTS, _HEIGHT_WEIGHTS = np.polynomial.legendre.leggauss(32)  # of points on a sphere
 _DIP = 3.0  # sum of both neighbours' distances, in those of one that may lie beside a collision
 _BEYOND = 40.0  # squared distance above the least from which on nothing flows
+_QUIET, _NOTABLE = 1e-6, 1e-3  # shares of the largest flow: an encounter has ended, one has been
+_FALLEN = 0.5  # share of the largest flow before, at which it has fallen
+_LOOKS = 221  # at the expected distance, within 1.1 revolutions to either side
 
 
 def chance(pair: UncertainPairs, period: float) -> Chance:
@@ -38,7 +41,7 @@ def chance(pair: UncertainPairs, period: float) -> Chance:
 
     period: shortest time of a revolution [s]
     """
-    before, after = (_summed(pair, 0.5 * period * share) for share in (-1.0, 1.0))
+    before, after = (_summed(pair, end) for end in _ends(pair, period))
     inside = _inside(before.last, float(pair.radius))
     probability = min(before.probability + after.probability + inside, 1.0)
     around = min(before.around + after.around + inside, 1.0)
@@ -50,9 +53,9 @@ def chance(pair: UncertainPairs, period: float) -> Chance:
 class _Side:
     """What flows into the sphere before the closest approach, or after it.
 
-    probability: of that, up to the least flow
-    around: the same up to half a revolution away
-    last: the relative state about the time of the least flow
+    probability: of that, up to the end of the encounter
+    around: the same up to the largest distance
+    last: the relative state about the time of the end
     """
 
     probability: float
@@ -60,8 +63,27 @@ class _Side:
     last: Cloud
 
 
+def _ends(pair: UncertainPairs, period: float) -> tuple[float, float]:
+    """Return when the objects are expected to be farthest before and after they meet [s].
+
+    They meet at the closest approach, or where straight paths have the likeliest collision, and anywhere
+    between. Where there are no such two times, it is half a revolution to either side (Hall 2021).
+    """
+    t = np.linspace(-1.1, 1.1, _LOOKS) * period
+    distance = pair.distances(t)
+    farthest = t[1:-1][(distance[1:-1] > distance[:-2]) & (distance[1:-1] >= distance[2:])]
+    met = pair.straight_meeting()
+    before, after = farthest[farthest < min(met, 0.0)], farthest[farthest > max(met, 0.0)]
+    if not (len(before) and len(after)):
+        return -0.5 * period, 0.5 * period
+    return float(before[-1]), float(after[0])
+
+
 def _summed(pair: UncertainPairs, end: float) -> _Side:
-    """Return what flows into the sphere from the closest approach to the least flow before `end` [s]."""
+    """Return what flows into the sphere from the closest approach to the end of the encounter.
+
+    end: when the objects are expected to be farthest [s]
+    """
     edges = _edges(pair, end)
     begins, steps = edges[:-1], np.diff(edges)
     cloud, squared = pair.clouds(begins[:, None] + 0.5 * steps[:, None] * (1.0 + _TIMES))
@@ -70,11 +92,21 @@ def _summed(pair: UncertainPairs, end: float) -> _Side:
     for k in np.flatnonzero(is_near.any(axis=1)):  # a panel fits into the processor's cache
         flow[k] = _flow(cloud[k], float(pair.radius))
     flows = 0.5 * flow @ _TIME_WEIGHTS
-    # The least flow lies beyond the largest in the first quarter of a revolution.
-    peak = int(np.argmax(np.where(begins / end < 0.5, flows, 0.0)))
-    least = peak + int(np.argmin(flows[peak:]))
+    least = _last(flows)
     summed = np.cumsum(np.abs(steps) * flows)
     return _Side(float(summed[least]), float(summed[-1]), cloud[least, -1:])
+
+
+def _last(flows: np.ndarray) -> int:
+    """Return the last panel of an encounter, whose flows (n,) go from the closest approach on.
+
+    It is the last of all, but where the flow has fallen and risen again, and not ended.
+    """
+    highest = np.maximum.accumulate(flows)
+    fallen = (flows < _FALLEN * highest) & (highest > _NOTABLE * highest[-1])
+    if flows[-1] <= _QUIET * highest[-1] or not fallen.any():
+        return len(flows) - 1
+    return len(flows) - 1 - int(np.argmin(np.where(fallen, flows, np.inf)[::-1]))
 
 
 def _edges(pair: UncertainPairs, end: float) -> np.ndarray:

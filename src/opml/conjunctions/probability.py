@@ -40,7 +40,7 @@ _EIGHTHS = np.linspace(-0.5 * np.pi, 0.5 * np.pi, 9)
 """Limits of panels [rad] that do not follow the distribution."""
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(24)
-_SCALES = np.geomspace(1e-3, 1e3, 61)
+_SCALES = np.geomspace(1e-3, 1e3, 25)
 """Factors of the standard deviations among which the largest probability is looked for."""
 
 _ROUNDING = 1e-14

@@ -1,7 +1,7 @@
 """The sets of many objects, as people download them, and which of them were known on a morning."""
 
 import logging
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,7 +13,7 @@ from opml.base import epochs
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.interop.element_sets import mean_elements
-from opml.interop.element_sets.element_set import ElementSet, mean_height
+from opml.interop.element_sets.element_set import ElementSet, each, mean_height, numbered
 
 LATENCY = 0.25
 """Days from the epoch of a set to its publication, where the set does not say when it was made."""
@@ -34,7 +34,7 @@ class ElementCatalogue:
 
     table: columns number (of the catalogue), t (epoch), known (when it was public; modified Julian days,
         UTC), bstar [1/(6378.135 km)], motion [rad/min], eccentricity, inclination [rad], height [m] (mean,
-        above the equatorial radius), file and line (where the set is)
+        above the equatorial radius), file, place and line (where the set is)
     satellites: what SGP4 propagates, a set a row
     """
 
@@ -93,15 +93,15 @@ def read(
     return ElementCatalogue(_table(sets, latency), [one.satellite for one in sets])
 
 
-def _readable(path: Path, leave_out_damaged: bool) -> Iterator[ElementSet]:
-    """Yield the sets of a file that name their object; the others are counted in the log."""
+def _readable(path: Path, leave_out_damaged: bool) -> list[ElementSet]:
+    """Return the sets of a file that name their object; the others are counted in the log."""
     damaged: list[InputError] = []
-    sets = mean_elements.read_sets(path, damaged)
+    sets = [*each(mean_elements.read_sets(path, damaged), numbered, damaged)]
     if not leave_out_damaged and _DAMAGED * len(damaged) > len(sets) + len(damaged):
         raise damaged[0]
     if damaged:
         _log.warning("%s: damaged sets left out: %d, the first: %s", path, len(damaged), damaged[0])
-    return (one for one in sets if one.number)
+    return sets
 
 
 def _epoch(satellite: Satrec) -> float:
@@ -125,7 +125,7 @@ def _table(sets: list[ElementSet], latency: float) -> pd.DataFrame:
             "inclination": np.array([one.inclo for one in flown], dtype=float),
             "height": mean_height(motion),
             "file": [str(one.path) for one in sets],
-            "line": np.array([one.line for one in sets], dtype=np.int64),
+            **{name: np.array([getattr(one, name) for one in sets], np.int64) for name in ("place", "line")},
         }
     )
 

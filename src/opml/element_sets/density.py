@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from opml.base import epochs
 from opml.base.errors import InputError
 from opml.environment import nrlmsis
 from opml.environment.forecasts.bursts import remove_bursts
@@ -80,7 +81,8 @@ def measured(weather: Weather, first: int, end: float) -> Densities:
     nrlmsis.check_installed()
     days = first - weather.first
     if days < 82:
-        raise InputError(f"weather: expected measurements 82 days before MJD {first}, got {days} days")
+        asked, begins = map(epochs.calendar, (first, weather.first))
+        raise InputError(f"weather: expected measurements 82 days before {asked}, got them from {begins} on")
     sines, weights = np.polynomial.legendre.leggauss(_LATITUDES)
     north, east = np.arcsin(sines), 2.0 * np.pi * np.arange(_LONGITUDES) / _LONGITUDES
     totals, ap = np.concatenate([[0.0], np.cumsum(weather.flux)]), nrlmsis.ap_of_kp(weather.kp)

@@ -44,6 +44,7 @@ _FEWEST_SETS = 3
 _PAST_COLUMNS = ["number", "morning", "lead", "error", "left", "sigma"]
 _DEEP = 2.0 * np.pi / 225.0  # mean motion [rad/min] below which SGP4 adds Sun and Moon
 _MINUTES = 1440.0
+_WHERE = ("file", "place", "line")
 
 FEW = "first sets"
 
@@ -167,12 +168,14 @@ def improve(known: PublicData, model: CatalogueModel, *, progress: Progress = _l
     weights = where_usable(ways.weights(rows, tried), why)
     mixed = ways.mixed(rows, tried, ways.of_objects(weights, rows))
     table = _table(newest, today - newest["t"], why, weights, now.join(mixed[["correction", "sigma"]]))
-    sets = [Better(one.file, one.line, one.motion, one.bstar) for one in table.itertuples(index=False)]
+    sets = [
+        Better(one.file, one.place, one.line, one.motion, one.bstar) for one in table.itertuples(index=False)
+    ]
     counts = table["applied"].value_counts().items()
     progress(f"used: {', '.join(f'{name} {count}' for name, count in counts)}")
     judged = rows.loc[np.isfinite(rows["error"]), ["morning", "error"]].join(mixed, how="inner")
     past = judged.assign(left=judged["error"] - judged["correction"])[_PAST_COLUMNS].reset_index(drop=True)
-    return Improved(table.drop(columns=["file", "line"]), sets, known.date, past)
+    return Improved(table.drop(columns=[*_WHERE]), sets, known.date, past)
 
 
 def replayed(known: PublicData, model: CatalogueModel, mornings: np.ndarray) -> pd.DataFrame:
@@ -186,7 +189,7 @@ def replayed(known: PublicData, model: CatalogueModel, mornings: np.ndarray) -> 
 def _table(
     newest: pd.DataFrame, age: pd.Series, why: pd.Series, weights: pd.DataFrame, rows: pd.DataFrame
 ) -> pd.DataFrame:
-    """Return the table `improved_sets` with file and line of each set.
+    """Return the table `improved_sets` with _WHERE each set is.
 
     age: of the newest sets [d]
     rows: those of the date, with jumps and corrections, of the objects that have a set that is new enough
@@ -215,7 +218,7 @@ def _table(
         one = corrected[corrected["lead"] == lead].set_index("number").reindex(newest.index)
         table[f"sgp4_{lead}d"] = np.hypot(one["sigma"], one["correction"])
         table[f"sigma_{lead}d"] = one["sigma"]
-    return table.assign(file=newest["file"], line=newest["line"]).reset_index(drop=True)
+    return table.assign(**newest[[*_WHERE]]).reset_index(drop=True)
 
 
 def newest_sets(catalogue: ElementCatalogue) -> pd.DataFrame:

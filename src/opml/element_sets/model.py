@@ -7,6 +7,7 @@ and how it was judged.
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib import resources
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -39,6 +40,12 @@ class CatalogueModel:
     outlook: Outlook
     correctors: Mapping[str, Corrector]
     card: Mapping[str, Any]
+
+
+def check_suffix(path: FilePath) -> None:
+    """Raise InputError for a path that is not called a table in Parquet."""
+    if (suffix := Path(path).suffix.lower()) != ".parquet":
+        raise InputError(f"{path}: expected a suffix .parquet, got {suffix or 'none'}")
 
 
 def write(path: FilePath, model: CatalogueModel) -> None:

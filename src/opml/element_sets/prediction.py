@@ -13,6 +13,7 @@ import math
 import os
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 import pandas as pd
@@ -31,7 +32,14 @@ from opml.environment.space_weather import INTERVALS
 from opml.interop import ccsds, fixes_csv, tdm
 from opml.interop.element_sets import mean_elements, rewriting, usual_errors
 from opml.interop.element_sets.burns_in_sets import KnownSet, burns_among
-from opml.interop.element_sets.element_set import ElementSet, changed, elements_epoch, seconds_since
+from opml.interop.element_sets.element_set import (
+    ElementSet,
+    changed,
+    each,
+    elements_epoch,
+    numbered,
+    seconds_since,
+)
 from opml.interop.object_ids import ObjectId
 from opml.interop.orbit_arcs import contents
 from opml.interop.orbit_from_files import is_orbit
@@ -239,7 +247,8 @@ def _history(paths: Sequence[FilePath], wanted: str | None) -> list[ElementSet]:
     for path in files:
         _check_sets(path)
     damaged: list[InputError] = []
-    sets = [one for path in files for one in mean_elements.read_sets(path, damaged) if one.number]
+    found = chain.from_iterable(mean_elements.read_sets(path, damaged) for path in files)
+    sets = [*each(found, numbered, damaged)]
     if damaged and not sets:
         raise damaged[0]
     sets.sort(key=lambda one: (elements_epoch(one.satellite), one.created))
@@ -247,7 +256,7 @@ def _history(paths: Sequence[FilePath], wanted: str | None) -> list[ElementSet]:
     named = {
         number
         for number, one in newest.items()
-        if wanted is None or ObjectId(one.name, one.designator, number).is_called(wanted)
+        if wanted is None or ObjectId.of(one.name, one.designator, str(number)).is_called(wanted)
     }
     if len(named) != 1:
         there = ", ".join(f"{number} {one.name}".strip() for number, one in sorted(newest.items())[:_TOLD])

@@ -1,4 +1,7 @@
-"""Tables of the Earth's rotation and gravity, the third bodies and the Sun's activity, made once per run."""
+"""Tables of the Earth's rotation and gravity, the third bodies and the Sun's activity, made once per run.
+
+Throughout, `epoch` is the UTC text from which times t [s], arrays (n,), count; `path` names a file in errors.
+"""
 
 import math
 
@@ -7,11 +10,8 @@ import numpy as np
 from opml.base import epochs
 from opml.base.constants import HOUR
 
-STEP_S = HOUR
-"""Spacing of the nodes of every table of the environment [s]."""
-
-MARGIN_S = 2.0 * HOUR
-"""Least length of the tables before the epoch and after the end of a run [s]."""
+STEP_S = HOUR  # spacing of the nodes of every table of the environment [s]
+MARGIN_S = 2.0 * HOUR  # least length of the tables before the epoch and after the end of a run [s]
 
 
 def nodes(epoch: str, duration_s: float) -> np.ndarray:

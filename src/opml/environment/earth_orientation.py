@@ -36,8 +36,6 @@ _VALUES = {
 def tabulate(epoch: str, t: np.ndarray, *, bulletin: str | Path | None = None) -> pd.DataFrame:
     """Return the table `earth_orientation`.
 
-    epoch: UTC text
-    t: (n,) [s since `epoch`]
     bulletin: path of a finals2000A file; None: that of the astropy_iers_data package
 
     Columns: t [s]; x_cip, y_cip (CIP in GCRF, with the observed dX, dY), s_cio, x_pole, y_pole [rad];
@@ -128,7 +126,6 @@ def _bulletin(path: str | Path) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _interpolate(path: str | Path, tai: epochs.JulianDate) -> np.ndarray:
-    """Return ut1_tai [s], x_pole, y_pole, dx, dy [rad] of a bulletin at TAI dates: (5, n)."""
     days, values = _bulletin(path)
     mjd = (tai[0] - epochs.MJD_ZERO) + tai[1]
     start = np.searchsorted(days, mjd, side="right") - 2

@@ -22,11 +22,8 @@ EIGEN_6S_URL = "https://gitlab.orekit.org/orekit/orekit-data/-/raw/main/Potentia
 _EIGEN_6S_FILE = "eigen-6s.gfc"
 _EIGEN_6S_SHA256 = "1b6e170c9df2eee0523fb24cec6cd2ef963ea6458089291ec9a80ac735cc9f24"
 
-DOWNLOAD_TIMEOUT_S = 30.0
-"""Longest silence of the server [s]."""
-
-MAX_DEGREE = 10_000
-"""Nearly twice the degree of any published field; a header with a larger one is damaged."""
+DOWNLOAD_TIMEOUT_S = 30.0  # longest silence of the server [s]
+MAX_DEGREE = 10_000  # nearly twice the degree of any published field; a header with a larger one is damaged
 
 _REQUIRED = ("product_type", "modelname", "earth_gravity_constant", "radius", "max_degree")
 _YEARS_PER_DAY = DAY / JULIAN_YEAR
@@ -180,7 +177,10 @@ def read_icgem(path: str | Path) -> GravityField:
     """
     lines = _lines(path)
     header, head_length = _read_header(path, lines)
-    degree = _header_degree(path, header)
+    text = header["max_degree"]
+    if not (text.isascii() and text.isdigit() and int(text) <= MAX_DEGREE):
+        raise InputError(f"{path}: max_degree: expected a whole number up to {MAX_DEGREE}, got {text!r}")
+    degree = int(text)
     c, s = np.zeros((degree + 1, degree + 1)), np.zeros((degree + 1, degree + 1))
     c[0, 0] = 1.0
     present = np.zeros((degree + 1, degree + 1), dtype=bool)
@@ -216,7 +216,6 @@ def _lines(path: str | Path) -> list[str]:
 def _rows(
     path: str | Path, lines: list[str], head_length: int, degree: int, read_row: _RowReader
 ) -> Iterator[Variation]:
-    """Yield the rows below the header. Raises InputError for a degree or order that the field lacks."""
     references: dict[tuple[int, int], float] = {}
     for number, line in enumerate(lines[head_length:], start=head_length + 1):
         fields = line.split()
@@ -263,13 +262,6 @@ def _header_number(path: str | Path, header: dict[str, str], key: str) -> float:
     if not value > 0.0:
         raise InputError(f"{path}: {key}: expected a positive number, got {header[key]!r}")
     return value
-
-
-def _header_degree(path: str | Path, header: dict[str, str]) -> int:
-    text = header["max_degree"]
-    if not (text.isascii() and text.isdigit() and int(text) <= MAX_DEGREE):
-        raise InputError(f"{path}: max_degree: expected a whole number up to {MAX_DEGREE}, got {text!r}")
-    return int(text)
 
 
 def _row_with_reference(fields: list[str], references: dict[tuple[int, int], float]) -> Variation:

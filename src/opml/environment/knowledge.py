@@ -21,8 +21,7 @@ from opml.environment.forecasts.method import Forecast, ForecastSettings, Future
 from opml.environment.weather import ACTIVITY, RUN_UP, Weather
 
 MONTHLY, HINDCAST, FORECAST = "monthly", "hindcast", "forecast"
-KNOWN = (HINDCAST, FORECAST)
-"""Kinds of knowledge that need measured weather."""
+KNOWN = (HINDCAST, FORECAST)  # kinds of knowledge that need measured weather
 
 FIT_HOURS = 3
 """Hours between the outlooks that fits fly under: they know Kp up to the last interval that is over."""
@@ -100,7 +99,8 @@ def hindcast(source: str | Path, epoch: str, t: np.ndarray) -> pd.DataFrame:
     """
     weather, day = read(source), space_weather.days(epoch, t)
     _check_begin(weather, day, source)
-    _check_end(weather, day, source)
+    if day.max() > _last_day(weather):
+        raise _reach_error(weather, day, source)
     return pd.DataFrame({"t": t, **weather.activity(day)})
 
 
@@ -178,7 +178,6 @@ def check(
     """Raise InputError where the weather, the history or the user's own forecasts do not cover a run.
 
     source: of the measured weather, OBSERVED or a CSSI file
-    epoch: UTC text
     ends: (2,) first and last time of the run's tables [s since `epoch`]
     forecast: settings of the method
     issue_hours: between issues
@@ -189,7 +188,6 @@ def check(
 
 
 def _history(epoch: str) -> Weather:
-    """Return the packaged weather before the epoch."""
     begin = float(space_weather.days(epoch, np.zeros(1))[0])
     return read(solar_activity.OBSERVED).keep_known(begin)
 
@@ -213,12 +211,6 @@ def _last_day(weather: Weather) -> float:
 def _check_begin(weather: Weather, day: np.ndarray, source: str | Path) -> None:
     """Raise InputError where the weather lacks the 81 days before the first day, or ends before it."""
     if day.min() < weather.first + RUN_UP or day.min() > _last_day(weather):
-        raise _reach_error(weather, day, source)
-
-
-def _check_end(weather: Weather, day: np.ndarray, source: str | Path) -> None:
-    """Raise InputError where the weather ends before the last day."""
-    if day.max() > _last_day(weather):
         raise _reach_error(weather, day, source)
 
 

@@ -19,18 +19,14 @@ from opml.base.thermosphere_grid import ALTITUDES, DENSITIES, LATITUDES, LOCAL_T
 from opml.environment import solar_activity, space_weather
 from opml.environment.space_weather import INTERVALS, KP, ROUNDING
 
-NAME = "NRLMSIS"
-"""The model's name in the settings."""
+NAME = "NRLMSIS"  # the model's name in the settings
 
 _AP = (0, 2, 3, 4, 5, 6, 7, 9, 12, 15, 18, 22, 27, 32, 39, 48, 56, 67, 80, 94, 111, 132, 154, 179, 207, 236)
 _AP_OF_THIRDS = np.array([*_AP, 300, 400], float)
 """The ap of Kp in thirds from 0 (Bartels 1957, by GFZ Potsdam)."""
 
-_UNIX_DAY = 40587
-"""Modified Julian day of 1970-01-01."""
-
-_RUN_UP = 20
-"""Intervals of ap that the model needs: those of 57 hours before, and the one at the time."""
+_UNIX_DAY = 40587  # modified Julian day of 1970-01-01
+_RUN_UP = 20  # intervals of ap that the model needs: those of 57 hours before, and the one at the time
 
 
 def sources() -> dict[str, str]:
@@ -56,8 +52,6 @@ def tabulate(source: str | Path, epoch: str, t: np.ndarray) -> pd.DataFrame:
     """Return the table `thermosphere`: densities [kg/m3] at each node of the grid.
 
     source: OBSERVED or a CSSI file
-    epoch: UTC text
-    t: (n,) [s since `epoch`]
 
     Raises InputError where the source is unreadable, holds monthly figures or does not cover the times.
     """

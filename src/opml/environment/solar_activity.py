@@ -26,8 +26,7 @@ _GZIP = b"\x1f\x8b"
 
 MSAFE = "MSAFE"
 OBSERVED = "OBSERVED"
-_PERCENTILES = (95, 50, 5)
-"""Percentiles of MSAFE's estimates [%]."""
+_PERCENTILES = (95, 50, 5)  # percentiles of MSAFE's estimates [%]
 
 PACKAGED = {MSAFE: "msafe.tsv", OBSERVED: "space_weather.csv"}
 """Files of the package by their names in the settings."""
@@ -45,8 +44,6 @@ def tabulate(source: str | Path, epoch: str, t: np.ndarray, percentile: int) -> 
     """Return the table `solar_activity`.
 
     source: 'MSAFE' or 'OBSERVED' (packaged), or the path of an MSAFE bulletin or of CSSI's space weather
-    epoch: UTC text
-    t: (n,) [s since `epoch`]
     percentile: one of PERCENTILES, for MSAFE only
 
     Columns: t [s], f107, f107_mean [sfu], kp_3h, kp_24h. MSAFE's one smoothed F10.7 is both the daily and
@@ -75,7 +72,6 @@ def tabulate(source: str | Path, epoch: str, t: np.ndarray, percentile: int) -> 
 
 
 def _month_start(epoch: str, month: str) -> float:
-    """Return the seconds from `epoch` to a month's first day, 00:00 UTC, the time of its figures."""
     return epochs.seconds_between(epoch, f"{month}-01T00:00:00")
 
 
@@ -132,7 +128,6 @@ def read_text(path: str | Path) -> str:
 
 
 def _reader(path: str | Path, text: str) -> Callable[[str | Path, list[str]], pd.DataFrame]:
-    """Return the reader for a file's format. Raises InputError for an unknown one."""
     if _BULLETIN_TITLE in text:
         return _read_bulletin
     if "\t".join(["month", *_COLUMNS]) in text.splitlines():

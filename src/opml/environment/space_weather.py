@@ -34,18 +34,13 @@ _TEXT_DAILY = ("OBSERVED", "DAILY_PREDICTED")
 _TEXT_COLUMNS = [slice(18 + 3 * k, 21 + 3 * k) for k in range(8)] + [slice(112, 118), slice(118, 124)]
 
 _KP_AS_PRINTED = frozenset(round(10.0 * third / 3.0) for third in range(28))
-_LEAST_FLUX, _MOST_FLUX = 40.0, 1000.0
-"""What the Sun can do [sfu]; 53.5 and 938.6 were printed since 1957."""
-
+_LEAST_FLUX, _MOST_FLUX = 40.0, 1000.0  # what the Sun can do [sfu]; 53.5 and 938.6 were printed since 1957
 _BEFORE, _BURST = 5, 1.7  # days before a flux, and the multiple of their median from which it is a burst
 _CENTRED = 81  # days of the centred mean
 _MOST_TOLD = 5
 
-INTERVALS = 8
-"""Intervals of Kp in a day."""
-
-DELAY = 1
-"""Intervals by which DTM2000's Kp lags: 3 hours."""
+INTERVALS = 8  # intervals of Kp in a day
+DELAY = 1  # intervals by which DTM2000's Kp lags: 3 hours
 
 MEASURED = 20.0 / 24.0
 """Time of day [d] at which the flux of a date is measured: local noon at Penticton, 20:00 UTC."""
@@ -57,14 +52,12 @@ A few would do. A fixed number gives the same bits for all files with the same d
 of a file from 2016-07-01 on, of the first runs of the paper's case.
 """
 
-ROUNDING = 1e-8
-"""Part of a day [d] by which rounding may move an epoch from a whole hour."""
+ROUNDING = 1e-8  # part of a day [d] by which rounding may move an epoch from a whole hour
 
 
 _log = logging.getLogger(__name__)
 
-_Row = tuple[int, str, list[str], bool]
-"""Line, date and figures of a day, and whether the day was measured."""
+_Row = tuple[int, str, list[str], bool]  # line, date and figures of a day, and whether the day was measured
 
 
 def is_space_weather(text: str) -> bool:
@@ -74,9 +67,6 @@ def is_space_weather(text: str) -> bool:
 
 def read(path: str | Path, text: str) -> pd.DataFrame:
     """Read the daily space weather from a file's text.
-
-    path: of the file, for messages
-    text: of the file
 
     Index: consecutive modified Julian days (UTC). Columns: KP1 to KP8 (thirds), F10.7_OBS and
     F10.7_OBS_CENTER81 [sfu], as observed: not reduced to 1 au, since the atmosphere absorbs what arrives.
@@ -156,11 +146,6 @@ def reach(weather: pd.DataFrame) -> tuple[str, str]:
 def tabulate(path: str | Path, text: str, epoch: str, t: np.ndarray) -> pd.DataFrame:
     """Return the table `solar_activity`.
 
-    path: of the file, for messages
-    text: of the file
-    epoch: UTC text
-    t: (n,) [s since `epoch`]
-
     Columns: t [s]; f107: flux of 24 hours before, f107_mean: its centred 81-day mean [sfu], both linear
     between the daily measurements; kp_3h: Kp of the three-hour interval before the one at t; kp_24h: mean of
     kp_3h and the seven Kp before it. Raises InputError for dates outside the file's.
@@ -204,7 +189,6 @@ def days(epoch: str, t: np.ndarray) -> np.ndarray:
 
 
 def _tai(midnight: np.ndarray) -> np.ndarray:
-    """Return the TAI modified Julian dates of UTC midnights."""
     with epochs.strict_erfa():
         whole, part = erfa.utctai(epochs.MJD_ZERO, midnight)
     return np.asarray((whole - epochs.MJD_ZERO) + part)
@@ -233,7 +217,6 @@ def _csv_rows(lines: list[str]) -> Iterator[_Row]:
 
 
 def _text_rows(lines: list[str]) -> Iterator[_Row]:
-    """Yield the days of the form in fixed columns."""
     section = ""
     for number, line in enumerate(lines, start=1):
         if match := _TEXT_SECTION.match(line):

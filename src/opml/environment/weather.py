@@ -11,14 +11,9 @@ import numpy as np
 
 from opml.environment.space_weather import DELAY, INTERVALS, MEASURED, ROUNDING
 
-MEAN_DAYS = 81
-"""Days of the mean flux."""
-
-RUN_UP = MEAN_DAYS + 1
-"""Days of measurements that `Weather.activity` needs before its first time."""
-
-HIGHEST_KP = 9.0
-"""Upper end of the scale of Kp."""
+MEAN_DAYS = 81  # days of the mean flux
+RUN_UP = MEAN_DAYS + 1  # days of measurements that `Weather.activity` needs before its first time
+HIGHEST_KP = 9.0  # upper end of the scale of Kp
 
 ACTIVITY = ["f107", "f107_mean", "kp_3h", "kp_24h"]
 """Columns of the inputs of DTM2000; a list, as pandas selects columns by a list."""

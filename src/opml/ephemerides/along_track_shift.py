@@ -21,8 +21,7 @@ from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.orbits.elements import rsw_rotation
 
-LEAST_EPOCHS = 16
-"""Epochs that a path needs for its derivatives."""
+LEAST_EPOCHS = 16  # epochs that a path needs for its derivatives
 
 ROUGH = 1.0 / 60.0
 """Largest miss of a correction by the spline through every second of its values, in their time [m/s]."""

@@ -27,8 +27,7 @@ from opml.orbits.elements import in_rsw
 from opml.orbits.rsw_covariance import rates, rsw_covariances
 from opml.tables import SPREAD, STATE, read_table
 
-Spreads = Callable[[pd.DataFrame], pd.DataFrame]
-"""Returns the `spread` table of pairs."""
+Spreads = Callable[[pd.DataFrame], pd.DataFrame]  # returns the `spread` table of pairs
 
 SPREAD_STEP = 600.0
 """Time between the epochs of an ephemeris that arcs fly to for its spread [s], linear between them."""

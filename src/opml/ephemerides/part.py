@@ -88,7 +88,6 @@ class Part:
 
     @_once
     def _from_estimates(self) -> pd.DataFrame:
-        """Return predictions from the starts to the grid, with what belongs to the estimates."""
         columns = self.pairs().join(self.known.at_estimates, on="i")
         return columns.assign(duration=columns["t_j"] - columns["t_i"])
 
@@ -224,7 +223,6 @@ class Part:
         return baseline.build_improved(self.pairs(), history, epoch=self.known.epoch)
 
     def _predicted(self, estimates: pd.DataFrame, flight: Flight) -> pd.DataFrame:
-        """Return predictions of estimates to the grid, as they fly."""
         arrivals = self.grid.epochs(estimates["t"].iloc[-1])
         return predict(flight, estimates, arrivals=arrivals, max_days=self.grid.max_days)
 

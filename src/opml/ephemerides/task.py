@@ -20,8 +20,7 @@ from opml.ephemerides.known import Known, KnownSettings
 from opml.ephemerides.part import Grid, Part
 from opml.tables import STATE, STATE_COVARIANCES
 
-TOGETHER = LANES
-"""Ephemerides made side by side, an arc each; their tables take some hundred MB."""
+TOGETHER = LANES  # ephemerides made side by side, an arc each; their tables take some hundred MB
 
 
 class TaskSettings(FlightSettings, KnownSettings):

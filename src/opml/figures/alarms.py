@@ -26,7 +26,6 @@ def by_duration(table: pd.DataFrame, *, note: str = "") -> Figure:
     Models and covariances have colours; lines under other weather are dashed, and the note tells which.
 
     table: `conjunctions`
-    note: what was replayed
 
     Raises InputError for an empty table.
     """

@@ -41,10 +41,8 @@ def splits(
     """Draw P_ML [%] of every model under every split, with 90 % intervals; one panel per station set.
 
     metrics: that table with a further column `split`, the split's name
-    panels: station sets
     models: what each learner is, in a few words
     published: the paper's P_ML [%], by station set and split
-    note: what was trained and tested
     """
     learners = list(models)
     figure = page_figure(height_mm=36.0 + 6.5 * len(learners))
@@ -88,14 +86,12 @@ def _draw_splits(
 
 
 def _number(axis: Axis, parts: Sequence[float]) -> None:
-    """Put numbers at some parts of each decade of a logarithmic axis."""
     axis.set_major_locator(LogLocator(subs=parts))
     axis.set_major_formatter("{x:g}")
     axis.set_minor_formatter(NullFormatter())
 
 
 def _explain(axes: Axes, models: Mapping[str, str]) -> None:
-    """Write to the right of the panel what each of its models is."""
     for height, description in enumerate(reversed(list(models.values()))):
         axes.annotate(
             description,
@@ -117,7 +113,6 @@ def transfers(
 ) -> Figure:
     """Draw P_ML [%] of one model on other RSOs; one panel per curve, one line per learner.
 
-    metrics: that table
     curves: the varied element by target, by curve, a key of VARIED
     published: the paper's P_ML [%] by target
     """
@@ -158,8 +153,6 @@ def intervals(tables: Mapping[str, pd.DataFrame], *, level: float, component: st
     """Draw true errors and corrected ones, in the band of the prediction interval; one panel per table.
 
     tables: `intervals` tables by title, each drawn on its own scale
-    level: of the intervals
-    note: what was tested
     """
     name, scale = unit(component)
     figure = page_figure(height_mm=68.0)

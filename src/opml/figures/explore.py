@@ -31,12 +31,9 @@ from opml.figures.style import (
 from opml.figures.ticks import metres
 from opml.orbits.sheets import Station
 
-_MOST = 150
-"""Estimates to pick from: more would make the page slow to load."""
+_MOST = 150  # estimates to pick from: more would make the page slow to load
 
-REVOLUTION_S = 5700.0
-_STEP_S = 60.0
-"""Length and step of the path that is shown from an estimate on [s]."""
+REVOLUTION_S, _STEP_S = 5700.0, 60.0  # length and step of the path that is shown from an estimate on [s]
 
 DIV = "explore"
 KM = 1e-3
@@ -56,8 +53,7 @@ ON_A_PHONE = f"if (window.innerWidth < 800) Plotly.relayout('{DIV}', {json.dumps
 """Put the orbit above the errors on a screen that has no room for both side by side."""
 
 COLORS = (RESIDUAL, PREDICTED_COLOR, OBSERVED_COLOR, ESTIMATE, TRACK_COLOR, HIGHLIGHT)
-DASHES = ("solid", "dash", "dot", "dashdot")
-"""Looks of the models: a color and a dash together belong to one."""
+DASHES = ("solid", "dash", "dot", "dashdot")  # looks of the models: a color and a dash together belong to one
 
 HEAD = '<head><meta name="viewport" content="width=device-width, initial-scale=1"><title>{title}</title>'
 LINK = "font: 12px sans-serif"
@@ -83,10 +79,7 @@ def page(
 
     evaluations: those tables of one test, by model
     dataset: that table of the RSO tested on, which holds the epochs of the estimates
-    component: of the error
-    epoch: UTC, from which days count
     back: address of the page that this one belongs to
-    note: what was trained and tested
     """
     if not evaluations:
         raise InputError("page to explore: expected at least one model, got none")
@@ -153,7 +146,6 @@ def _path(orbit: ground.ObservedOrbit, epoch: float) -> np.ndarray:
 
 
 def _earth() -> dict[str, Any]:
-    """Return a sphere that hides what is behind it."""
     longitude, latitude = np.meshgrid(np.radians(np.arange(0, 361, 10)), np.radians(np.arange(-90, 91, 10)))
     x, y, z = (part.round(1).tolist() for part in _sphere_points(longitude, latitude, 0.995))
     light = {"ambient": 1.0, "diffuse": 0.0, "specular": 0.0}
@@ -167,7 +159,6 @@ def _earth() -> dict[str, Any]:
 
 
 def _land() -> dict[str, Any]:
-    """Return the outlines of land as one line with gaps."""
     outlines = [np.vstack([outline, [np.nan, np.nan]]) for outline in ground.outlines()]
     longitude, latitude = np.radians(np.vstack(outlines)).T
     x, y, z = _sphere_points(longitude, latitude, 1.0)
@@ -234,7 +225,6 @@ def _line(place: int) -> dict[str, str]:
 
 
 def _layout(evaluations: Mapping[str, pd.DataFrame], component: str, note: str) -> dict[str, Any]:
-    """Return the layout: orbit on the left, errors on the right, on scales that all estimates share."""
     first = next(iter(evaluations.values()))
     residuals = (table["residual"].abs() for table in evaluations.values())
     sizes = np.concatenate([first["true"].abs(), *residuals])
@@ -277,7 +267,6 @@ def _ticks(component: str) -> dict[str, Any]:
 
 
 def _labels(t: pd.Series, epoch: str) -> list[str]:
-    """Return times [s] as days since the epoch, with their date."""
     start = datetime.fromisoformat(epoch)
     return [f"{one / DAY:.2f}, {start + timedelta(seconds=one):%Y-%m-%d %H:%M} UTC" for one in t]
 

@@ -20,7 +20,6 @@ def chart(fans: pd.DataFrame, ensemble: pd.DataFrame, *, track: int, level: floa
     ensemble: that table
     track: of the estimate that the prediction starts from
     level: share of the futures in the band
-    note: whose prediction it is
     """
     fan = fans[fans["i"] == track]
     if fan.empty:

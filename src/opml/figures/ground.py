@@ -61,10 +61,7 @@ def world(
     A station sees an RSO at the day's mean height inside of its circle, which ends at its lowest elevation or
     its longest range. Raises InputError where the truth has no epoch in that day.
 
-    tracking: that table
     first_day: at which the day begins [d]
-    epoch: UTC, from which days count
-    note: whose orbit it is
     """
     rows = orbit.truth[orbit.truth["t"].between(first_day * DAY, (first_day + 1.0) * DAY)]
     if rows.empty:

@@ -34,7 +34,6 @@ def later_errors(errors: pd.DataFrame, *, level: float, note: str = "") -> Figur
 
     errors: as `corrected.held_against` returns
     level: share of the errors that the band should hold
-    note: whose errors they are
     """
     if errors.empty:
         raise InputError("ephemeris: expected an estimate of a later track to hold it against, got none")
@@ -59,7 +58,6 @@ def later_errors(errors: pd.DataFrame, *, level: float, note: str = "") -> Figur
 
 
 def _draw(axes: Axes, days: pd.Series, errors: pd.Series, look: dict[str, Any]) -> None:
-    """Draw errors, a point for each later estimate."""
     axes.axhline(0.0, color=MUTED, lw=0.7)
     axes.plot(days, errors, ls="", **look)
 

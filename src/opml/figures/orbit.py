@@ -31,11 +31,8 @@ from opml.figures.style import (
 from opml.orbits.elements import coe_from_cartesian
 from opml.tables import STATE
 
-REVOLUTIONS = 40
-"""Revolutions that stand for the whole orbit: more would hide each other."""
-
-ELEVATION, AZIMUTH = 25.0, -50.0
-"""Where the viewer of the orbit stands [deg]."""
+REVOLUTIONS = 40  # revolutions that stand for the whole orbit: more would hide each other
+ELEVATION, AZIMUTH = 25.0, -50.0  # where the viewer of the orbit stands [deg]
 
 EARLY_TO_LATE = LinearSegmentedColormap.from_list("early to late", ["#D7191C", "#7B3294", "#2C7BB6"])
 
@@ -63,10 +60,8 @@ def estimation_window(tracking: pd.DataFrame, *, track: int, window_hours: float
     After the paper's figure 'Illustration of the tracks included for an estimation at t_i'. Raises InputError
     for a track that is not in the table.
 
-    tracking: that table
     track: at whose start the estimate is
     window_hours: tracks that began so long before that start, or less, are used
-    note: whose tracks they are
     """
     tracks = tracking.groupby("track").agg(start=("t", "min"), end=("t", "max"), station=("station", "first"))
     if track not in tracks.index:
@@ -129,7 +124,6 @@ def orbit_3d(truth: pd.DataFrame, tracking: pd.DataFrame, *, note: str = "") -> 
     Raises InputError for less than one revolution.
 
     truth, tracking: those tables, of epochs in common
-    note: whose orbit it is
     """
     days, positions = truth["t"].to_numpy() / DAY, truth[["x", "y", "z"]].to_numpy() / 1e6
     revolution = _revolutions(positions)
@@ -193,11 +187,9 @@ def orbital_elements(
     After the paper's figure 'Instantaneous classical orbital elements'. Raises InputError where the enlarged
     days hold no epoch.
 
-    truth: that table
     gm: of the Earth [m3/s2]
     zoom_days: first and last of the enlarged days
     elements: any of a, e, i, argp, raan, nu
-    note: whose elements they are
     """
     days, turns = truth["t"].to_numpy() / DAY, np.floor(_revolutions(truth[["x", "y", "z"]].to_numpy()))
     coe = dict(zip(_COE, coe_from_cartesian(truth[STATE].to_numpy(), gm).T, strict=True))

@@ -38,8 +38,7 @@ from opml.learning.judge.errors_by_duration import REACH_DAYS, by_duration
 from opml.learning.judge.model_choice import Mornings
 from opml.tables.convergence import none_converged
 
-_COLUMNS = 3
-"""Panels side by side."""
+_COLUMNS = 3  # panels side by side
 
 BIN_DAYS = 0.5
 LEAST_ROWS = 5
@@ -48,11 +47,8 @@ LEAST_ROWS = 5
 UNCORRECTED_NOTE = "errors without correction: medians and middle halves by a prediction's first day"
 """Note on the errors below Cd."""
 
-BASELINE = PREDICTED_COLOR
-"""Colour of the models beside the one that a figure shows."""
-
-OUTSIDE = 0.3
-"""Room above and below the middle 90 % of the estimates of Cd, in parts of their range."""
+BASELINE = PREDICTED_COLOR  # colour of the models beside the one that a figure shows
+OUTSIDE = 0.3  # room above and below the middle 90 % of the estimates of Cd, in parts of their range
 
 _SHADES = (TRACK_COLOR, *REASON_COLORS)
 """Colours of rows that are used, then of rows that are not, reason by reason."""
@@ -64,8 +60,6 @@ def errors(evaluations: Mapping[str, pd.DataFrame], *, component: str, note: str
     Lines are medians, the bands reach up to the 95th percentile. Raises InputError without a model.
 
     evaluations: those tables, by model
-    component: of the error
-    note: what was trained and tested
     """
     if not evaluations:
         raise InputError("errors of a study: expected at least one model that corrects, got none")
@@ -88,9 +82,7 @@ def residuals(mornings: Mornings, *, laws: Collection[str], note: str = "") -> F
     Errors without correction and errors of what was flown have bands of 50 and 90 %; models have medians.
     Named are the model chosen last, the best without learning, the best that learned, and the paper's.
 
-    mornings: of one dataset
     laws: the models that learned
-    note: whose mornings they are
     """
     figure = page_figure(height_mm=100.0)
     axes = figure.add_subplot()
@@ -159,14 +151,12 @@ def _size_label(component: str) -> str:
 
 
 def _size_axis(axes: Axes, component: str) -> None:
-    """Make an axis of sizes logarithmic."""
     axes.set_yscale("log")
     if si_unit(component) == "m":
         axes.yaxis.set_major_formatter(FuncFormatter(metres))
 
 
 def _draw_growth(axes: Axes, evaluation: pd.DataFrame, component: str) -> None:
-    """Draw the median and the 95th percentile before and after, in bins of the duration."""
     reach = evaluation["duration"].max() / DAY
     growth = by_duration(evaluation, width_days=min(BIN_DAYS, reach / 4.0))
     growth = growth[_that_tell(growth["rows"].to_numpy())]
@@ -199,9 +189,7 @@ def drag_figure(
     estimates: those tables, by the window of their fits; what did not converge is left out
     activity: `solar_activity` table
     errors: as `daily_errors` returns, None for no panel of them
-    epoch: UTC, of the time's beginning
     manoeuvres: times [s]
-    note: whose estimates they are
     """
     usable = {name: table[table["converged"]] for name, table in estimates.items()}
     if all(table.empty for table in usable.values()):
@@ -229,7 +217,6 @@ def drag_figure(
 
 
 def _draw_cd(axes: Axes, usable: Mapping[str, pd.DataFrame]) -> None:
-    """Draw the estimates of Cd, the longest window in front."""
     for k, (name, table) in enumerate(usable.items()):
         look: dict[str, Any] = {
             "ls": "",
@@ -259,7 +246,6 @@ def _mark_outside(axes: Axes, every: pd.DataFrame) -> None:
 
 
 def _draw_activity(upper: Axes, lower: Axes, activity: pd.DataFrame) -> None:
-    """Draw F10.7 with its mean above Kp."""
     days = activity["t"] / DAY
     upper.plot(days, activity["f107"], color=TRUE_COLOR, label="F10.7")
     upper.plot(days, activity["f107_mean"], color=MUTED, ls="--", label="its 81-day mean")
@@ -275,8 +261,6 @@ def daily_errors(dataset: pd.DataFrame, *, component: str, day: float) -> pd.Dat
 
     Columns: t, the middle of the day [s]; 25, 50 and 75 in the component's unit; day.
 
-    dataset: that table
-    component: of the error
     day: duration of the predictions [d]; durations up to a quarter of a day from it count
     """
     near = (dataset["duration"] / DAY - day).abs() <= REACH_DAYS
@@ -307,8 +291,6 @@ def rolling(days: Mapping[str, pd.DataFrame], *, every_days: float, epoch: str, 
 
     days: as `rolling_origins.by_day` returns, by learner
     every_days: between two trainings
-    epoch: UTC, of the time's beginning
-    note: whose predictions they are
     """
     if not days:
         raise InputError("rolling of a study: expected at least one learner, got none")

@@ -30,8 +30,7 @@ from opml.figures.style import (
 from opml.naming import Split
 
 _PARTS = {"rest": "test part", "seen": "training part"}
-INTERVAL = "bars: 5th to 95th percentile over resampled estimates"
-"""Note on the bars of P_ML."""
+INTERVAL = "bars: 5th to 95th percentile over resampled estimates"  # note on the bars of P_ML
 
 RULE_STYLES = (":", "-.", (0, (3, 1, 1, 1, 1, 1)), (0, (1, 3)))
 _RULES = (
@@ -39,8 +38,7 @@ _RULES = (
 )
 """Note on the public rules of the kernel scale."""
 
-NO_CORRECTION = 100.0
-"""P_ML [%] without a correction."""
+NO_CORRECTION = 100.0  # P_ML [%] without a correction
 
 
 def partition_curve(
@@ -52,7 +50,6 @@ def partition_curve(
     data'. Raises InputError without a row to draw.
 
     metrics: rows of random splits, of the test `rest` and, where they ran, of `seen`
-    component: of the error
     published: the paper's P_ML [%] by share
     """
     splits = metrics["train"].map(_training_split)
@@ -89,7 +86,6 @@ def transfer_curve(
 
     curve: the varied element, a key of VARIED
     targets: the RSOs to draw, with their element [deg or km]
-    component: of the error
     published: the paper's P_ML [%] by test and element
     """
     points = metrics[
@@ -124,7 +120,6 @@ def kernel_scale_sensitivity(
     Raises InputError without a row to draw.
 
     rules: the scales to mark, by station set and by the rule's name
-    component: of the error
     """
     points = metrics[metrics["component"] == component]
     if points.empty:
@@ -182,14 +177,12 @@ def _draw_published(axes: Axes, published: Mapping[float, float], marker: str, *
 
 
 def _finish(figure: Figure, axes: Axes, metrics: pd.DataFrame, component: str) -> Figure:
-    """Add what all figures of one panel share, and return the figure."""
     _label(axes, component)
     legend(figure, columns=1, note=lines(_training_note(metrics), _bars_note(metrics)))
     return figure
 
 
 def _bars_note(metrics: pd.DataFrame) -> str:
-    """Return what bars or bands of the curves are."""
     seeds = metrics["seed"].nunique() if "seed" in metrics else 1
     if seeds > 1:
         return f"mean and standard deviation of {seeds} seeds"
@@ -207,7 +200,6 @@ def _training_note(metrics: pd.DataFrame) -> str:
 
 
 def _rows(metrics: pd.DataFrame) -> str:
-    """Return the rows trained on, where they are the same for all."""
     trains = metrics["train"].unique()
     return f", {describe_training(trains[0])}" if len(trains) == 1 else ""
 
@@ -221,7 +213,6 @@ def _label(axes: Axes, component: str) -> None:
 
 
 def _training_split(name: str) -> Split:
-    """Return the training split of a name that may end in a seed."""
     return naming.parse_train(naming.strip_seed(name, naming.SPLIT))
 
 

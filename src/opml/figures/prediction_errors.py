@@ -49,36 +49,23 @@ from opml.learning.judge import metrics
 CLUSTER_DAYS = 0.25
 """Width of a cluster of durations [d]: four per day, wide enough for one station, narrow enough for three."""
 
-CLUSTER_LEAST = 5
-"""Points that a cluster needs for its mean and standard deviation to say something."""
-
-REDUCED = 100.0
-"""Individual metric p_ML [%] below which the correction made an error smaller."""
-
-BEYOND_COLOR = ESTIMATE
-"""Colour of the points beyond P_ML_MAX."""
-
-P_ML_MAX = 500.0
-"""Individual metric p_ML [%] beyond which all points share one colour, as in the paper."""
-
-DECADES = 4.5
-"""Powers of ten of the sizes of errors that a logarithmic axis shows."""
-
-HEADROOM = 0.16
-"""Room above error bars that their P_ML stands in, in parts of the axis."""
+CLUSTER_LEAST = 5  # points that a cluster needs for its mean and standard deviation to say something
+REDUCED = 100.0  # individual metric p_ML [%] below which the correction made an error smaller
+BEYOND_COLOR = ESTIMATE  # colour of the points beyond P_ML_MAX
+P_ML_MAX = 500.0  # individual metric p_ML [%] beyond which all points share one colour, as in the paper
+DECADES = 4.5  # powers of ten of the sizes of errors that a logarithmic axis shows
+HEADROOM = 0.16  # room above error bars that their P_ML stands in, in parts of the axis
 
 LINES_OF_COUNTS = "\n\n"
 """What keeps an RSO's name above the counts on the right of its panel, which may be as long as the panel."""
 
-BARS = "bars: mean and standard deviation in clusters of a quarter of a day"
-"""Note on error bars."""
+BARS = "bars: mean and standard deviation in clusters of a quarter of a day"  # note on error bars
 
 SHADES = colormaps["viridis"](np.linspace(0.0, 0.8, 256))
 WORSE_SHADES = colormaps["OrRd"](np.linspace(0.35, 1.0, 256))
 """Colours of p_ML below and above 100 %, without yellow, the colour of what lies beyond."""
 
-WHOLE_DAYS = 3.0
-"""Reach of a duration [d] from which on its axis has a tick each day."""
+WHOLE_DAYS = 3.0  # reach of a duration [d] from which on its axis has a tick each day
 
 DURATION_LABEL = r"prediction duration $\Delta t$ [d]"
 
@@ -110,7 +97,6 @@ def distribution_position(pairs: pd.DataFrame, *, note: str = "") -> Figure:
     draw.
 
     pairs: rows of a `predictions` or `dataset` table; pairs without a prediction are left out
-    note: whose pairs they are
     """
     return _distribution(pairs, ("e_x", "e_y", "e_z"), note, absolute=True)
 
@@ -143,7 +129,6 @@ def svr_absolute(
     standard deviation to either side of the mean, cut at zero; see `clusters`. After the paper's figures
     'Results of the trained SVM model ...', panels 'Absolute value'. Raises InputError without a row.
 
-    evaluation: that table, of the component
     context: what the figure tells beside the errors
     """
     return _points_and_bars(evaluation, component, context, absolute=True)
@@ -198,9 +183,6 @@ def individual_reduced(evaluation: pd.DataFrame, *, component: str = "e_y", note
 
     After the paper's figure 'Individual performance of the trained SVM model on future epochs'. Raises
     InputError without a row; a model that reduces no error gives empty axes.
-
-    evaluation: that table, of the component
-    note: what was trained and tested
     """
     change = _Change("reduced", (0.0, REDUCED), ListedColormap(SHADES))
     return _individual(evaluation, _individual_p_ml(evaluation) < REDUCED, change, component, note)
@@ -221,9 +203,7 @@ def individual_distribution(
     After the paper's figure 'Distribution of the individual metric p_ML'. The dashed line ends the
     predictions whose error the model reduces. Raises InputError without a row.
 
-    evaluation: that table
     published: share of the reduced errors in the paper [%]
-    note: what was trained and tested
     """
     _check_rows(evaluation)
     individual = np.sort(_individual_p_ml(evaluation))
@@ -374,7 +354,6 @@ def _draw_fences(axes: Axes, component: str, context: Context, *, absolute: bool
 
 
 def _legend_entries(axes: Axes) -> dict[str, Artist]:
-    """Return what a panel shows, by label."""
     handles, labels = axes.get_legend_handles_labels()
     return dict(zip(labels, handles, strict=True))
 
@@ -484,7 +463,6 @@ def _drawn_errors(evaluation: pd.DataFrame, component: str, *, absolute: bool) -
 
 
 def _check_rows(table: pd.DataFrame) -> None:
-    """Raise InputError where a table has no row."""
     if table.empty:
         raise InputError("figure of errors: expected at least one row, got none")
 

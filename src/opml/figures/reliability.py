@@ -11,8 +11,7 @@ from opml.figures.axis_labels import clauses, symbol
 from opml.figures.style import MARKERS, MUTED, RAMP, legend, panel_figure
 from opml.tables import ELLIPSOID
 
-_COLUMNS = 3
-"""Panels side by side."""
+_COLUMNS = 3  # panels side by side
 
 
 def coverage_curves(tables: Mapping[str, pd.DataFrame], *, quantity: str, note: str = "") -> Figure:
@@ -22,7 +21,6 @@ def coverage_curves(tables: Mapping[str, pd.DataFrame], *, quantity: str, note: 
 
     tables: `calibration` tables by the panel's title
     quantity: of those tables
-    note: what was tested
     """
     if not tables:
         raise InputError("calibration: expected at least one model, got none")
@@ -41,7 +39,6 @@ def coverage_curves(tables: Mapping[str, pd.DataFrame], *, quantity: str, note: 
 
 
 def _draw_coverage(axes: Axes, table: pd.DataFrame) -> None:
-    """Draw the lines of one model, and the diagonal where the stated share is true."""
     axes.plot([0.0, 100.0], [0.0, 100.0], color=MUTED, ls="--", lw=1.0, label="true", zorder=4)
     for k, (day, shares) in enumerate(table.groupby("day")):
         (line,) = axes.plot(100.0 * shares["level"], 100.0 * shares["inside"], ms=3.5, label=f"{day:g} d")

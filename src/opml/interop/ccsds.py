@@ -30,11 +30,8 @@ _PAIR = re.compile(r"([A-Z][A-Z0-9_]*)\s*=\s*(\S.*)", re.ASCII)
 
 _ROUNDED = 1.01  # what digits that were cut off may make of a correlation of 1
 _FINE, _DOUBLE = Context(prec=40), Context(prec=17)
-_DEGREE = Decimal("0.01745329251994329576923690768488612713443")
-"""One degree in radians."""
-
-SCALES = ("UTC", "TAI", "TT", "GPS")
-"""Time systems for reading; messages are written in UTC."""
+_DEGREE = Decimal("0.01745329251994329576923690768488612713443")  # one degree in radians
+SCALES = ("UTC", "TAI", "TT", "GPS")  # time systems for reading; messages are written in UTC
 
 FRAMES = {"GCRF": np.eye(3), "ICRF": np.eye(3), "EME2000": np.asarray(erfa.bp06(2451545.0, 0.0)[0]).T}
 """Rotations of the frames for reading to GCRF; EME2000 differs by the bias (IERS Conventions 2010, 5.6)."""
@@ -175,7 +172,6 @@ class Message:
         """Return the times (n,) [s since `epoch`] of texts.
 
         numbers: (n,) lines of the texts
-        epoch: UTC text
         scale: time system, one of SCALES
 
         Raises InputError, naming the line, for a text that is no time.
@@ -295,7 +291,6 @@ def header(version_key: str, epoch: str, newest: float) -> list[str]:
 def creation_date(epoch: str, newest: float) -> str:
     """Return the date of a message, which is no clock's, so that runs repeat byte for byte.
 
-    epoch: UTC text
     newest: time of the newest of what the message is made from [s since `epoch`]
 
     The variable SOURCE_DATE_EPOCH of the environment [s since 1970] comes before it. Raises InputError where

@@ -48,9 +48,6 @@ def matches(content: bytes) -> bool:
 def read(path: FilePath, content: bytes, *, epoch: str, satellite: str | None = None) -> list[Arc]:
     """Read the arc of a CPF file.
 
-    path: of the file, for messages
-    content: of the file
-    epoch: UTC text from which times count
     satellite: name, COSPAR, SIC or NORAD number; None: any satellite
 
     Raises InputError, naming the line, for a malformed or truncated file, another satellite and another
@@ -79,10 +76,6 @@ def read(path: FilePath, content: bytes, *, epoch: str, satellite: str | None = 
 
 
 def _satellite(path: FilePath, rows: Sequence[_Row], wanted: str | None) -> tuple[str, str]:
-    """Return the satellite's name and catalogue number.
-
-    Raises InputError for another version, frame or satellite.
-    """
     number, first = rows[0]
     version = first[2].lstrip("0") if len(first) > 2 else ""
     if version not in _NAME or len(first) <= _NAME[version]:
@@ -103,7 +96,6 @@ def _satellite(path: FilePath, rows: Sequence[_Row], wanted: str | None) -> tupl
 
 
 def _records(path: FilePath, rows: Sequence[_Row]) -> _Records:
-    """Return the positions and velocities up to the line 99 at the end."""
     positions: list[_Row] = []
     velocities: list[_Row | None] = []
     for number, words in rows:

@@ -26,8 +26,7 @@ from opml.interop.orbit_arcs import (
 
 _HECTO, _NANO, _PICO, _PERCENT = 1e2, 1e-9, 1e-12, 1e-2
 
-_UTC = ("3", "4", "7")
-"""Time scales of a station that are UTC: of the observatory, of GPS, of the BIPM."""
+_UTC = ("3", "4", "7")  # time scales of a station that are UTC: of the observatory, of GPS, of the BIPM
 
 _TWO_WAY = "2"
 _QUALITY, _POOR = 21, "2"  # word of H4 that gives the quality
@@ -65,7 +64,6 @@ class _Pass:
 def read(paths: Sequence[FilePath], *, epoch: str, satellite: str | None = None) -> pd.DataFrame:
     """Read the normal points of CRD files, in the order of their passes.
 
-    epoch: UTC text from which times count
     satellite: name, ILRS number, SIC or NORAD number; None: that of the first pass
 
     Columns: track, the number of the pass; t, when the light was received [s]; station, its number, and
@@ -83,7 +81,7 @@ def read(paths: Sequence[FilePath], *, epoch: str, satellite: str | None = None)
         for one in _passes(path, satellite):
             satellite = satellite or one.head["H3"][1][1]
             if one.is_poor:
-                _log.warning("%s: line %d: a pass of poor quality is left out", path, one.head["H4"][0])
+                _log.warning("%s: line %d: a pass of poor quality is ignored", path, one.head["H4"][0])
             elif one.points:
                 tables.append(_points(path, one, epoch))
     if not tables:
@@ -114,7 +112,6 @@ def _is_again(table: pd.DataFrame, before: pd.DataFrame) -> bool:
 
 
 def _passes(path: FilePath, satellite: str | None) -> Iterator[_Pass]:
-    """Yield the passes of a file."""
     head: dict[str, _Row] = {}
     current: _Pass | None = None
     number = 1
@@ -139,7 +136,6 @@ def _passes(path: FilePath, satellite: str | None) -> Iterator[_Pass]:
 
 
 def _keep(path: FilePath, current: _Pass, kind: str, row: _Row) -> None:
-    """Add a record to a pass. Raises InputError where it is too short."""
     number, words = row
     fewest, into = {"C0": (4, None), "11": (5, current.points), "20": (5, current.weather)}[kind]
     if len(words) < fewest:
@@ -179,7 +175,6 @@ def _check_head(path: FilePath, head: dict[str, _Row], satellite: str | None) ->
 
 
 def _points(path: FilePath, one: _Pass, epoch: str) -> pd.DataFrame:
-    """Return the normal points of a pass."""
     lines = np.array([number for number, _ in one.points])
     sent, flight = numbers(path, np.array([words[1:3] for _, words in one.points]), lines).T
     is_flight = (flight > 0.0) & (flight < _LONGEST_FLIGHT)
@@ -228,7 +223,6 @@ def _since_midnight(path: FilePath, one: _Pass, seconds: np.ndarray) -> np.ndarr
 
 
 def _release(path: FilePath, one: _Pass) -> int:
-    """Return the number of a pass's release, 0 for the first one."""
     line, words = one.head["H4"]
     return int(numbers(path, np.array([words[14:15]]), np.array([line]))[0, 0])
 

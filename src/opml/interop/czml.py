@@ -12,8 +12,7 @@ from opml.base.files import FilePath, replacing
 from opml.interop import ccsds
 
 _SECONDS = len("2016-09-28T12:09:45")
-_TRAIL = 5400.0
-"""Time before and behind the object over which its path is drawn [s]."""
+_TRAIL = 5400.0  # time before and behind the object over which its path is drawn [s]
 
 
 def write(path: FilePath, name: str, t: np.ndarray, positions: np.ndarray, *, epoch: str) -> None:

@@ -29,7 +29,6 @@ def check(path: FilePath) -> None:
 def read(path: FilePath, *, epoch: str, t: float) -> tuple[float, np.ndarray]:
     """Read a state near a time: the state's own time [s] and the GCRF state (6,) [m, m/s].
 
-    epoch: UTC text
     t: [s since `epoch`]
 
     Mean elements are propagated to `t` itself; from an OEM, SP3 or CPF the nearest state is taken. Raises

@@ -20,11 +20,8 @@ from opml.base.files import FilePath
 from opml.interop.element_sets import omm
 from opml.interop.orbit_arcs import Arc, NoSuchTime, check_ascending, line_error, numbers, seconds_since
 
-PASSED_OVER = "-"
-"""Name of a column that is not read."""
-
-SCALES = ("utc", "gps", "tai", "tt")
-"""Names of columns of times."""
+PASSED_OVER = "-"  # name of a column that is not read
+SCALES = ("utc", "gps", "tai", "tt")  # names of columns of times
 
 EXAMPLE = "utc,x_itrf_m,y_itrf_m,z_itrf_m"
 
@@ -43,8 +40,6 @@ def matches(content: bytes) -> bool:
 
 def read(path: FilePath, content: bytes, *, epoch: str) -> tuple[Arc, np.ndarray]:
     """Read the points of a CSV, and their standard deviations (n, 6) [m, m/s], NaN where it has none.
-
-    epoch: UTC text from which times count
 
     Raises InputError, naming the line, for columns of which no points can be made, a cell that is no number
     or no time, and times that do not ascend.
@@ -70,7 +65,6 @@ def read(path: FilePath, content: bytes, *, epoch: str) -> tuple[Arc, np.ndarray
 
 
 def _lines(path: FilePath, content: bytes) -> list[tuple[int, list[str]]]:
-    """Return numbers and cells of the lines that are not empty and do not begin with #."""
     try:
         text = content.decode()
     except UnicodeDecodeError as reason:
@@ -152,7 +146,6 @@ class _Columns:
 
 
 def _times(path: FilePath, texts: np.ndarray, lines: np.ndarray, scale: str, epoch: str) -> np.ndarray:
-    """Return the times (n,) [s since the epoch] of texts (n,) in a time system."""
     matches = [_TIME.fullmatch(text.strip()) for text in texts]
     for match, line, text in zip(matches, lines, texts, strict=True):
         if match is None:

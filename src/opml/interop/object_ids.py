@@ -60,15 +60,23 @@ class ObjectId:
 
     def is_called(self, wanted: str) -> bool:
         """Return whether a user's word is its catalogue number, name or designator, in any case."""
-        return wanted.upper() in (str(self.number), self.name.upper(), self.designator.upper())
+        word = wanted.upper()
+        return word in (str(self.number), self.name.upper()) or _normal(word) == self.designator.upper()
 
     def is_same(self, other: "ObjectId") -> bool:
         """Return whether both are one object; names decide only where either has nothing else."""
-        pairs = ((self.designator, other.designator), (self.number, other.number))
-        if known := [one == another for one, another in pairs if one and another]:
+        if known := self._agreements(other):
             return all(known)
         either_is_bare = not (self.designator or self.number) or not (other.designator or other.number)
         return either_is_bare and self.name == other.name
+
+    def is_another(self, other: "ObjectId") -> bool:
+        """Return whether designators or numbers of both are known, and differ."""
+        return not all(self._agreements(other))
+
+    def _agreements(self, other: "ObjectId") -> list[bool]:
+        pairs = ((self.designator, other.designator), (self.number, other.number))
+        return [one == another for one, another in pairs if one and another]
 
     def __str__(self) -> str:
         """Name, and what tells objects of that name apart."""
@@ -76,8 +84,7 @@ class ObjectId:
         return f"{self.name} ({', '.join(known)})" if known else self.name
 
 
-UNKNOWN = ObjectId("")
-"""An object of which no file tells anything."""
+UNKNOWN = ObjectId("")  # an object of which no file tells anything
 
 
 def facts(identity: ObjectId) -> dict[str, Any]:

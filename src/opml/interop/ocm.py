@@ -19,11 +19,7 @@ _FRAMES = {"GCRF": "GCRF", "RSW": "RSW_INERTIAL"}
 
 
 def write(path: FilePath, segment: Segment, *, epoch: str, comment: str = "") -> None:
-    """Write a segment, whole or not at all.
-
-    epoch: UTC text from which its times count
-    comment: line for the whole message
-    """
+    """Write a segment, whole or not at all."""
     ccsds.write(path, _lines(segment, epoch, comment))
 
 

@@ -10,6 +10,7 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import islice
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -133,7 +134,8 @@ def _ephemeris_segments(table: pd.DataFrame, rso: str, content: str) -> list[Seg
     segments = []
     for i, rows in table.groupby("i", sort=True):
         t = rows["t"].to_numpy()
-        sparse = _covariance_rows(t)
+        every = max(1, round(_COVARIANCE_STEP / float(np.median(np.diff(t)))))
+        sparse = np.unique(np.append(np.arange(0, len(t), every), len(t) - 1))
         segments.append(
             Segment(
                 rso,
@@ -147,12 +149,6 @@ def _ephemeris_segments(table: pd.DataFrame, rso: str, content: str) -> list[Seg
             )
         )
     return segments
-
-
-def _covariance_rows(t: np.ndarray) -> np.ndarray:
-    """Return the indices of those ascending times (n,) [s] that have a covariance; the last one has."""
-    every = max(1, round(_COVARIANCE_STEP / float(np.median(np.diff(t)))))
-    return np.unique(np.append(np.arange(0, len(t), every), len(t) - 1))
 
 
 SEGMENTS = {
@@ -171,11 +167,7 @@ def segments_of(table: pd.DataFrame, kind: str, identity: ObjectId) -> list[Segm
 
 
 def write(path: FilePath, segments: Sequence[Segment], *, epoch: str, comment: str = "") -> None:
-    """Write segments as an OEM, whole or not at all.
-
-    epoch: UTC text from which their times count
-    comment: line for the whole message
-    """
+    """Write segments as an OEM, whole or not at all."""
     ccsds.write(path, _lines(segments, epoch, comment))
 
 
@@ -194,9 +186,6 @@ def write_each(
     is removed.
 
     ephemerides: rows of a table `corrected` or `forecast`, those of one estimate together
-    kind: which of the two
-    epoch: UTC text from which times count
-    comment: line for each message
     """
     with replacing_folder(folder) as new:
         for rows in ephemerides:
@@ -207,8 +196,6 @@ def write_each(
 
 def read(path: FilePath, *, epoch: str) -> list[Segment]:
     """Read the segments of an OEM, with states in GCRF.
-
-    epoch: UTC text from which times count
 
     The message may use the time systems of `ccsds.SCALES` and the frames of `ccsds.FRAMES`. States outside
     the useable times are left out, accelerations are ignored. Raises InputError, naming file and line, for a
@@ -232,7 +219,6 @@ def matches(content: bytes) -> bool:
 def arcs(path: FilePath, *, epoch: str, satellite: str | None = None) -> list[Arc]:
     """Read the arcs of an object in an OEM, one per segment, each in the segment's frame.
 
-    epoch: UTC text from which times count
     satellite: name or id of the object; None: the message has only one
 
     The message may use the frames of `ccsds.FRAMES` and realisations of the ITRF. States outside the useable
@@ -253,7 +239,6 @@ def arcs(path: FilePath, *, epoch: str, satellite: str | None = None) -> list[Ar
 
 
 def _matrices(table: pd.DataFrame) -> np.ndarray:
-    """Return covariances (n, 6, 6) from the columns of their lower triangles."""
     covariances = np.empty((len(table), 6, 6))
     covariances[:, _LOWER[0], _LOWER[1]] = covariances[:, _LOWER[1], _LOWER[0]] = table[_COVARIANCES]
     return covariances
@@ -310,60 +295,50 @@ def _open(path: FilePath) -> ccsds.Message:
     return ccsds.Message(path, version_key=_KEY, versions=_VERSIONS, in_comments=_DENSITY_KEYS)
 
 
+class _States(NamedTuple):
+    """The states (n, 6) of a segment [m, m/s] in its frame at times (n,) [s], and which are useable."""
+
+    metadata: ccsds.KeyValues
+    scale: str
+    t: np.ndarray
+    states: np.ndarray
+    lines: np.ndarray
+    useable: np.ndarray
+
+
 def _segment(message: ccsds.Message, epoch: str) -> Segment:
-    message.expect("META_START")
-    metadata = message.pairs("META_STOP")
-    metadata.choice("CENTER_NAME", ("EARTH",))
-    frame = metadata.choice("REF_FRAME", tuple(ccsds.FRAMES))
-    scale = metadata.choice("TIME_SYSTEM", ccsds.SCALES)
-    lines, times, texts = _state_texts(message)
-    density, covariance_t, covariances, covariance_frame = _covariances(message, frame, scale, epoch)
-    t = message.times(times, lines, epoch=epoch, scale=scale)
-    check_ascending(message.path, t, np.array(lines))
-    if not _reach_end(metadata, t, epoch, scale):
-        raise _cut(message, metadata, times, lines)
-    useable = _useable(metadata, t, epoch, scale)
-    if not useable.any():
-        raise message.error("states within the useable times", "none", lines[0])
+    read = _states(message, epoch)
+    frame = read.metadata.choice("REF_FRAME", tuple(ccsds.FRAMES))
+    density, covariance_t, covariances, covariance_frame = _covariances(message, frame, read.scale, epoch)
+    if not read.useable.any():
+        raise message.error("states within the useable times", "none", read.lines[0])
     return Segment(
-        name=metadata.text("OBJECT_NAME"),
-        t=t[useable],
-        states=(_numbers(message, lines, texts) @ _state_rotation(frame).T)[useable],
+        name=read.metadata.text("OBJECT_NAME"),
+        t=read.t[read.useable],
+        states=(read.states @ _state_rotation(frame).T)[read.useable],
         covariance_t=covariance_t,
         covariances=covariances,
         covariance_frame=covariance_frame,
-        identity=_identity(metadata),
+        identity=_identity(read.metadata),
         density=density,
     )
 
 
 def _named_arc(message: ccsds.Message, epoch: str) -> tuple[tuple[str, str], Arc]:
     """Return name and id of a segment's object, and the arc of its states; covariances are ignored."""
-    message.expect("META_START")
-    metadata = message.pairs("META_STOP")
-    metadata.choice("CENTER_NAME", ("EARTH",))
-    realisation = metadata.text("REF_FRAME")
-    frame = "ITRF" if _TERRESTRIAL.fullmatch(realisation) else metadata.choice("REF_FRAME", _FRAMES)
-    scale = metadata.choice("TIME_SYSTEM", ccsds.SCALES)
-    lines, times, texts = _state_texts(message)
+    metadata, scale, t, states, lines, useable = _states(message, epoch)
     message.skip("COVARIANCE_START", "COVARIANCE_STOP")
-    t = message.times(times, lines, epoch=epoch, scale=scale)
-    check_ascending(message.path, t, np.array(lines))
-    if not _reach_end(metadata, t, epoch, scale):
-        raise _cut(message, metadata, times, lines)
-    useable = _useable(metadata, t, epoch, scale)
-    states = _numbers(message, lines, texts)[useable]
-    name = metadata.text("OBJECT_NAME")
+    realisation, name = metadata.text("REF_FRAME"), metadata.text("OBJECT_NAME")
     arc = Arc(
         path=message.path,
         satellite=name,
-        frame=frame,
+        frame="ITRF" if _TERRESTRIAL.fullmatch(realisation) else metadata.choice("REF_FRAME", _FRAMES),
         realisation=realisation,
         scale=scale,
         t=t[useable],
-        positions=states[:, :3],
-        velocities=states[:, 3:],
-        lines=np.array(lines)[useable],
+        positions=states[useable, :3],
+        velocities=states[useable, 3:],
+        lines=lines[useable],
         identity=_identity(metadata),
     )
     return (name, metadata.text("OBJECT_ID", name)), arc
@@ -373,30 +348,13 @@ def _identity(metadata: ccsds.KeyValues) -> ObjectId:
     return ObjectId.of(metadata.text("OBJECT_NAME"), metadata.text("OBJECT_ID", ""))
 
 
-def _reach_end(metadata: ccsds.KeyValues, t: np.ndarray, epoch: str, scale: str) -> bool:
-    """Return whether the times (n,) [s] of a segment's states reach its end, as in no file that is cut."""
-    return bool(t[-1] >= metadata.time("STOP_TIME", t[-1], epoch=epoch, scale=scale) - MOST_APART)
-
-
-def _cut(
-    message: ccsds.Message, metadata: ccsds.KeyValues, times: Sequence[str], lines: Sequence[int]
-) -> InputError:
-    return message.error(f"states up to STOP_TIME = {metadata.text('STOP_TIME')}", times[-1], lines[-1])
-
-
-def _useable(metadata: ccsds.KeyValues, t: np.ndarray, epoch: str, scale: str) -> np.ndarray:
-    """Return which times (n,) [s] of a segment's states are within its useable times."""
-    begin = metadata.time("USEABLE_START_TIME", t[0], epoch=epoch, scale=scale)
-    end = metadata.time("USEABLE_STOP_TIME", t[-1], epoch=epoch, scale=scale)
-    return np.asarray((begin <= t) & (t <= end))
-
-
-def _state_texts(message: ccsds.Message) -> tuple[list[int], list[str], list[list[str]]]:
-    """Return line numbers, times, and positions and velocities of a segment's states, as texts.
-
-    Raises InputError where the segment has no state.
-    """
-    lines, times, texts = [], [], []
+def _states(message: ccsds.Message, epoch: str) -> _States:
+    """Return the states of the next segment. Raises InputError where it has none, or is cut."""
+    message.expect("META_START")
+    metadata = message.pairs("META_STOP")
+    metadata.choice("CENTER_NAME", ("EARTH",))
+    scale = metadata.choice("TIME_SYSTEM", ccsds.SCALES)
+    lines, times, states = [], [], []
     while message.peek() not in ("", "META_START", "COVARIANCE_START"):
         number, line = message.take()
         time, *values = line.split()
@@ -404,23 +362,21 @@ def _state_texts(message: ccsds.Message) -> tuple[list[int], list[str], list[lis
             raise message.error("a time, position and velocity", line, number)
         lines.append(number)
         times.append(time)
-        texts.append(values[:6])
+        states.append([message.scale(text, _KILO, number) for text in values[:6]])
     if not lines:
         raise message.error("a state", message.peek())
-    return lines, times, texts
-
-
-def _numbers(message: ccsds.Message, lines: Sequence[int], texts: Sequence[Sequence[str]]) -> np.ndarray:
-    """Return positions and velocities (n, 6) [m, m/s] from their texts in km and km/s."""
-    return np.array(
-        [[message.scale(text, _KILO, n) for text in row] for n, row in zip(lines, texts, strict=True)]
-    )
+    t = message.times(times, lines, epoch=epoch, scale=scale)
+    check_ascending(message.path, t, np.array(lines))
+    if t[-1] < metadata.time("STOP_TIME", t[-1], epoch=epoch, scale=scale) - MOST_APART:  # the file is cut
+        raise message.error(f"states up to STOP_TIME = {metadata.text('STOP_TIME')}", times[-1], lines[-1])
+    begin = metadata.time("USEABLE_START_TIME", t[0], epoch=epoch, scale=scale)
+    end = metadata.time("USEABLE_STOP_TIME", t[-1], epoch=epoch, scale=scale)
+    return _States(metadata, scale, t, np.array(states), np.array(lines), (begin <= t) & (t <= end))
 
 
 def _covariances(
     message: ccsds.Message, frame: str, scale: str, epoch: str
 ) -> tuple[DensityErrors | None, np.ndarray, np.ndarray, str]:
-    """Return density, times (m,) [s], covariances (m, 6, 6) and their frame of the block after the states."""
     numbers, times, covariances, frames = [], [], [], set()
     density = None
     if message.peek() == "COVARIANCE_START":
@@ -478,7 +434,6 @@ def _covariance_frame(message: ccsds.Message, frame: str) -> str:
 
 
 def _covariance(message: ccsds.Message) -> np.ndarray:
-    """Return a covariance (6, 6) from the lines of its lower triangle."""
     covariance = np.empty((6, 6))
     for k in range(6):
         number, line = message.take()
@@ -494,5 +449,4 @@ def _covariance(message: ccsds.Message) -> np.ndarray:
 
 
 def _state_rotation(frame: str) -> np.ndarray:
-    """Return the rotation (6, 6) of states in a frame to GCRF."""
     return np.kron(np.eye(2), ccsds.FRAMES[frame])

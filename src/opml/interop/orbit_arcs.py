@@ -17,8 +17,7 @@ from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.interop.object_ids import UNKNOWN, ObjectId
 
-MOST_APART = 300.0
-"""Longest time between two nodes for interpolation [s]."""
+MOST_APART = 300.0  # longest time between two nodes for interpolation [s]
 
 BEHIND_TAI = {"TAI": 0.0, "TT": -32.184, "GPS": 19.0, "GAL": 19.0, "QZS": 19.0}
 """Seconds by which the clocks of a time system are behind TAI; UTC's leap seconds come from ERFA."""
@@ -122,7 +121,6 @@ def check_ascending(path: FilePath, t: np.ndarray, lines: np.ndarray) -> None:
 def seconds_since(epoch: str, calendar: np.ndarray, scale: str) -> np.ndarray:
     """Return the seconds (n,) from an epoch to calendar times.
 
-    epoch: UTC text
     calendar: (n, 6) year, month, day, hour, minute, second
     scale: time system of `calendar`, UTC or a key of BEHIND_TAI
 
@@ -155,7 +153,6 @@ def _seconds_since(epoch: str, calendar: np.ndarray, scale: str) -> np.ndarray:
 def choose_satellite(path: FilePath, satellites: Sequence[Sequence[str]], wanted: str | None) -> int:
     """Return the index of the wanted satellite of a file.
 
-    satellites: names of each satellite
     wanted: one of its names; None: the file has only one satellite
 
     Raises InputError where no satellite has the name, or several are there without a name.

@@ -56,7 +56,11 @@ def read_arcs(files: OrbitFiles) -> list[Arc]:
     """
     arcs = whole_arcs(files)
     for arc in arcs:
-        _check_spacing(arc)
+        spacing = float(np.median(np.diff(arc.t))) if len(arc.t) > 1 else 0.0
+        if spacing > MOST_APART:
+            raise InputError(
+                f"{arc.path}: expected positions at most {MOST_APART:g} s apart, got {spacing:g} s"
+            )
     return _cut_to_run(arcs, files)
 
 
@@ -88,7 +92,12 @@ def check_together(arcs: Sequence[Arc]) -> None:
     """
     for arc in arcs:
         _check_alike(arcs[0], arc)
-        _check_unit(arc)
+        radius = float(np.median(np.linalg.norm(arc.positions, axis=1)))
+        if not _NEAREST <= radius <= _FARTHEST:
+            expected = f"positions {_NEAREST / 1e3:.0f} to {_FARTHEST / 1e3:.0f} km from the Earth's centre"
+            raise InputError(
+                f"{arc.path}: expected {expected}, got {radius / 1e3:.6g} km: is the unit right?"
+            )
     for before, after in pairwise(sorted(arcs, key=lambda arc: float(arc.t[0]))):
         if before.t[0] == after.t[0]:
             raise InputError(
@@ -117,27 +126,11 @@ def _read_oem(path: FilePath, _: bytes, *, epoch: str, satellite: str | None) ->
 
 
 def _check_alike(first: Arc, other: Arc) -> None:
-    """Raise InputError where an arc is of another satellite, frame or time system than the first."""
     for what in ("satellite", "frame", "scale"):
         expected, got = getattr(first, what), getattr(other, what)
         if expected.upper() != got.upper():
             name = {"scale": "time system"}.get(what, what)
             raise InputError(f"{other.path}: expected {name} {expected}, as in {first.path}, got {got}")
-
-
-def _check_spacing(arc: Arc) -> None:
-    """Raise InputError where the median distance between the nodes of an arc is too long."""
-    spacing = float(np.median(np.diff(arc.t))) if len(arc.t) > 1 else 0.0
-    if spacing > MOST_APART:
-        raise InputError(f"{arc.path}: expected positions at most {MOST_APART:g} s apart, got {spacing:g} s")
-
-
-def _check_unit(arc: Arc) -> None:
-    """Raise InputError where the usual position is inside the Earth, or farther away than the Moon."""
-    radius = float(np.median(np.linalg.norm(arc.positions, axis=1)))
-    if not _NEAREST <= radius <= _FARTHEST:
-        expected = f"positions {_NEAREST / 1e3:.0f} to {_FARTHEST / 1e3:.0f} km from the Earth's centre"
-        raise InputError(f"{arc.path}: expected {expected}, got {radius / 1e3:.6g} km: is the unit right?")
 
 
 def _cut_to_run(arcs: Sequence[Arc], files: OrbitFiles) -> list[Arc]:

@@ -29,8 +29,7 @@ Those of an orbit miss one of MOST_APART by a hundredth; the Earth's turn is 0.0
 
 _log = logging.getLogger(__name__)
 
-_Points = tuple[Arc, np.ndarray]
-"""An arc, and the standard deviations (n, 6) of its points in RSW."""
+_Points = tuple[Arc, np.ndarray]  # an arc, and the standard deviations (n, 6) of its points in RSW
 
 
 @dataclass(frozen=True)

@@ -17,15 +17,9 @@ from opml.interop.object_ids import ObjectId
 from opml.orbits.density_error import DensityErrors
 from opml.tables import STATE
 
-LEADS = (0, 1, 3, 5, 7)
-"""Days from the date at which expected errors are stated."""
-
-UNKNOWABLE = "burns after the date are not allowed for"
-"""What no covariance knows."""
-
-STEP = 60.0
-"""Time between the states of an ephemeris [s]."""
-
+LEADS = (0, 1, 3, 5, 7)  # days from the date at which expected errors are stated
+UNKNOWABLE = "burns after the date are not allowed for"  # what no covariance knows
+STEP = 60.0  # time between the states of an ephemeris [s]
 _COVARIANCE_EVERY = 10  # states
 _DENSITY_EVERY = 180  # states: what density does grows slowly
 

@@ -18,12 +18,9 @@ from opml.interop.orbit_arcs import contents, line_error, numbers
 _COORDINATES = {"STAX": "x", "STAY": "y", "STAZ": "z", "VELX": "vx", "VELY": "vy", "VELZ": "vz"}
 _UNITS = {"x": "m", "y": "m", "z": "m", "vx": "m/y", "vy": "m/y", "vz": "m/y"}
 _TIME = re.compile(r"(\d\d):(\d{3}):(\d{5})", re.ASCII)
-_AXES, _WIDTH = 45, 9
-"""First column of an eccentricity, and columns of each axis."""
-
+_AXES, _WIDTH = 45, 9  # first column of an eccentricity, and columns of each axis
 _LONGEST_YEAR = 366  # days
-_CENTURY = 50
-"""Years of two digits up to this one are of this century, later ones of the last."""
+_CENTURY = 50  # years of two digits up to this one are of this century, later ones of the last
 
 _YEAR = 365.25 * 86400.0
 _Row = tuple[int, list[str], str]  # line, words and text

@@ -23,9 +23,7 @@ from opml.interop.orbit_arcs import (
     seconds_since,
 )
 
-_SCALES = ("GPS", "UTC", "TAI", "GAL", "QZS")
-"""Time systems for reading."""
-
+_SCALES = ("GPS", "UTC", "TAI", "GAL", "QZS")  # time systems for reading
 _WIDTH = 80  # of a line
 _FIRST = re.compile(rb"#[cd][PV]\d{4}.{24} ( *\d+) ")
 _TERRESTRIAL = re.compile(r"ITR|IG[SbR]|SLR|WGS|ECF|DPOD", re.IGNORECASE)
@@ -55,9 +53,6 @@ def matches(content: bytes) -> bool:
 def read(path: FilePath, content: bytes, *, epoch: str, satellite: str | None = None) -> list[Arc]:
     """Read the arc of a satellite in an SP3 file.
 
-    path: of the file, for messages
-    content: of the file
-    epoch: UTC text from which times count
     satellite: id, such as L47; None: the file has only one
 
     Positions marked as bad, absent or predicted are left out, those predicted are counted in the log. A mark
@@ -117,7 +112,6 @@ def _header(path: FilePath, lines: list[bytes]) -> _Header:
 
 
 def _satellites(path: FilePath, lines: list[bytes]) -> list[str]:
-    """Return the ids of the satellites, from the lines that begin with +."""
     head = takewhile(lambda line: not line.startswith(b"*"), lines)
     listed = [line.decode("latin-1") for line in head if line.startswith(b"+ ")]
     ids = [line[k : k + 3] for line in listed for k in range(9, 60, 3)]
@@ -129,7 +123,6 @@ def _satellites(path: FilePath, lines: list[bytes]) -> list[str]:
 
 
 def _check_kinds(path: FilePath, rows: np.ndarray) -> None:
-    """Raise InputError for a line of an unknown kind or in the wrong part of the file."""
     kinds = _column(rows, 0, 1)
     head = np.isin(kinds, [b"#", b"+", b"%", b"/"])
     body = np.isin(kinds, [b"*", b"P", b"V", b"E", b""])
@@ -140,7 +133,6 @@ def _check_kinds(path: FilePath, rows: np.ndarray) -> None:
 
 
 def _epochs(path: FilePath, rows: np.ndarray, header: _Header, epoch: str) -> tuple[np.ndarray, np.ndarray]:
-    """Return the times (n,) of the epochs [s], and the indices of their rows (n,)."""
     index = np.flatnonzero(_column(rows, 0, 1) == b"*")
     if len(index) != header.epochs:
         raise InputError(f"{path}: expected {header.epochs} epochs, as its first line says, got {len(index)}")

@@ -29,8 +29,7 @@ _ANGLES = {"AZEL": ("azimuth", "elevation"), "RADEC": ("right_ascension", "decli
 
 _DISTANCES = {"RANGE": "range", "DOPPLER_INSTANTANEOUS": "range_rate"}
 _TYPES = ("ANGLE_1", "ANGLE_2", *_DISTANCES)
-_TOGETHER = ("ANGLE_1", "ANGLE_2", "RANGE")
-"""Types that a segment has at each of its times, or at none."""
+_TOGETHER = ("ANGLE_1", "ANGLE_2", "RANGE")  # types that a segment has at each of its times, or at none
 
 _PATHS = ("2,1", "1,2", "1,2,1", "2,1,2")
 """Paths for reading: from the other participant to the receiver, or there and back."""
@@ -61,18 +60,12 @@ def matches(content: bytes) -> bool:
 
 
 def write(path: FilePath, tracking: pd.DataFrame, *, epoch: str, rso: str) -> None:
-    """Write the measurements of a table `tracking` as a TDM, whole or not at all.
-
-    epoch: UTC text from which the table's times count
-    rso: name of the RSO
-    """
+    """Write the measurements of a table `tracking` as a TDM, whole or not at all."""
     ccsds.write(path, _lines(tracking, epoch, rso))
 
 
 def measurements(paths: Sequence[FilePath], *, epoch: str) -> pd.DataFrame:
     """Read the measurements of TDMs of one RSO, in the order of the files.
-
-    epoch: UTC text
 
     Columns: t [s since `epoch`]; azimuth, elevation [rad]; range [m]; range_rate [m/s], right_ascension,
     declination [rad] and two_way, whether there and back, where the files have any; station and
@@ -94,7 +87,13 @@ def measurements(paths: Sequence[FilePath], *, epoch: str) -> pd.DataFrame:
     table = pd.concat(segments, ignore_index=True)
     if table.empty:
         raise InputError(f"{paths[0]}: expected angles, ranges or their rates, got none")
-    _check_alike(table)
+    for column, what in (("rso", "tracks of"), ("scale", "time system")):
+        values = table[column].str.upper()
+        other = (values != values.iloc[0]).to_numpy()
+        if other.any():
+            first, row = table.iloc[0], table.iloc[int(other.argmax())]
+            expected = f"{what} {first[column]}, as in {first['path']}"
+            raise InputError(f"{row['path']}: line {row['line']}: expected {expected}, got {row[column]}")
     for name in COLUMNS[3:]:
         table[name] = table.get(name, np.nan)
     table["two_way"] = table["two_way"].astype(bool)
@@ -130,7 +129,6 @@ def _units(angle_type: str, names: Collection[str]) -> dict[str, str]:
 def _segment_lines(
     rows: pd.DataFrame, names: Mapping[str, str], epoch: str, metadata: Mapping[str, Any]
 ) -> Iterator[str]:
-    """Yield the lines of a segment; names: columns by type of data."""
     times = ccsds.utc_texts(epoch, rows["t"].to_numpy())
     pairs = {
         "TRACK_ID": metadata["TRACK_ID"],
@@ -171,7 +169,7 @@ def _segment(message: ccsds.Message, epoch: str, number: int) -> pd.DataFrame:
     if not data:
         return pd.DataFrame()
     if metadata.choice("DATA_QUALITY", _QUALITIES, _QUALITIES[0]) == _DEGRADED:
-        _log.warning("%s: a segment of degraded data is left out", message.path)
+        _log.warning("%s: a segment of degraded data is ignored", message.path)
         return pd.DataFrame()
     kinds = [kind for kind in _TYPES if any(kind in measured for measured in data.values())]
     station, rso = _participants(metadata)
@@ -239,7 +237,6 @@ def _in_gcrf(
 
 
 def _participants(metadata: ccsds.KeyValues) -> tuple[str, str]:
-    """Return the names of the station, which receives, and of the RSO."""
     metadata.choice("MODE", ("SEQUENTIAL",), default="SEQUENTIAL")
     receiver = metadata.choice("PATH", _PATHS)[-1]
     other = "2" if receiver == "1" else "1"
@@ -295,14 +292,3 @@ def _data(message: ccsds.Message) -> dict[str, dict[str, tuple[float, int]]]:
         if missing and any(kind in measured for kind in usual):
             raise message.error(f"{missing[0]} at {time}", "none", next(iter(measured.values()))[1])
     return data
-
-
-def _check_alike(table: pd.DataFrame) -> None:
-    """Raise InputError where the RSO or the time system changes."""
-    for column, what in (("rso", "tracks of"), ("scale", "time system")):
-        values = table[column].str.upper()
-        other = (values != values.iloc[0]).to_numpy()
-        if other.any():
-            first, row = table.iloc[0], table.iloc[int(other.argmax())]
-            expected = f"{what} {first[column]}, as in {first['path']}"
-            raise InputError(f"{row['path']}: line {row['line']}: expected {expected}, got {row[column]}")

@@ -34,8 +34,7 @@ The error is the root mean square distance by which the curve through every seco
 LARGEST_STEP = 20e3
 """Largest step between two solutions of one orbit [m]: three seconds along the track of a low one."""
 
-FIELD = "EGM2008"
-"""Gravity field that bridges the nodes, to degree and order 70."""
+FIELD = "EGM2008"  # gravity field that bridges the nodes, to degree and order 70
 
 _log = logging.getLogger(__name__)
 
@@ -58,7 +57,11 @@ def truth(files: OrbitFiles, *, step: float, limit: float = LIMIT) -> tuple[pd.D
     if not known.any():
         raise InputError(f"{arcs[0].path}: expected an orbit on the run's grid, got none that is smooth")
     facts = {
-        **_origin(arcs),
+        "files": list(dict.fromkeys(Path(arc.path).name for arc in arcs)),
+        "satellite": arcs[0].satellite,
+        "frame": ", ".join(dict.fromkeys(arc.realisation for arc in arcs)),
+        "time_system": arcs[0].scale,
+        **object_ids.facts(arcs[0].identity),
         "interpolation_error_m": _interpolation_error(curves),
         **_left_out(curves),
         "gaps": _gaps(grid, known, files.duration),
@@ -94,19 +97,7 @@ def _sample(curves: Sequence[OrbitCurve], grid: np.ndarray) -> tuple[np.ndarray,
     return states, owner
 
 
-def _origin(arcs: Sequence[Arc]) -> dict[str, Any]:
-    """Return files, satellite, frame, time system and object of the orbit."""
-    return {
-        "files": list(dict.fromkeys(Path(arc.path).name for arc in arcs)),
-        "satellite": arcs[0].satellite,
-        "frame": ", ".join(dict.fromkeys(arc.realisation for arc in arcs)),
-        "time_system": arcs[0].scale,
-        **object_ids.facts(arcs[0].identity),
-    }
-
-
 def _interpolation_error(curves: Sequence[OrbitCurve]) -> dict[str, float | None]:
-    """Return root mean square and maximum of the curves' misses [m]; None without misses."""
     misses = np.concatenate([curve.misses for curve in curves])
     if not misses.size:
         return {"rms": None, "max": None}
@@ -114,13 +105,11 @@ def _interpolation_error(curves: Sequence[OrbitCurve]) -> dict[str, float | None
 
 
 def _left_out(curves: Sequence[OrbitCurve]) -> dict[str, int]:
-    """Return the numbers of positions and velocities in the files that do not fit the others."""
     positions, velocities = np.sum([curve.left_out for curve in curves], axis=0)
     return {"positions_left_out": int(positions), "velocities_left_out": int(velocities)}
 
 
 def _gaps(grid: np.ndarray, known: np.ndarray, duration: float) -> list[list[float]]:
-    """Return the gaps of the orbit, each from the last row before it to the first row after it [s]."""
     fenced = np.concatenate([[True], known, [True]])
     times = np.concatenate([[0.0], grid, [duration]])
     rows = np.flatnonzero(fenced)
@@ -168,7 +157,6 @@ def _changeovers(curves: Sequence[OrbitCurve], grid: np.ndarray, owner: np.ndarr
 
 
 def _log_facts(facts: dict[str, Any]) -> None:
-    """Log the facts about an orbit."""
     error = facts["interpolation_error_m"]
     _log.info("orbit of %s in %s, %s", facts["satellite"], facts["frame"], facts["time_system"])
     if error["rms"] is not None:
@@ -185,7 +173,6 @@ def _log_facts(facts: dict[str, Any]) -> None:
 
 
 def _check_steps(arcs: Sequence[Arc], seams: Sequence[dict[str, float]], epoch: str) -> None:
-    """Raise InputError where a seam's step is too long for one orbit."""
     for seam in seams:
         if seam["step_m"] > LARGEST_STEP:
             path = [arc.path for arc in arcs if arc.t[0] <= seam["t"]][-1]

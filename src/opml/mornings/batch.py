@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from datetime import date
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import pandas as pd
@@ -30,10 +30,11 @@ from opml.element_sets.on_mornings import ImprovedHistory
 from opml.learning.models.learners import JobLearner
 from opml.mornings import days, measured
 from opml.mornings.calendar import Calendar
+from opml.mornings.days import Task, UnderWay
 from opml.mornings.measured import MeasurementSource, Span
 from opml.mornings.morning import FlightModel, MorningPlan, Watched
 from opml.mornings.outcomes import FAILED
-from opml.mornings.records import DONE
+from opml.mornings.store import Store
 from opml.mornings.weather_of_day import FIGURES
 from opml.orbits.sheets import Rso, Station
 from opml.tables import SCHEMAS, read_runs, read_table
@@ -41,7 +42,12 @@ from opml.tables import SCHEMAS, read_runs, read_table
 _FULL = (errno.ENOSPC, errno.EDQUOT)
 """Errors of a disk that is full: of no object, and the job ends."""
 
+_SHARED = {"epoch", "force_model", "integrator", "estimation", "models"}
+"""Settings that all mornings of a run are made with."""
+
 _log = logging.getLogger(__name__)
+
+Made = TypeVar("Made")
 
 
 class CatalogueFiles(JobSettings):
@@ -60,6 +66,7 @@ class ObjectSettings(JobSettings):
     taking: dict[str, Any]
     start: str
     manoeuvres: list[str]
+    has_message: bool
 
 
 class BatchSettings(JobSettings):
@@ -70,6 +77,7 @@ class BatchSettings(JobSettings):
     date: date
     hour: float
     days: Path
+    batch: str
     force_model: ForceModelSettings
     integrator: Integrator
     stations: list[Station]
@@ -85,6 +93,19 @@ class BatchSettings(JobSettings):
     def calendar(self) -> Calendar:
         """When mornings are."""
         return Calendar(self.epoch, self.hour)
+
+    @property
+    def plan(self) -> MorningPlan:
+        """What is asked of every morning."""
+        return MorningPlan(
+            self.models,
+            self.estimation,
+            self.max_days,
+            self.step_s,
+            DAY * self.duration_days,
+            self.epoch,
+            self.fits_above,
+        )
 
 
 @dataclass(frozen=True)
@@ -107,8 +128,10 @@ class Surroundings:
     propagate: Callable[..., Arcs]
 
     @classmethod
-    def read(cls, files: Any, settings: BatchSettings, propagate: Callable[..., Arcs]) -> "Surroundings":
-        """Read them, with few of the futures; raise InputError where a table is damaged."""
+    def read(
+        cls, files: Any, settings: BatchSettings, propagate: Callable[..., Arcs], *, since: float
+    ) -> "Surroundings":
+        """Read them, with the futures issued since a time [s]; raise InputError where a table is damaged."""
         paths = dict(files.items())
         fits, predictions = (
             {name.removeprefix(kind): path for name, path in paths.items() if name.startswith(kind)}
@@ -117,7 +140,7 @@ class Surroundings:
         read = partial(force_model.read, epoch=settings.epoch)
         of_fits, of_predictions = (read(one, settings=settings.force_model) for one in (fits, predictions))
         flattened = read(predictions, settings=spread.FLATTENED)
-        futures = _futures(files.futures, since=_flown_since(settings)) if files.futures else None
+        futures = _futures(files.futures, since=since) if files.futures else None
         return cls(
             (of_fits, near_part(of_fits)),
             (of_predictions, near_part(of_predictions)),
@@ -146,14 +169,57 @@ def run(files: Any, settings: BatchSettings, *, metadata: Mapping[str, Any]) -> 
     files: the job's input, the environment's tables
     metadata: of tables
     """
-    blocks = SharedBlocks()
-    surroundings = Surroundings.read(files, settings, blocks.propagate)
-    return blocks.run(
-        [
-            partial(_outcome, name, surroundings, settings, one, metadata)
+    blocks, store = SharedBlocks(), Store(settings.days, settings.batch, settings.objects)
+    done = store.done(settings.date)
+    surroundings = Surroundings.read(files, settings, blocks.propagate, since=_flown_since(settings, done))
+    attempts = _Attempts(blocks, settings.date)
+    begun = attempts.together(
+        {
+            name: partial(_begin, name, one, surroundings, settings, store, done[name])
             for name, one in settings.objects.items()
-        ]
+            if settings.date not in done[name]
+        }
     )
+    shared = settings_digest(settings.model_dump(include=_SHARED))
+    days.catch_up(
+        store,
+        list(begun.values()),
+        settings.date,
+        together=attempts.together,
+        metadata={**metadata, "settings": shared},
+    )
+    places = store.places(settings.date)
+    return [attempts.failed.get(name) or places[name].outcomes[name] for name in settings.objects]
+
+
+class _Attempts:
+    """Calls for objects, side by side; what is wrong with one object stops no other.
+
+    failed: what became of those whose call failed
+    """
+
+    def __init__(self, blocks: SharedBlocks, day: date) -> None:
+        self._blocks, self._day = blocks, day
+        self.failed: dict[str, dict[str, Any]] = {}
+
+    def together(self, calls: Mapping[str, Callable[[], Made]]) -> dict[str, Made]:
+        """Return what calls return by their objects, without those that failed."""
+        found = self._blocks.run([partial(self._attempt, *call) for call in calls.items()])
+        return {name: made for name, made in zip(calls, found, strict=True) if made is not None}
+
+    def _attempt(self, name: str, call: Callable[[], Made]) -> Made | None:
+        try:
+            return call()
+        except InputError as reason:
+            _log.warning("%s: %s", name, reason)
+            told = str(reason)
+        except Exception as reason:
+            if isinstance(reason, OSError) and reason.errno in _FULL:
+                raise
+            _log.exception("%s: failed", name)
+            told = f"{type(reason).__name__}: see the log of the job"
+        self.failed[name] = days.failed(name, self._day, FAILED, told)
+        return None
 
 
 def _improved(catalogue: CatalogueFiles) -> ImprovedHistory | None:
@@ -179,69 +245,34 @@ def _futures(path: FilePath, *, since: float) -> pd.DataFrame:
     return pd.concat(kept or [SCHEMAS["futures"].empty()], ignore_index=True)
 
 
-def _flown_since(settings: BatchSettings) -> float:
+def _flown_since(settings: BatchSettings, done: Mapping[str, Sequence[date]]) -> float:
     """Return the time after which the weather is issued that the mornings to be run fly under [s]."""
-    done = [days.Folder(settings.days, name).done(settings.date) for name in settings.objects]
-    begins = [settings.calendar.time(before[-1]) if before else -np.inf for before in done]
+    begins = [settings.calendar.time(before[-1]) if before else -np.inf for before in done.values()]
     # An ephemeris starts less than its length before the morning, and from an issue of at most a day before.
     return min(begins) - DAY * (settings.max_days + 1.0)
 
 
-def _outcome(
+def _begin(
     name: str,
+    one: ObjectSettings,
     surroundings: Surroundings,
     settings: BatchSettings,
-    one: ObjectSettings,
-    metadata: Mapping[str, Any],
-) -> dict[str, Any]:
-    """Return what became of an object; the reason where its mornings could not be run."""
-    day, folder = settings.date, days.Folder(settings.days, name)
-    shared = settings.model_dump(include={"epoch", "force_model", "integrator", "estimation", "models"})
-    digest = settings_digest(shared | one.model_dump(include={"rso", "taking"}))
-    try:
-        _catch_up(folder, surroundings, settings, one, metadata={**metadata, "settings": digest})
-    except InputError as reason:
-        _log.warning("%s: %s", name, reason)
-        return days.failed(name, day, FAILED, str(reason))
-    except Exception as reason:
-        if isinstance(reason, OSError) and reason.errno in _FULL:
-            raise
-        _log.exception("%s: failed", name)
-        return days.failed(name, day, FAILED, f"{type(reason).__name__}: see the log of the job")
-    return days.read_outcome(folder.of_day(day) / DONE)
-
-
-def _catch_up(
-    folder: days.Folder,
-    surroundings: Surroundings,
-    settings: BatchSettings,
-    one: ObjectSettings,
-    *,
-    metadata: Mapping[str, Any],
-) -> None:
-    """Run the mornings of an object that are not over yet."""
-    calendar, until = settings.calendar, settings.date
-    if until in folder.done(until):
-        return
-    span = Span(settings.epoch, DAY * settings.duration_days)
+    store: Store,
+    done: Sequence[date],
+) -> UnderWay:
+    """Return an object before the first of its mornings that are not over."""
+    calendar, plan = settings.calendar, settings.plan
+    span = Span(settings.epoch, plan.end)
     source = MeasurementSource(one.kind, one.files, one.taking, one.start, one.manoeuvres)
-    plan = MorningPlan(
-        settings.models,
-        settings.estimation,
-        settings.max_days,
-        settings.step_s,
-        span.duration,
-        span.epoch,
-        settings.fits_above,
-    )
     found = measured.read(
         source,
         span,
         surroundings.stations,
         surroundings.orientation,
-        since=days.since(folder, calendar, plan, until),
+        since=days.since(done, calendar, plan),
     )
-    days.check_reached(calendar, until, max(surroundings.seen_until, days.last_known(found.tracking)))
+    known = max(surroundings.seen_until, days.last_known(found.tracking))
+    days.check_reached(calendar, settings.date, known)
     model = surroundings.model(one.rso)
     given = measured.given_state(source, span, one.rso, found.tracking, model.predictions.model.gm)
     watched = Watched(
@@ -254,4 +285,6 @@ def _catch_up(
         found.identity,
         found.sgp4 and replace(found.sgp4, improved=surroundings.improved),
     )
-    days.catch_up(folder, watched, calendar, until, metadata=metadata)
+    shared = settings.model_dump(include=_SHARED)
+    digest = settings_digest(shared | one.model_dump(include={"rso", "taking"}))
+    return UnderWay.begin(Task(name, calendar, settings.date, digest, one.has_message), watched, store, done)

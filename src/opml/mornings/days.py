@@ -1,68 +1,142 @@
-"""The mornings of an object up to a day, each with a folder of what it left."""
+"""The mornings of objects up to a day, day by day."""
 
-import json
 import logging
-from collections.abc import Iterator, Mapping
+import math
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import date, timedelta
 from itertools import pairwise
-from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 import pandas as pd
 
 from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
+from opml.base.progress import counted
 from opml.base.provenance import settings_digest
 from opml.interop import ccsds, oem
 from opml.learning.judge.error_sizes import INSIDE, along_track
 from opml.mornings import beside_sgp4
-from opml.mornings.calendar import HORIZON, Calendar
+from opml.mornings.batch_day import Finished
+from opml.mornings.calendar import Calendar
 from opml.mornings.judged import OLDEST
 from opml.mornings.morning import Left, MorningPlan, Watched, morning
 from opml.mornings.outcomes import NOTHING
-from opml.mornings.records import DONE, Records
-from opml.tables import read_metadata
+from opml.mornings.records import Records
+from opml.mornings.store import Store
 
 STRIP = 30
 """Mornings whose verdicts the page of a day shows in a row."""
+
+AGAIN = 7
+"""Newest mornings that can be run again: as many days ephemerides are kept after they were judged last."""
+
+Together = Callable[[Mapping[str, Callable[[], Finished]]], Mapping[str, Finished]]
+"""Runs calls by name, and returns what they return by name, without those that failed."""
 
 _DATE = len("2016-09-28")
 _log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
-class Folder:
-    """The folder of all days, of one object.
+class Task:
+    """What is asked of an object.
 
-    days: the folder
-    rso: name of the object
+    until: date of its last morning
+    settings: digest of those that its mornings are made with
+    has_message: whether its ephemerides are written as messages
     """
 
-    days: Path
     rso: str
-
-    def of_day(self, day: date) -> Path:
-        """Return where what a morning left of the object is."""
-        return self.days / day.isoformat() / self.rso
-
-    def done(self, until: date) -> list[date]:
-        """Return the dates up to one of the mornings that are over, ascending."""
-        found = self.days.glob(f"[0-9]*/{self.rso}/{DONE}")
-        days = (date.fromisoformat(path.parent.parent.name) for path in found)
-        return sorted(day for day in days if day <= until)
+    calendar: Calendar
+    until: date
+    settings: str
+    has_message: bool = True
 
 
-def since(folder: Folder, calendar: Calendar, plan: MorningPlan, until: date) -> float:
-    """Return the time from which measurements count for the mornings up to a date [s]."""
-    done = folder.done(until)
+@dataclass
+class UnderWay:
+    """An object on its way through its mornings; records: of those before `next`."""
+
+    task: Task
+    watched: Watched
+    store: Store
+    records: Records
+    next: date
+
+    @classmethod
+    def begin(cls, task: Task, watched: Watched, store: Store, done: Sequence[date]) -> Self:
+        """Return an object before the first of its mornings that are not over; done: dates of those that are.
+
+        Raises InputError where a morning between others is gone, and where settings or stations changed.
+        """
+        if not done:
+            first = min(task.calendar.first(_first_known(watched.tracking)), task.until)
+            return cls(task, watched, store, Records.empty(), first)
+        for before, after in pairwise(done):
+            store.check_next(before, after, task.rso)
+        store.check_made(done[-1], task.rso, task.settings, stations_of(watched))
+        longest = timedelta(days=_days_ahead(watched.plan))
+        records = store.records(task.rso, done, since=done[-1] - longest)
+        return cls(task, watched, store, records, done[-1] + timedelta(days=1))
+
+    def run(self) -> Finished:
+        """Run the next morning."""
+        rso, day, plan = self.task.rso, self.next, self.watched.plan
+        now = self.task.calendar.time(day)
+        left = morning(self.watched, self.records, now=now)
+        self.records = self.records.and_then(left.records, since=now - DAY * plan.max_days)
+        told = outcome(rso, day, left, plan) | {
+            "message": self._write_message(left),
+            "past": past(self.records),
+            "mornings": strip(self.records, plan),
+            "beside_sgp4": beside_sgp4.medians(self.records.judged),
+        }
+        self.next = day + timedelta(days=1)
+        _log.info("%s, %s: %s, %s", rso, day, left.verdict.word, left.verdict.reason)
+        return Finished(left.records, told, self.task.settings, stations_of(self.watched))
+
+    def _write_message(self, left: Left) -> str | None:
+        """Write the ephemeris that left as a message; return the name of its file, None without one."""
+        if left.ephemeris is None or not self.task.has_message:
+            return None
+        path = self.store.message(self.next, self.task.rso)
+        identity = replace(self.watched.identity, name=self.task.rso)
+        segments = oem.segments_of(left.ephemeris, "corrected", identity)
+        oem.write(path, segments, epoch=self.watched.plan.epoch, comment=left.basis)
+        return path.name
+
+
+def stations_of(watched: Watched) -> dict[str, str]:
+    """Return digests of the stations that measured an object, by name."""
+    measured = {*watched.tracking.get("station", ())}
+    return {one.name: settings_digest(one.row) for one in watched.stations if one.name in measured}
+
+
+def since(done: Sequence[date], calendar: Calendar, plan: MorningPlan) -> float:
+    """Return the time from which measurements count for mornings after those that are over [s]."""
     return calendar.time(done[-1]) - plan.reach - DAY if done else -np.inf
 
 
 def last_known(tracking: pd.DataFrame) -> float:
     """Return when the last of what was measured was known [s]."""
-    return float(tracking["t_known" if "t_known" in tracking else "t"].max())
+    return float(tracking[_known(tracking)].max())
+
+
+def _first_known(tracking: pd.DataFrame) -> float:
+    """Return when the first track was over [s]."""
+    return float(tracking.groupby("track")[_known(tracking)].max().min())
+
+
+def _known(tracking: pd.DataFrame) -> str:
+    """Return the column of when measurements were known."""
+    return "t_known" if "t_known" in tracking else "t"
+
+
+def _days_ahead(plan: MorningPlan) -> int:
+    """Return how many days before a morning the oldest one is whose ephemerides later tracks may reach."""
+    return math.ceil(plan.max_days) - 1
 
 
 def check_reached(calendar: Calendar, until: date, known: float) -> None:
@@ -77,82 +151,40 @@ def check_reached(calendar: Calendar, until: date, known: float) -> None:
         )
 
 
+def one_by_one(calls: Mapping[str, Callable[[], Finished]]) -> dict[str, Finished]:
+    """Run calls one after the other."""
+    return {name: call() for name, call in calls.items()}
+
+
 def catch_up(
-    folder: Folder, watched: Watched, calendar: Calendar, until: date, *, metadata: Mapping[str, Any]
+    store: Store,
+    objects: Sequence[UnderWay],
+    until: date,
+    *,
+    together: Together = one_by_one,
+    metadata: Mapping[str, Any],
 ) -> None:
-    """Run the mornings of an object up to a date that are not over yet; those before it first.
+    """Run the mornings of objects up to a date, day by day; one that fails goes no further.
 
-    Raises InputError where a morning cannot be run.
+    metadata: of tables
     """
-    done = folder.done(until)
-    counting, reach = done[-HORIZON:], DAY * watched.plan.max_days
-    _check_whole(folder, counting)
-    stations = {station.name: settings_digest(station.row) for station in watched.stations}
-    measured = set(watched.tracking.get("station", ()))
-    _check_places(folder, counting, {name: one for name, one in stations.items() if name in measured})
-    records = Records.read(
-        [folder.of_day(day) for day in counting],
-        since=calendar.time(done[-1]) - reach if done else 0.0,
-        digest=metadata["settings"],
-    )
-    missing = list(_missing(done, watched, calendar, until))
-    for number, day in enumerate(missing, start=1):
-        now = calendar.time(day)
-        left = morning(watched, records, now=now)
-        records = records.and_then(left.records, since=now - reach)
-        _write(folder, day, left, records, watched, metadata={**metadata, "stations": stations})
-        told = f"{folder.rso}, {day}, morning {number} of {len(missing)}"
-        share = {"share": number / len(missing)}
-        _log.info("%s: %s, %s", told, left.verdict.word, left.verdict.reason, extra=share)
+    under_way = [one for one in objects if one.next <= until]
+    first = min((one.next for one in under_way), default=until)
+    while under_way:
+        day = min(one.next for one in under_way)
+        if made := together({one.task.rso: one.run for one in under_way if one.next == day}):
+            store.write(day, made, metadata=metadata)
+            _drop_paths(store, objects, day)
+        under_way = [one for one in under_way if day < one.next <= until]
+        share = ((day - first).days + 1) / ((until - first).days + 1)
+        _log.info("%s: %s", day, counted(len(made), "object"), extra={"share": share})
+    _drop_paths(store, objects, until)
 
 
-def _check_whole(folder: Folder, done: list[date]) -> None:
-    """Raise InputError where a morning between others is gone: those behind it stand on it."""
-    for before, after in pairwise(done):
-        if (gone := before + timedelta(days=1)) != after:
-            raise InputError(
-                f"{folder.of_day(gone)}: expected the morning that later ones stand on, got none; "
-                "put it back, or remove those behind it, and all are run again"
-            )
-
-
-def _check_places(folder: Folder, done: list[date], stations: Mapping[str, str]) -> None:
-    """Raise InputError where a station that measured is another than at the last of some mornings."""
-    for place in map(folder.of_day, done[-1:]):
-        before = read_metadata(place / "issued.parquet").get("stations", {})
-        for name, digest in stations.items():
-            if before.get(name, digest) != digest:
-                raise InputError(
-                    f"{place}: expected the station {name} as it measured then, got other numbers of it; "
-                    "give another folder of results, or remove these"
-                )
-
-
-def _missing(done: list[date], watched: Watched, calendar: Calendar, until: date) -> Iterator[date]:
-    """Yield the dates of the mornings to be run: after the last, or from when the first track is over."""
-    tracking = watched.tracking
-    first = tracking.groupby("track")["t_known" if "t_known" in tracking else "t"].max().min()
-    day = done[-1] + timedelta(days=1) if done else min(calendar.first(float(first)), until)
-    while day <= until:
-        yield day
-        day += timedelta(days=1)
-
-
-def _write(
-    folder: Folder, day: date, left: Left, records: Records, watched: Watched, *, metadata: Mapping[str, Any]
-) -> None:
-    """Write what a morning left: the message first, the records behind it."""
-    place, plan = folder.of_day(day), watched.plan
-    if left.ephemeris is not None:
-        identity = replace(watched.identity, name=folder.rso)
-        segments = oem.segments_of(left.ephemeris, "corrected", identity)
-        oem.write(place / f"{folder.rso}.oem", segments, epoch=plan.epoch, comment=left.basis)
-    found = outcome(folder.rso, day, left, plan) | {
-        "past": past(records),
-        "mornings": strip(records, plan),
-        "beside_sgp4": beside_sgp4.medians(records.judged),
-    }
-    left.records.write(place, found, metadata=metadata)
+def _drop_paths(store: Store, objects: Sequence[UnderWay], day: date) -> None:
+    """Remove ephemerides that no morning after AGAIN days before a day judges."""
+    longest = max((_days_ahead(one.watched.plan) for one in objects), default=0)
+    store.drop_paths(day - timedelta(days=longest + AGAIN), until=day)
 
 
 def outcome(rso: str, day: date, left: Left, plan: MorningPlan) -> dict[str, Any]:
@@ -165,7 +197,6 @@ def outcome(rso: str, day: date, left: Left, plan: MorningPlan) -> dict[str, Any
         "verdict": left.verdict.word,
         "reason": left.verdict.reason,
         "model": row["model"] or None,
-        "message": f"{rso}.oem" if left.ephemeris is not None else None,
         "newest_estimate": _utc(plan.epoch, row["t_i"]),
         "age_hours": _age(row["morning"] - row["t_i"]),
         "burn": _utc(plan.epoch, row["burn_t"]),
@@ -246,8 +277,3 @@ def failed(rso: str, day: date, verdict: str, reason: str) -> dict[str, Any]:
     """Return what became of an object whose morning could not be run, as `outcome` does."""
     told = {"object": rso, "date": day.isoformat(), "verdict": verdict, "reason": reason}
     return told | NOTHING
-
-
-def read_outcome(path: Path) -> dict[str, Any]:
-    """Return what became of an object on a morning."""
-    return json.loads(path.read_text(encoding="utf-8"))

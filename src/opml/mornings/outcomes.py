@@ -33,10 +33,16 @@ NOTHING: dict[str, Any] = {
 def write(path: FilePath, outcomes: Any) -> None:
     """Write what became of objects as JSON."""
     with replacing(path) as temporary:
-        temporary.write_text(json.dumps(outcomes, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+        text = json.dumps(outcomes, separators=(",", ":"), allow_nan=False)
+        temporary.write_text(f"{text}\n", encoding="utf-8")
 
 
 def read(path: FilePath) -> list[dict[str, Any]]:
     """Return what became of objects, of mornings by an older release, too."""
     found: list[dict[str, Any]] = json.loads(Path(path).read_text(encoding="utf-8"))
-    return [NOTHING | outcome for outcome in found]
+    return [whole(outcome) for outcome in found]
+
+
+def whole(outcome: dict[str, Any]) -> dict[str, Any]:
+    """Return what became of an object, with what an older release told nothing of."""
+    return outcome | {key: value for key, value in NOTHING.items() if key not in outcome}

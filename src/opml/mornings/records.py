@@ -1,28 +1,17 @@
-"""What is kept of an object from morning to morning: a folder a day, whose files are written once.
+"""What is kept of an object from morning to morning."""
 
-kept_estimates.parquet   estimates that were made, over all windows
-judged.parquet           how far ephemerides of earlier mornings were off these, model by model
-paths.parquet            ephemerides of all models, for later mornings to judge
-issued.parquet           the model that was flown and its sizes of errors
-morning.json             what became of the object; written last
-"""
-
-import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from pathlib import Path
-from typing import Any, Self
+from typing import ClassVar, Self
 
 import numpy as np
 import pandas as pd
 
 from opml.base.constants import HOUR
-from opml.base.errors import InputError
-from opml.base.files import replacing
 from opml.ephemerides.replays import arrivals
 from opml.orbits.manoeuvres import Manoeuvre, are_unaware
-from opml.tables import SCHEMAS, paths_schema, read_metadata, read_table, write_table
+from opml.tables import SCHEMAS
 
 _ALONG = "e_y_"
 """How the columns of corrections begin; the name of the model follows."""
@@ -51,14 +40,6 @@ class Paths:
         return arrivals(self.table, corrections)
 
 
-DONE = "morning.json"
-"""The file of a morning that is written last."""
-
-_TABLES = ("kept_estimates", "judged", "issued")
-
-_PATHS = "paths"
-
-
 @dataclass(frozen=True)
 class Records:
     """What mornings left.
@@ -69,6 +50,8 @@ class Records:
     paths: of mornings whose ephemerides tracks to come may reach
     """
 
+    TABLES: ClassVar = ("kept_estimates", "judged", "issued")
+
     estimates: pd.DataFrame
     judged: pd.DataFrame
     issued: pd.DataFrame
@@ -77,32 +60,12 @@ class Records:
     @classmethod
     def empty(cls) -> Self:
         """Return the records of an object without a morning."""
-        return cls(*(SCHEMAS[name].empty() for name in _TABLES))
+        return cls(*(SCHEMAS[name].empty() for name in cls.TABLES))
 
-    @classmethod
-    def read(cls, folders: Sequence[Path], *, since: float, digest: str) -> Self:
-        """Return the records of mornings by their folders, the newest last.
-
-        since: of mornings after this time the ephemerides may still be judged [s]
-        digest: of the settings
-
-        Raises InputError where a table is missing or damaged, or was made with other settings.
-        """
-        if not folders:
-            return cls.empty()
-        if read_metadata(folders[-1] / "issued.parquet")["settings"] != digest:
-            raise InputError(
-                f"{folders[-1]}: expected mornings that were made with these settings, got others; "
-                "give another folder of results, or remove these"
-            )
-        whole = cls(
-            *(
-                _below([read_table(folder / f"{name}.parquet", name) for folder in folders], name)
-                for name in _TABLES
-            )
-        )
-        recent = [folders[k] for k in whole.issued.index[whole.issued["morning"] > since]]
-        return replace(whole, paths=[paths for folder in recent for paths in _paths_in(folder)])
+    @property
+    def tables(self) -> dict[str, pd.DataFrame]:
+        """Its tables, by the names of their schemas."""
+        return dict(zip(self.TABLES, (self.estimates, self.judged, self.issued), strict=True))
 
     @property
     def burns(self) -> list[Manoeuvre]:
@@ -142,33 +105,17 @@ class Records:
         return are_unaware(*spans, [*burns, *manoeuvres], window=HOUR * hours)
 
     def and_then(self, more: "Records", *, since: float) -> Self:
-        """Return the records with those of the next morning; since: as for `read`."""
+        """Return the records with those of the next morning; since: ephemerides up to then [s] go."""
         return replace(
             self,
-            estimates=_below([self.estimates, more.estimates], "kept_estimates"),
-            judged=_below([self.judged, more.judged], "judged"),
-            issued=_below([self.issued, more.issued], "issued"),
+            estimates=below([self.estimates, more.estimates], "kept_estimates"),
+            judged=below([self.judged, more.judged], "judged"),
+            issued=below([self.issued, more.issued], "issued"),
             paths=[paths for paths in (*self.paths, *more.paths) if paths.made_at > since],
         )
 
-    def write(self, folder: Path, outcome: Mapping[str, Any], *, metadata: Mapping[str, Any]) -> None:
-        """Write the records of one morning into its folder, and last its outcome as JSON."""
-        for name, table in zip(_TABLES, (self.estimates, self.judged, self.issued), strict=True):
-            write_table(folder / f"{name}.parquet", table, name, metadata=metadata)
-        for paths in self.paths:
-            models, file = paths.models, folder / f"{_PATHS}.parquet"
-            write_table(file, paths.table, paths_schema(models), metadata={**metadata, "models": models})
-        with replacing(folder / DONE) as temporary:
-            temporary.write_text(json.dumps(outcome, indent=1, allow_nan=False) + "\n", encoding="utf-8")
 
-
-def _below(tables: Sequence[pd.DataFrame], name: str) -> pd.DataFrame:
+def below(tables: Sequence[pd.DataFrame], name: str) -> pd.DataFrame:
     """Return tables of a schema below each other."""
     filled = [table for table in tables if len(table)]
     return pd.concat(filled, ignore_index=True) if filled else SCHEMAS[name].empty()
-
-
-def _paths_in(folder: Path) -> list[Paths]:
-    """Return the ephemerides that a morning left, if any."""
-    file = folder / f"{_PATHS}.parquet"
-    return [Paths(read_table(file, paths_schema(read_metadata(file)["models"])))] if file.exists() else []

@@ -14,8 +14,7 @@ from opml.base.files import FilePath
 from opml.base.yaml_files import read_yaml
 from opml.tables import read_metadata
 
-LISTED = "manoeuvre_timestamps"
-"""Key of the times in a YAML file of manoeuvres."""
+LISTED = "manoeuvre_timestamps"  # key of the times in a YAML file of manoeuvres
 
 
 @dataclass(frozen=True)
@@ -94,7 +93,6 @@ def facts(manoeuvres: Sequence[Manoeuvre]) -> dict[str, Any]:
 
 
 def _fact(one: Manoeuvre) -> dict[str, Any]:
-    """Return what metadata hold of a manoeuvre: what is not as usual."""
     known = {"known": one.known} if math.isfinite(one.known) else {}
     return {"t": one.t} | known | ({"anew": True} if one.anew else {})
 

@@ -9,8 +9,7 @@ from statistics import NormalDist
 
 import numpy as np
 
-AXES = ("x", "y", "z")
-"""Radial, along-track, cross-track."""
+AXES = ("x", "y", "z")  # radial, along-track, cross-track
 
 
 def half_width(level: float) -> float:

@@ -15,14 +15,12 @@ from opml import naming
 from opml.base.constants import WGS84_A
 from opml.base.errors import InputError
 
-NAME = re.compile(r"[a-z][a-z0-9]{0,59}")
-"""Names in sheets; files have several in theirs."""
+NAME = re.compile(r"[a-z][a-z0-9]{0,59}")  # names in sheets; files have several in theirs
 
 NAME_WANTED = "up to 60 lower-case letters and digits, a letter first"
 
 
-LOWEST_PERIGEE = 120e3
-"""Lower limit of the atmosphere model [m] (DTM2000: from 120 km up)."""
+LOWEST_PERIGEE = 120e3  # lower limit of the atmosphere model [m] (DTM2000: from 120 km up)
 
 
 @dataclass(frozen=True)
@@ -148,8 +146,7 @@ _RSO_FIELDS = {
 }
 
 
-_NOTHING = "-"
-"""Cell of a sheet for what a row has not."""
+_NOTHING = "-"  # cell of a sheet for what a row has not
 
 _ELEMENTS = ("a_km", "e", "i_deg", "argp_deg", "raan_deg", "mean_anomaly_deg")
 
@@ -206,7 +203,6 @@ def name_at_offset(text: str, km: float, sheet: Mapping[str, Rso]) -> str:
 
 
 def _check_station(station: Station, where: str) -> None:
-    """Raise InputError for a station that sees nothing, or measures nothing."""
     if not any(field.attribute in station.row for field in _SIGMA_FIELDS.values()):
         raise InputError(f"{where}expected one of {', '.join(_SIGMA_FIELDS)} at least, got none")
     if not station.min_elevation < station.max_elevation:
@@ -264,7 +260,6 @@ def _odd(found: Iterable[str], expected: Iterable[str], optional: Iterable[str])
 
 
 def _check_name(where: str, name: str, numbers: Mapping[str, int]) -> None:
-    """Raise InputError for a misspelt or repeated name; `numbers` are the lines of the names so far."""
     if not NAME.fullmatch(name):
         raise InputError(f"{where}: expected {NAME_WANTED}, got {name!r}")
     if name in numbers:

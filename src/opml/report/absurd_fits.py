@@ -5,23 +5,20 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 import pandas as pd
 
+from opml.report import texts
 from opml.report.document import Block, Heading, Paragraph
 from opml.report.mornings import Dataset
 from opml.report.results import length
 
 TITLE = "Unrealistic fits"
 
-CD_BOUNDS = (0.0, 10.0)
-"""Drag coefficients that a body may have."""
-
-MOST_OUTSIDE = 0.05
-"""Share of the estimates that may have others."""
+CD_BOUNDS = (0.0, 10.0)  # drag coefficients that a body may have
+MOST_OUTSIDE = 0.05  # share of the estimates that may have others
 
 MOST_SIGMA = 1.0
 """Largest median formal standard deviation of Cd: above it the tracks tell next to nothing of Cd."""
 
-LONGER_HOURS = 48.0
-"""Least window that is advised [h]."""
+LONGER_HOURS = 48.0  # least window that is advised [h]
 
 
 def symptoms(estimates: Mapping[Dataset, pd.DataFrame]) -> dict[Dataset, str]:
@@ -41,22 +38,15 @@ def section(absurd: Mapping[Dataset, str], window_hours: float) -> Iterator[Bloc
     yield Heading(TITLE)
     for (rso, stations), words in absurd.items():
         yield Paragraph(f"**{rso}, {stations}.** {words}")
-    yield Paragraph(
-        f"The tracks within {window_hours:g} h do not determine Cd, and such fits are not usable: P_ML means "
-        "little, only metres and skill count. Fit over a longer window, "
-        f"`estimation: {{window_hours: {max(LONGER_HOURS, 2.0 * window_hours):g}}}`, or constrain Cd to the "
-        "RSO's own value, `estimation: {cd_sigma: 0.1}`, and run the study again."
-    )
+    longer = max(LONGER_HOURS, 2.0 * window_hours)
+    yield from texts.blocks("absurd_fits.section", hours=window_hours, longer=longer)
 
 
 def _symptoms(estimates: pd.DataFrame) -> str:
-    """Return in words what is absurd about converged estimates, nothing where they are sound."""
     cd, sigma = estimates["cd"], float(np.sqrt(estimates["cov_cd_cd"]).median())
     outside = float((~cd.between(*CD_BOUNDS)).mean())
     if not (outside > MOST_OUTSIDE or sigma > MOST_SIGMA):
         return ""
-    low, high = CD_BOUNDS
-    return (
-        f"Of {len(cd)} fits that converged, {100.0 * outside:.0f} % have a Cd outside {low:g} to {high:g}; "
-        f"it goes from {cd.min():.3g} to {cd.max():.3g}. Its formal sigma is {length(sigma)} in the median."
-    )
+    extent = {"low": CD_BOUNDS[0], "high": CD_BOUNDS[1], "least": cd.min(), "most": cd.max()}
+    shares = {"fits": len(cd), "outside": 100.0 * outside, "sigma": length(sigma)}
+    return texts.sentences("absurd_fits.symptoms", **shares, **extent)

@@ -20,17 +20,13 @@ from opml.tables import ELLIPSOID
 
 TITLE = "Which model to use"
 
-ALL_MODELS = "all models"
-"""What the figure shows that an answer holds."""
+ALL_MODELS = "all models"  # what the figure shows that an answer holds
 
 TURNED = "the orbit to turn, where the extra `explore` is installed"
 """What a page shows that is made with plotly alone."""
 
-FEWEST = 10
-"""Predictions of a duration below which neither their median nor a share of them is told."""
-
-MORNINGS = 14
-"""Mornings below which the past chooses poorly (docs/operations.md)."""
+FEWEST = 10  # predictions of a duration below which neither their median nor a share of them is told
+MORNINGS = 14  # mornings below which the past chooses poorly (docs/operations.md)
 
 _SPANS = {1.0: "a day", 7.0: "a week"}
 
@@ -66,7 +62,6 @@ def section(
 ) -> Iterator[Block]:
     """Yield the section.
 
-    sources: of each dataset of the study
     pictures: PNGs of the errors of all models
     laws: the models that learn
     marks: prediction durations that errors are stated at [days]
@@ -96,7 +91,6 @@ def section(
 
 
 def _left(found: Mornings, marks: Sequence[float]) -> str:
-    """Return in words the errors of the model that is named, after the first and last of some durations."""
     chosen = found.last_choice
     own = found.tables[chosen]
     sizes = at_days(own.assign(true=own["before"], residual=own["e_y"]), marks)
@@ -123,7 +117,6 @@ def _distance(metres: float) -> str:
 
 
 def _held(found: Mornings, durations: Sequence[float]) -> str:
-    """Return in words the shares of the errors inside the 90 % ellipsoid."""
     shares = _ellipsoids(found, durations)
     if not shares:
         return uncertainty.TOO_SHORT
@@ -156,7 +149,6 @@ def _others(found: Mornings, laws: Collection[str]) -> str:
 
 
 def _learned(found: Mornings, laws: Collection[str]) -> str:
-    """Return in words whether anything learned was flown."""
     learned = [choice.chosen in laws for choice in found.choices.values()]
     if any(learned):
         return f"A learned model was used on {sum(learned)} of {len(learned)} mornings."
@@ -164,7 +156,6 @@ def _learned(found: Mornings, laws: Collection[str]) -> str:
 
 
 def _more(left: float, flown: float) -> str:
-    """Return in words how much a model leaves beside what was flown."""
     percent = -round(skill(left, flown)) if flown > 0.0 else 0
     return f"{abs(percent)} % {'more' if percent > 0 else 'less'} error" if percent else "the same error"
 
@@ -193,7 +184,6 @@ def _training(found: Mornings, laws: Collection[str]) -> str:
 def _to_watch(
     found: Mornings | None, source: Sources, durations: Sequence[float], is_absurd: bool
 ) -> Iterator[str]:
-    """Yield what an operator has to look at."""
     if is_absurd:
         yield f"**Watch the fits:** {link_to(absurd_fits.TITLE)}."
     if found is not None:

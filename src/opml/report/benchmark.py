@@ -2,7 +2,7 @@
 
 import json
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,11 +14,11 @@ from opml.base.files import FilePath, replacing
 from opml.benchmark import scores, suspicions, tasks
 from opml.benchmark.answers import read as read_answers
 from opml.benchmark.scores import AXES, LEVEL
-from opml.report.document import Block, Heading, Items, Paragraph, Table, as_it_is, html_page
+from opml.report import texts
+from opml.report.document import Block, Heading, Items, Paragraph, as_it_is, html_page
 from opml.report.results import NO_VALUE, rounded_cell
 
-SUFFIXES = (".html", ".json", ".tsv")
-"""Forms of a score."""
+SUFFIXES = (".html", ".json", ".tsv")  # forms of a score
 
 _OF_HEIGHT = ("median", "p95", "crps", "inside")
 
@@ -130,23 +130,16 @@ def document(score: Score) -> list[Block]:
         Paragraph(as_it_is(score.title)),
         Heading("Findings"),
         found if score.suspicions else nothing,
-        Heading("Scores"),
-        Paragraph(
-            "Errors in metres, by days from t: median and 95th percentile of their size, with intervals of"
-            " 95 % over weeks and objects in brackets. CRPS [m] and log score are those of the normal"
-            f" distribution with the given covariance; smaller is better. **inside**: errors [%] in its"
-            f" intervals of {100 * LEVEL:g} %."
-        ),
-        *(_axis_table(score.scores, name) for name in AXES.values()),
-        Heading("Along the track, by height"),
-        _height_table(score.by_height),
+        *texts.blocks("benchmark.scores", level=100 * LEVEL),
+        *(block for name in AXES.values() for block in _axis_table(score.scores, name)),
+        *_height_table(score.by_height),
         Paragraph(f"Answers' SHA-256: `{score.digest}`"),
     ]
 
 
-def _axis_table(scores: pd.DataFrame, name: str) -> Table:
-    header = (name.replace("_", "-") + ", lead [d]", "asked", "answered [%]", "median", "95 %", "CRPS")
-    return Table((*header, "log score", "inside [%]"), [_cells(row, name) for _, row in scores.iterrows()])
+def _axis_table(scores: pd.DataFrame, name: str) -> Iterator[Block]:
+    rows = [_cells(row, name) for _, row in scores.iterrows()]
+    return texts.blocks("benchmark.axis", rows, axis=name.replace("_", "-"))
 
 
 def _cells(row: "pd.Series[Any]", name: str) -> list[str]:
@@ -168,13 +161,12 @@ def _with_interval(row: "pd.Series[Any]", key: str) -> str:
     )
 
 
-def _height_table(table: pd.DataFrame) -> Table:
-    header = ("height from [km]", "lead [d]", "answers", "median", "95 %", "CRPS", "inside [%]")
+def _height_table(table: pd.DataFrame) -> Iterator[Block]:
     rows = []
     for _, row in table.iterrows():
         numbers = (row["from"] / 1e3, *(row[key] for key in ("lead", "answers", *_OF_HEIGHT)))
         rows.append([rounded_cell(value) for value in numbers])
-    return Table(header, rows)
+    return texts.blocks("benchmark.heights", rows)
 
 
 def _records(table: pd.DataFrame) -> list[dict[str, Any]]:
@@ -182,7 +174,6 @@ def _records(table: pd.DataFrame) -> list[dict[str, Any]]:
 
 
 def _plain(value: Any) -> Any:
-    """Return a number as JSON has it, None where it is unknown."""
     number = float(value)
     return (int(number) if number.is_integer() else number) if math.isfinite(number) else None
 

@@ -3,7 +3,7 @@
 P_ML stands with its 5th and 95th percentile over resampled estimates.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,7 +12,8 @@ import pandas as pd
 from opml.learning.models import learners
 from opml.learning.models.contract import LearnerSettings
 from opml.naming import Experiment
-from opml.report.document import Block, Heading, Paragraph, Table
+from opml.report import texts
+from opml.report.document import Block
 from opml.report.results import NO_VALUE, Results, percent
 
 _Key = tuple[str, str, str]
@@ -46,12 +47,7 @@ def document(
     results = Results(metrics)
     names = {pair: split for split, pair in report.pairs.items()}
     return [
-        Heading("Does it generalise?", 1),
-        Paragraph(
-            "P_ML [%] is the summed absolute error after correction, in % of that before: 0 is perfect, 100 "
-            "no correction. In brackets its 5th and 95th percentile over resampled estimates, as the rows of "
-            "one estimate are no independent evidence. `opml docs beyond` explains models and splits."
-        ),
+        *texts.blocks("beyond.head"),
         *_splits(report, results),
         *_transfers(report, results),
         *_left_out(report.left_out, results),
@@ -71,16 +67,13 @@ def _splits(report: BeyondReport, results: Results) -> Iterator[Block]:
             for split, count in zip(columns, estimates, strict=True)
         ]
         paper = [percent(report.published.get((stations, first, split))) for split in columns]
-        yield Heading(f"Models against splits: {stations}")
-        yield Table(
-            ["model", *headers], [["Peng & Bai, SVR", *paper], *_model_rows(experiments, columns, results)]
-        )
+        rows = [["Peng & Bai, SVR", *paper], *_model_rows(experiments, columns, results)]
+        yield from texts.blocks("beyond.splits", rows, stations=stations, splits=texts.across(headers))
 
 
 def _model_rows(
     experiments: Mapping[Pair, Experiment], splits: Sequence[str], results: Results
 ) -> list[list[str]]:
-    """Return rows of P_ML, one per learner; experiments: by learner and split."""
     return [
         [f"`{learner}`", *(results.p_ml_cell(experiments[learner, split]) for split in splits)]
         for learner in dict.fromkeys(learner for learner, _ in experiments)
@@ -99,9 +92,8 @@ def _transfers(report: BeyondReport, results: Results) -> Iterator[Block]:
             ]
             for target in dict.fromkeys(target for _, target in experiments)
         ]
-        yield Heading(f"Trained on one RSO, applied to others: {curve.replace('_', ' ')}")
-        yield Paragraph(f"Trained on {first.train} of {first.rso}, tested on {first.test} of each.")
-        yield Table(["RSO", "Peng & Bai", *(f"`{learner}`" for learner in names)], rows)
+        told = {"train": first.train, "rso": first.rso, "test": first.test, "curve": curve.replace("_", " ")}
+        yield from texts.blocks("beyond.transfers", rows, **told, names=_codes(names))
 
 
 def _left_out(experiments: Mapping[_Key, Experiment], results: Results) -> Iterator[Block]:
@@ -113,23 +105,13 @@ def _left_out(experiments: Mapping[_Key, Experiment], results: Results) -> Itera
         [pool, f"`{rso}`", *(results.p_ml_cell(experiments[pool, learner, rso]) for learner in names)]
         for pool, rso in dict.fromkeys((pool, rso) for pool, _, rso in experiments)
     ]
-    yield Heading("One RSO excluded")
-    yield Paragraph(
-        f"Trained on {first.train} of all other RSOs of a pool, tested on {first.test} of the excluded one."
-    )
-    yield Table(["pool", "excluded", *(f"`{learner}`" for learner in names)], rows)
+    told = {"train": first.train, "test": first.test, "names": _codes(names)}
+    yield from texts.blocks("beyond.left_out", rows, **told)
 
 
 def _intervals(coverage: pd.DataFrame, names: Mapping[Pair, str], level: float) -> Iterator[Block]:
-    yield Heading("Prediction intervals")
-    yield Paragraph(
-        f"Split-conformal by estimate at {level:.0%}: what share of the rows lies "
-        "inside, and its mean over estimates, which is what the level promises while estimates are alike. "
-        "Lengths are medians in km (km/s for a velocity); the last day is that of the longest predictions."
-    )
-    header = ["stations", "model", "split", "rows inside [%]", "by estimate [%]", "half width"]
     rows = [_interval_row(row, names) for row in coverage.to_dict("records")]
-    yield Table([*header, "half width, last day", "error, last day"], rows)
+    return texts.blocks("beyond.intervals", rows, level=level)
 
 
 def _interval_row(row: Mapping[str, Any], names: Mapping[Pair, str]) -> list[str]:
@@ -154,15 +136,12 @@ def _budget(report: BeyondReport, results: Results, floors: Mapping[str, float])
         ]
         for stations in dict.fromkeys(stations for stations, _ in report.budget)
     ]
-    yield Heading("What the error is made of")
-    yield Paragraph(
-        "P_ML on " + ", ".join(report.budget_split) + " of laws that know more and more. Those that know an "
-        "estimate's true error of semi-major axis (`drift`) or the assumed model's own (`floor`) are no "
-        "correctors, as they need the truth. The last column is the size of the assumed model's own error, "
-        "from the true state and Cd, in % of the whole: what no estimate, however good, goes below."
-    )
-    header = [f"`{name}`: {' '.join(_terms(report.learners[name]))}" for name in names]
-    yield Table(["stations", *header, "assumed model's own error [%]"], rows)
+    header = texts.across(f"`{name}`: {' '.join(_terms(report.learners[name]))}" for name in names)
+    return texts.blocks("beyond.budget", rows, split=", ".join(report.budget_split), names=header)
+
+
+def _codes(names: Iterable[str]) -> str:
+    return texts.across(f"`{name}`" for name in names)
 
 
 def model_table(models: Mapping[str, LearnerSettings]) -> Iterator[Block]:
@@ -171,8 +150,7 @@ def model_table(models: Mapping[str, LearnerSettings]) -> Iterator[Block]:
         [f"`{name}`", learners.description(settings.kind), " ".join(_terms(settings)) or NO_VALUE]
         for name, settings in models.items()
     ]
-    yield Heading("The models")
-    yield Table(["model", "is", "terms"], rows)
+    return texts.blocks("beyond.models", rows)
 
 
 def _terms(settings: LearnerSettings) -> Sequence[str]:

@@ -7,15 +7,9 @@ import pandas as pd
 
 from opml.element_sets.features import BANDS
 from opml.element_sets.judge import ALL, LEVEL
-from opml.report.document import Block, Heading, Items, Paragraph, Table
+from opml.report import texts
+from opml.report.document import Block, Items
 from opml.report.results import rounded_cell
-
-_HEADER = (
-    *("test", "height [km]", "lead [d]", "learner", "predictions", "objects", "weeks"),
-    *("SGP4, median / 95 % [m]", "scaled [%]", "learned [%]", "learned over scaled [%]"),
-    *("improved [%]", "unchanged [%]", "P_ML scaled / learned / improved [%]"),
-    *("inside, learned / improved / worst week [%]", "log score"),
-)
 
 
 def document(
@@ -27,23 +21,11 @@ def document(
     seasons: by test, the dates under `train` and `test`
     teachers: by test, the population that is learned from
     """
+    rows = [_cells(row) for row in _ordered(scores).to_dict("records")]
     return [
-        Heading("What a catalogue teaches", level=1),
-        Paragraph(
-            "Errors of the newest public set along the track, judged by later sets. One half of the objects"
-            " was learned from, others judge in another season."
-        ),
+        *texts.blocks("catalogue.head"),
         Items([_season(name, dates, teachers[name]) for name, dates in seasons.items()]),
-        Paragraph(
-            "Residual errors in % of SGP4's: median / 95th percentile. **scaled**: SGP4 with the density"
-            " forecast; **learned**: with the corrector on top; **improved**: the set that `opml improve`"
-            " writes, which weights these by their errors on the object's last mornings; **unchanged**, where"
-            " the published set has most weight. In brackets, 95 % intervals of medians over weeks and"
-            " objects; above 100 is worse than SGP4's. **inside**: share of the errors"
-            f" in intervals of {LEVEL:g} %; without one, rows were too few to learn from, and the scaled"
-            " prediction is used. **log score**: of the improved set, smaller is better."
-        ),
-        Table(_HEADER, [_cells(row) for row in _ordered(scores).to_dict("records")]),
+        *texts.blocks("catalogue.scores", rows, level=LEVEL),
     ]
 
 

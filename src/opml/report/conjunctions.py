@@ -6,7 +6,8 @@ import pandas as pd
 
 from opml.learning.data.components import UNCORRECTED
 from opml.learning.judge.model_choice import CHOSEN
-from opml.report.document import Block, Heading, Paragraph, Table
+from opml.report import texts
+from opml.report.document import Block
 from opml.report.mornings import Dataset
 from opml.report.results import NO_VALUE
 from opml.report.skill import NO_CORRECTION
@@ -22,23 +23,17 @@ def section(tables: Mapping[Dataset, pd.DataFrame], screening: Mapping[str, floa
     """
     if not tables:
         return
-    yield Heading(TITLE)
-    yield Paragraph(
-        "Two objects that err as this one did, on orbits that cross at any angle, a sum of radii of "
-        f"{screening['radius_m']:g} m, an alarm from a probability of {screening['threshold']:g} on: alarms "
-        "that are raised per collision / share of the collisions that raises one [%], by the prediction's "
-        "duration. `opml docs conjunctions` explains."
-    )
+    yield from texts.blocks("conjunctions.section", title=TITLE, **screening)
     for (rso, stations), table in tables.items():
         days = list(dict.fromkeys(table["day"]))
-        yield Paragraph(f"**{rso}, {stations}.**")
         rows = [
             [_named(str(model)), str(covariance), str(weather), *_cells(found, days)]
             for (model, covariance, weather), found in table.groupby(
                 ["model", "covariance", "weather"], sort=False
             )
         ]
-        yield Table(["model", "covariance", "weather", *(f"{day:g} d" for day in days)], rows)
+        names = {"rso": rso, "stations": stations, "days": texts.across(f"{day:g} d" for day in days)}
+        yield from texts.blocks("conjunctions.dataset", rows, **names)
 
 
 def _named(model: str) -> str:
@@ -47,7 +42,6 @@ def _named(model: str) -> str:
 
 
 def _cells(found: pd.DataFrame, days: list[float]) -> list[str]:
-    """Return the cells of a model, by duration."""
     by_day = found.set_index("day")
     return [
         f"{by_day.loc[day, 'alarms']:.0f} / {100.0 * by_day.loc[day, 'flagged']:.0f}"

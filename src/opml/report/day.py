@@ -8,18 +8,14 @@ from typing import Any
 from opml.base.progress import counted
 from opml.mornings.calendar import HORIZON
 from opml.mornings.outcomes import DO_NOT_USE, FAILED, GOOD, UNPROVEN, WIDE
-from opml.report.document import Block, Card, Cards, Heading, Paragraph, Table, as_it_is
+from opml.report import texts
+from opml.report.document import Block, Card, Cards, Heading, as_it_is
 from opml.report.results import NO_VALUE, length, with_unit
 
 Outcome = Mapping[str, Any]
-Weather = Sequence[Mapping[str, Any]]
-"""Of the days about a morning, as `weather_of_day.read` returns them."""
-
-WORST_FIRST = (FAILED, DO_NOT_USE, WIDE, UNPROVEN, GOOD)
-"""Verdicts, those to look at first."""
-
-VERSION = 2
-"""Of what the page for machines holds; another where a key goes or changes its meaning."""
+Weather = Sequence[Mapping[str, Any]]  # of the days about a morning, as `weather_of_day.read` returns them
+WORST_FIRST = (FAILED, DO_NOT_USE, WIDE, UNPROVEN, GOOD)  # verdicts, those to look at first
+VERSION = 2  # of what the page for machines holds; another where a key goes or changes its meaning
 
 TO_DO = {
     FAILED: "Do not send: failed",
@@ -33,14 +29,7 @@ TO_DO = {
 SHAPES = {FAILED: "!", DO_NOT_USE: "\u2715", WIDE: "\u25d0", UNPROVEN: "\u25cb", GOOD: "\u25cf"}
 """How verdicts stand in the row of the last mornings."""
 
-_LEGEND = (
-    "The last mornings, newest on the right: "
-    + ", ".join(f"{SHAPES[word]} {word}" for word in SHAPES)
-    + ". `opml docs day` explains them."
-)
-
-LEADS = (1, 3, 7)
-"""Days of duration whose errors the page states."""
+LEADS = (1, 3, 7)  # days of duration whose errors the page states
 
 
 def document(outcomes: Sequence[Outcome], weather: Weather, *, date: str) -> list[Block]:
@@ -48,10 +37,8 @@ def document(outcomes: Sequence[Outcome], weather: Weather, *, date: str) -> lis
     return [
         Heading(f"{date}: {summary(outcomes)}", 1),
         Cards([_card(outcome) for outcome in _ordered(outcomes)]),
-        Paragraph(_LEGEND),
-        Heading("In figures"),
+        *texts.blocks("day.legend", shapes=", ".join(f"{SHAPES[word]} {word}" for word in SHAPES)),
         *_objects(outcomes),
-        *_explained(),
         *_past(outcomes),
         *_weather(weather),
     ]
@@ -77,9 +64,8 @@ def as_json(outcomes: Sequence[Outcome], weather: Weather, *, date: str) -> dict
 
 
 def _objects(outcomes: Sequence[Outcome]) -> Iterator[Block]:
-    header = ["object", "verdict", "model", "newest estimate", "tracks", "late"]
-    header += [f"error after {day} d [m]" for day in LEADS]
-    yield Table([*header, "inside", "why"], [_row(outcome) for outcome in _ordered(outcomes)])
+    leads = texts.across(f"error after {day} d [m]" for day in LEADS)
+    return texts.blocks("day.objects", [_row(outcome) for outcome in _ordered(outcomes)], leads=leads)
 
 
 def _ordered(outcomes: Sequence[Outcome]) -> list[Outcome]:
@@ -88,8 +74,7 @@ def _ordered(outcomes: Sequence[Outcome]) -> list[Outcome]:
 
 
 def _card(outcome: Outcome) -> Card:
-    """Return the card of an object: what to do, why, the errors to expect, its last mornings."""
-    name, word = outcome["object"], outcome["verdict"]
+    name, word, why = outcome["object"], outcome["verdict"], as_it_is(_why(outcome))
     message = f"[{outcome['message']}]({name}/{outcome['message']})" if outcome["message"] else "none"
     last = [
         (SHAPES[one["verdict"]], f"{one['date']}: {one['verdict']}", one["verdict"])
@@ -100,7 +85,7 @@ def _card(outcome: Outcome) -> Card:
         TO_DO[word],
         word,
         [
-            f"{as_it_is(_why(outcome))}.",
+            f"{why[:1].upper()}{why[1:]}.",
             f"Expected along the track, one sigma: {_expected(outcome)}.",
             *_beside_sgp4(outcome),
             f"Message: {message}{_yesterday(outcome)}; newest estimate: {_newest(outcome)}; "
@@ -111,7 +96,6 @@ def _card(outcome: Outcome) -> Card:
 
 
 def _expected(outcome: Outcome) -> str:
-    """Return the errors that the ephemeris of today states, in words."""
     sigmas = {one["day"]: one["along_track_sigma_m"] for one in outcome["expected"]}
     parts = [f"**{with_unit(sigmas[day])}** after {day} d" for day in LEADS if day in sigmas]
     return ", ".join(parts) or "none, as none was issued"
@@ -131,7 +115,6 @@ def _beside_sgp4(outcome: Outcome) -> Iterator[str]:
 
 
 def _newest(outcome: Outcome) -> str:
-    """Return when the newest estimate is, and how old, in words."""
     if outcome["newest_estimate"] is None:
         return "none"
     age = "" if outcome["age_hours"] is None else f", {outcome['age_hours']:.0f} h old"
@@ -178,32 +161,17 @@ def _miss(outcome: Outcome) -> float:
     return max((score["along_track_m"] for score in outcome["scores"]), default=0.0)
 
 
-def _explained() -> Iterator[Block]:
-    yield Paragraph(
-        "Errors are median along-track errors of ephemerides issued on earlier mornings, relative to today's "
-        "estimates. `inside` is their share inside the stated 90 % intervals. `tracks` are new, with the "
-        "number of converged fits; `late` ones arrived after later tracks had been processed, and are "
-        "ignored. Ephemerides (OEM) are in the folders of the objects next to this page."
-    )
-
-
 def _past(outcomes: Sequence[Outcome]) -> Iterator[Block]:
-    yield Heading("Past performance")
-    yield Paragraph(
-        f"Up to {HORIZON} mornings: along-track errors of the issued ephemerides, median / 95th percentile "
-        "[m], and the share inside the 90 % intervals, by lead time and by the verdict at issue."
-    )
-    header = ["object", "verdict", *(f"{day} d" for day in LEADS)]
     rows = [
         [outcome["object"], verdict, *(_fared(scores, day) for day in LEADS)]
         for outcome in outcomes
         for verdict, scores in outcome["past"].items()
     ]
-    yield Table(header, rows)
+    leads = texts.across(f"{day} d" for day in LEADS)
+    return texts.blocks("day.past", rows, horizon=HORIZON, leads=leads)
 
 
 def _fared(scores: Sequence[Mapping[str, Any]], day: int) -> str:
-    """Return how ephemerides fared after days of prediction, in one cell."""
     found = [score for score in scores if score["day"] == day]
     if not found:
         return NO_VALUE
@@ -213,13 +181,7 @@ def _fared(scores: Sequence[Mapping[str, Any]], day: int) -> str:
 
 
 def _weather(weather: Weather) -> Iterator[Block]:
-    yield Heading("Space weather")
-    yield Paragraph(
-        "At the hour of each morning: what was seen by this one, and what its ephemerides take for the days "
-        "ahead. In brackets is what 80 % of the futures lie between, which the intervals are made from."
-    )
-    header = ["morning", "known", "F10.7 of the day before [sfu]", "mean of 81 days", "Kp, mean of 24 h"]
-    yield Table(header, [_weather_row(row) for row in weather])
+    return texts.blocks("day.weather", [_weather_row(row) for row in weather])
 
 
 def _weather_row(row: Mapping[str, Any]) -> list[str]:

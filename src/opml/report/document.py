@@ -8,6 +8,7 @@ import html
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from importlib.resources import files
 from pathlib import Path
 
 from opml.base.files import FilePath, replacing
@@ -46,7 +47,7 @@ class Table:
 
 @dataclass(frozen=True)
 class Picture:
-    """A PNG, which Markdown links to and HTML holds; link: its path as seen from the document."""
+    """A PNG, which Markdown links to and HTML holds, wider than a phone's screen; link: from the document."""
 
     file: FilePath
     link: str
@@ -106,8 +107,12 @@ def html_page(blocks: Iterable[Block], *, title: str) -> str:
         '<!DOCTYPE html>\n<html lang="en">\n<meta charset="utf-8">\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
         f"<title>{html.escape(title)}</title>\n"
-        f"<style>{_STYLE}</style>\n<body>\n{body}\n</body>\n</html>\n"
+        f"<style>{_style()}</style>\n<body>\n{body}\n</body>\n</html>\n"
     )
+
+
+def _style() -> str:
+    return "".join((files("opml") / "data" / "report.css").read_text(encoding="utf-8").splitlines())
 
 
 def tab_separated(table: Table) -> str:
@@ -138,29 +143,6 @@ def write(
         with replacing(path) as temporary:
             temporary.write_text(text, encoding="utf-8")
 
-
-_STYLE = (
-    ":root{color-scheme:light dark;--ink:#222;--line:#ccc;--code:#f2f2f2;--link:#0b5cad;"
-    "--green:#1a7f37;--grey:#6e6e6e;--amber:#9a6700;--red:#c4281c}"
-    "@media(prefers-color-scheme:dark)"
-    "{:root{--ink:#ddd;--line:#555;--code:#333;--link:#7ab8ff;--green:#4cc26c;--grey:#aaa;"
-    "--amber:#e0a83a;--red:#ff7b72}body{background:#1b1b1b}}"
-    "body{font:15px/1.5 sans-serif;max-width:70em;margin:2em auto;padding:0 1em;color:var(--ink)}"
-    "a{color:var(--link)}img{max-width:100%;background:#fff}"
-    "table{border-collapse:collapse;margin:1em 0;display:block;overflow-x:auto}"
-    "th,td{border-bottom:1px solid var(--line);padding:.3em .7em;text-align:left;vertical-align:top}"
-    "@media(max-width:30em){th,td{padding:.3em .3em;font-size:.85em}}"
-    "th{border-bottom-width:2px}.number{text-align:right;font-variant-numeric:tabular-nums}"
-    ".time{white-space:nowrap}"
-    ".cards{display:grid;grid-template-columns:repeat(auto-fill,minmax(19em,1fr));gap:1em}"
-    ".pictures{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,26em),1fr));gap:1em}"
-    ".cards section{border:1px solid var(--line);border-left:.5em solid var(--kind);padding:.2em 1em}"
-    ".cards p{margin:.4em 0}.cards h2{margin:.3em 0 0}.line{font-weight:bold;color:var(--kind)}"
-    ".marks{display:flex}.marks span{color:var(--kind);flex:0 0 3.33%;text-align:center;font-size:.7em}"
-    ".good{--kind:var(--green)}.unproven{--kind:var(--grey)}.wide{--kind:var(--amber)}"
-    ".do-not-use,.failed{--kind:var(--red)}"
-    "code{background:var(--code);padding:0 .2em;overflow-wrap:anywhere}td code{overflow-wrap:normal}"
-)
 
 _LINK = re.compile(r"\[([^\]]+)\]\((https?://[^)\s]+|(?!//)[^):\s]+)\)")
 """A link to a page or a place; to nothing that runs."""
@@ -216,7 +198,9 @@ def _html(block: Block) -> str:
             return "<table>\n" + "\n".join(lines) + "\n</table>"
         case Picture(file, _, shows):
             data = base64.b64encode(Path(file).read_bytes()).decode()
-            return f'<p><img alt="{html.escape(shows)}" src="data:image/png;base64,{data}"></p>'
+            return (
+                f'<p class="picture"><img alt="{html.escape(shows)}" src="data:image/png;base64,{data}"></p>'
+            )
         case Pictures(pictures):
             return '<div class="pictures">\n' + "\n".join(map(_html, pictures)) + "\n</div>"
         case Cards(cards):

@@ -7,15 +7,15 @@ import pandas as pd
 
 from opml.base.constants import DAY
 from opml.interop import ccsds
-from opml.report.document import Block, Heading, Paragraph, Table
+from opml.report import texts
+from opml.report.document import Block, Heading
 from opml.report.mornings import Dataset
 from opml.report.results import NO_VALUE
 from opml.tables import BURN
 
 TITLE = "Measurement residuals"
 
-_MOST = 12
-"""Tracks that are named at most."""
+_MOST = 12  # tracks that are named at most
 
 
 def section(
@@ -37,18 +37,12 @@ def section(
 
 
 def _residuals(noise: Mapping[Dataset, pd.DataFrame]) -> Iterator[Block]:
-    """Yield what is left of each instrument's measurements."""
     rows = [
         [*dataset, row["instrument"], str(row["numbers"]), *_cells(row), f"{row['rms']:.2f}"]
         for dataset, table in noise.items()
         for row in table.to_dict("records")
     ]
-    yield Paragraph(
-        "Residuals, measured less predicted, of the newest fits that have no track in common. Where their "
-        "rms is not about sigma, by which they were weighed, noise or forces are others than assumed. Where "
-        "their mean is far from 0, the instrument may be off: `estimation: {bias_sigma: 3}` bears that."
-    )
-    yield Table(["RSO", "stations", "instrument", "numbers", "sigma", "rms", "mean", "rms / sigma"], rows)
+    yield from texts.blocks("instruments.residuals", rows)
 
 
 def _cells(row: Mapping[str, float]) -> list[str]:
@@ -71,28 +65,22 @@ def _unit(instrument: str, sigma: float) -> tuple[str, float]:
 
 
 def _suspects(estimates: Mapping[Dataset, pd.DataFrame], epoch: str) -> Iterator[Block]:
-    """Yield the tracks that were held back, and the burns that tracks showed."""
     for dataset, table in estimates.items():
         days = (table.loc[table["held_back"], "t"] / DAY).round(2).astype(str).tolist()
         named = ", ".join(days[:_MOST]) + (", ..." if len(days) > _MOST else "")
         where = f": on {'day' if len(days) == 1 else 'days'} {named}" if days else ""
-        yield Paragraph(
-            f"**{', '.join(dataset)}.** `estimation.suspect_sigma` held {len(days)} of {len(table)} tracks "
-            f"back when they came{where}."
-        )
+        counts = {"held": len(days), "tracks": len(table)}
+        yield from texts.blocks("instruments.suspects", dataset=", ".join(dataset), where=where, **counts)
     rows = [
         [*dataset, *_burn(row, epoch)]
         for dataset, table in estimates.items()
         for row in table[table[BURN[0]].notna()].to_dict("records")
     ]
     if rows:
-        yield Paragraph("Burns that tracks showed, with the change of velocity [m/s]:")
-        header = ["burn, UTC", "shown, UTC", "radial", "along the track", "across it"]
-        yield Table(["RSO", "stations", *header], rows)
+        yield from texts.blocks("instruments.burns", rows)
 
 
 def _burn(row: Mapping[str, float], epoch: str) -> list[str]:
-    """Return the cells of a burn in a row of estimates."""
     times = ccsds.utc_texts(epoch, np.array([row[BURN[0]], row["t"]]))
     sizes = [f"{row[name]:+.4f}" if np.isfinite(row[name]) else NO_VALUE for name in BURN[1:]]
     return [*(time[:16] for time in times), *sizes]

@@ -11,14 +11,12 @@ import pandas as pd
 
 from opml.base.constants import DAY, EARTH_GM, WGS84_A
 from opml.learning.judge.errors_by_duration import REACH_DAYS
-from opml.report.document import Block, Paragraph, Table
+from opml.report import texts
+from opml.report.document import Block
 from opml.report.results import length
 
-BOUND = 1000.0
-"""Along-track error [m] that a prediction's use is counted up to."""
-
-SHARE = 0.9
-"""Share of the errors that sizes hold."""
+BOUND = 1000.0  # along-track error [m] that a prediction's use is counted up to
+SHARE = 0.9  # share of the errors that sizes hold
 
 
 def section(flown: pd.DataFrame, marks: Sequence[float]) -> list[Block]:
@@ -33,14 +31,8 @@ def section(flown: pd.DataFrame, marks: Sequence[float]) -> list[Block]:
             size = float(flown.loc[near, "e_y"].abs().quantile(SHARE))
             angle = np.degrees(np.arctan2(size, height))
             rows.append([f"{day:g} d", length(size), f"{size / speed:.2g}", f"{angle:.2g}"])
-    return [
-        Paragraph(
-            "As a station sees the issued ephemerides: 90 % of the along-track errors are below these "
-            f"metres, seconds at {speed / 1000.0:.2f} km/s, and degrees seen from directly below, "
-            f"{height / 1000.0:.0f} km away. {days_within(flown)}"
-        ),
-        Table(["after", "[m]", "[s]", "[deg]"], rows),
-    ]
+    sizes = {"speed": speed / 1000.0, "height": height / 1000.0, "within": days_within(flown)}
+    return list(texts.blocks("on_the_sky.section", rows, **sizes))
 
 
 def days_within(flown: pd.DataFrame) -> str:

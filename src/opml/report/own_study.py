@@ -20,17 +20,16 @@ from opml.learning.judge.rolling_origins import by_day
 from opml.learning.models.contract import LearnerSettings
 from opml.learning.models.learners import learns
 from opml.naming import SPLIT, Experiment, parse_test, parse_train, strip_seed
-from opml.report import absurd_fits, answer, conjunctions, instruments, mornings, uncertainty
+from opml.report import absurd_fits, answer, conjunctions, instruments, mornings, texts, uncertainty
 from opml.report.answer import Sources
 from opml.report.beyond import model_table
-from opml.report.document import Block, Heading, Paragraph, Table
+from opml.report.document import Block, Heading, Paragraph
 from opml.report.mornings import Dataset
 from opml.report.results import NO_VALUE, Results, length, percent
 from opml.report.settings_tables import assumed_model, force_models, weather
 from opml.report.skill import NO_CORRECTION, Reference, reference, skill_cell
 
-ModelKey = tuple[str, str, str]
-"""RSO, station set and model."""
+ModelKey = tuple[str, str, str]  # RSO, station set and model
 
 Value = TypeVar("Value")
 
@@ -130,7 +129,6 @@ def document(report: OwnStudyReport, tables: OwnStudyTables) -> list[Block]:
 
 
 def _by_dataset(values: Mapping[ModelKey, Value]) -> dict[Dataset, dict[str, Value]]:
-    """Return values by dataset, then by model."""
     groups: dict[Dataset, dict[str, Value]] = {}
     for (rso, stations, model), value in values.items():
         groups.setdefault((rso, stations), {})[model] = value
@@ -155,44 +153,19 @@ def _splits(
     papers: Mapping[Dataset, pd.DataFrame],
 ) -> Iterator[Block]:
     """Yield P_ML by model and split; papers: i and j of the rows that the paper's cleaning would keep."""
-    header = [f"{split}: {', '.join(pair)}" for split, pair in report.pairs.items()]
-    rows = []
+    splits = texts.across(f"{split}: {', '.join(pair)}" for split, pair in report.pairs.items())
+    rows, later = [], []
     for rso, stations, learner, experiments in _by_model(report):
         evaluation = evaluations.get((rso, stations, learner))
         kept = "100.0" if evaluation is None else _p_ml_cell(evaluation.merge(papers[rso, stations]))
-        rows.append([rso, stations, f"`{learner}`", *map(results.p_ml_cell, experiments), kept])
-    (low, high), hours = PAPER_BOUNDS, report.settings.estimation.window_hours
-    yield Heading("The paper's measure: models against splits")
-    yield Paragraph(
-        f"P_ML [%] is the paper's measure: the summed error after correction, relative to that of the "
-        f"{hours:g}-hour fit. 0 is perfect, 100 no correction. In brackets its 5th and 95th percentile over "
-        "resampled estimates, as the rows of one estimate are no independent evidence. The last column has "
-        f"the rows of `{report.shown}` that the paper's cleaning would keep: Cd from {low:g} to {high:g}, "
-        f"e_y inside Tukey's fences of {PAPER_FENCE:g} interquartile ranges. `opml docs beyond` explains "
-        "models and splits."
-    )
-    yield Table(["RSO", "stations", "model", *header, f"{report.shown}, the paper's rows"], rows)
+        names = [rso, stations, f"`{learner}`"]
+        rows.append([*names, *map(results.p_ml_cell, experiments), kept])
+        later.append([*names, *(percent(results.row(one).get("p_ml_later")) for one in experiments)])
+    limits = {"low": PAPER_BOUNDS[0], "high": PAPER_BOUNDS[1], "fence": PAPER_FENCE}
+    told = {"hours": report.settings.estimation.window_hours, "shown": report.shown, "splits": splits}
+    yield from texts.blocks("own_study.paper_measure", rows, **told, **limits)
     if report.label != "truth" and set(report.truths) != {"measured"}:
-        yield from _label_table(report, results, header)
-
-
-def _label_table(report: OwnStudyReport, results: Results, header: Sequence[str]) -> Iterator[Block]:
-    """Yield P_ML of the same rows against labels in the place of the truth."""
-    rows = [
-        [
-            rso,
-            stations,
-            f"`{learner}`",
-            *(percent(results.row(experiment)["p_ml_later"]) for experiment in experiments),
-        ]
-        for rso, stations, learner, experiments in _by_model(report)
-    ]
-    yield Paragraph(
-        f"The models learned from labels: each prediction less {LATER[report.label]}, once that was known. "
-        "P_ML above is against the truth, if there is one; here the same rows are compared with such "
-        "estimates, which is all that a catalogue has."
-    )
-    yield Table(["RSO", "stations", "model", *header], rows)
+        yield from texts.blocks("own_study.labels", later, later=LATER[report.label], splits=splits)
 
 
 LATER = {
@@ -203,7 +176,6 @@ LATER = {
 
 
 def _by_model(report: OwnStudyReport) -> Iterator[tuple[str, str, str, list[Experiment]]]:
-    """Yield RSO, station set and model with the experiments of its splits."""
     for rso, stations, learner in dict.fromkeys(key[:3] for key in report.experiments):
         experiments = [report.experiments[rso, stations, learner, split] for split in report.pairs]
         yield rso, stations, learner, experiments
@@ -217,28 +189,24 @@ def _errors(report: OwnStudyReport, tables: OwnStudyTables) -> Iterator[Block]:
     """Yield the errors in metres, and each model's skill against the best without learning."""
     train, test = report.pairs[report.shown]
     unit = "m/s" if report.component.startswith("e_v") else "m"
-    yield Heading(_errors_title(report))
-    yield Paragraph(
-        f"Predictions from {report.settings.epoch} UTC over {report.settings.duration_days:g} days, "
-        f"corrected in `{report.component}` by models that learned from earlier ones. "
-        f"{weather(report.settings.environment)}"
-    )
-    yield Paragraph(
-        f"Size of `{report.component}` [{unit}] near some prediction durations, median / 95th percentile. "
-        f"Trained once, on {train}, and tested on {test}: {_touched(report)} Skill [%] is the reduction of "
-        "the summed error relative to the best model without learning: 100 is perfect, 0 no better, below 0 "
-        "worse."
+    end, tested = _training_end(report), parse_test(test)
+    touches = end is None or not tested.unseen or end > tested.days[0]
+    yield from texts.blocks(
+        "own_study.errors",
+        title=_errors_title(report),
+        epoch=report.settings.epoch,
+        days=report.settings.duration_days,
+        component=report.component,
+        weather=weather(report.settings.environment),
+        unit=unit,
+        train=train,
+        test=test,
+        touched=texts.sentences(f"own_study.{'touched' if touches else 'untouched'}"),
     )
     if set(report.truths) == {"measured"}:
-        yield Paragraph(
-            f"These tracks have no true orbit. Errors, here and below, are each prediction minus "
-            f"{LATER[report.label]}."
-        )
+        yield from texts.blocks("own_study.measured", later=LATER[report.label])
     elif tables.truths:
-        yield Paragraph(
-            "Errors, here and below, are against the true orbit. No model knows it: all are trained and "
-            f"chosen, and sizes of errors learned, by each prediction less {LATER[report.label]}."
-        )
+        yield from texts.blocks("own_study.true", later=LATER[report.label])
     growth = {key: at_days(table, report.marks) for key, table in tables.evaluations.items()}
     days = list(dict.fromkeys(day for table in growth.values() for day in table.get("day", [])))
     replays, rows = _by_dataset(tables.replays), []
@@ -253,15 +221,7 @@ def _errors(report: OwnStudyReport, tables: OwnStudyTables) -> Iterator[Block]:
             cells = _size_cells(growth[*dataset, learner], days, "after")
             skill = skill_cell(_summed(table["residual"]), best.left)
             rows.append([*dataset, f"`{learner}`", learning, *cells, skill])
-    yield Table(["RSO", "stations", "model", "learns", *(f"{day:g} d" for day in days), "skill, %"], rows)
-
-
-def _touched(report: OwnStudyReport) -> str:
-    """Return in words whether training days touch the predictions that errors are stated of."""
-    end, test = _training_end(report), parse_test(report.pairs[report.shown][1])
-    if end is not None and test.unseen and end <= test.days[0]:
-        return "no training day touches these predictions."
-    return "training days touch these predictions, which flatters models that learn."
+    yield from texts.blocks("own_study.sizes", rows, days=texts.across(f"{day:g} d" for day in days))
 
 
 def _training_end(report: OwnStudyReport) -> float | None:
@@ -292,7 +252,6 @@ def _summed(errors: pd.Series) -> float:
 
 
 def _rolling(report: OwnStudyReport, tables: Mapping[ModelKey, pd.DataFrame]) -> Iterator[Block]:
-    """Yield learners trained anew beside the same learners trained once; nothing without a table."""
     if not tables:
         return
     rows = []
@@ -302,19 +261,11 @@ def _rolling(report: OwnStudyReport, tables: Mapping[ModelKey, pd.DataFrame]) ->
         worst = [percent(days[name].max()) for name in ("anew", "once")]
         rows.append([rso, stations, f"`{learner}`", _p_ml_cell(table), _p_ml_cell(once), *worst])
     (first, last), every, memory = (report.trained_anew[key] for key in ("days", "every_days", "last_days"))
-    yield Heading("Retrained")
-    yield Paragraph(
-        f"As an operator would run it: trained every {every:g} days on what is known of the last {memory:g} "
-        "days, and applied to the predictions that start before the next training, from day "
-        f"{first:g} to {last:g}; for comparison, the model of the first day. P_ML [%] of all rows, and of "
-        "the worst day."
-    )
-    header = ["retrained", "once", "worst day, retrained", "worst day, once"]
-    yield Table(["RSO", "stations", "model", *header], rows)
+    told = {"first": first, "last": last, "every": every, "memory": memory}
+    yield from texts.blocks("own_study.retrained", rows, **told)
 
 
 def _p_ml_cell(evaluation: pd.DataFrame) -> str:
-    """Return P_ML of an `evaluation` table as a cell, NONE without rows."""
     if evaluation.empty:
         return NO_VALUE
     return f"{p_ml(evaluation['true'].to_numpy(), evaluation['predicted'].to_numpy()):.1f}"
@@ -332,17 +283,6 @@ def _size_cells(sizes: pd.DataFrame, days: Sequence[float], when: str) -> list[s
 def _rows(
     report: OwnStudyReport, tables: OwnStudyTables, papers: Mapping[Dataset, pd.DataFrame]
 ) -> Iterator[Block]:
-    """Yield how many rows are used, and why others are not."""
-    header = [
-        "RSO",
-        "stations",
-        "tracks",
-        "fits converged",
-        "predictions",
-        "used",
-        "the paper would keep",
-        "why others are not",
-    ]
     rows = []
     for dataset in report.datasets:
         table, fits = tables.datasets[dataset], tables.estimates[dataset]
@@ -352,9 +292,7 @@ def _rows(
         counts = [str(len(fits)), str(int(fits["converged"].sum())), str(len(table))]
         kept = [f"{100.0 * share:.1f} %" for share in (used, len(papers[dataset]) / len(table))]
         rows.append([*dataset, *counts, *kept, why or NO_VALUE])
-    yield Heading("Rows used")
-    yield Paragraph("A row is the prediction of one estimate to one later track.")
-    yield Table(header, rows)
+    yield from texts.blocks("own_study.rows", rows)
 
 
 USED = "used"

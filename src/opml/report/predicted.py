@@ -8,13 +8,13 @@ import pandas as pd
 from opml.element_sets.passes import LEVEL, Place
 from opml.element_sets.prediction import Prediction
 from opml.interop.predicted_orbit import UNKNOWABLE, PredictedOrbit
-from opml.report.document import Block, Heading, Paragraph, Picture, Pictures, Table, as_it_is
+from opml.report import texts
+from opml.report.document import Block, Heading, Paragraph, Picture, Pictures, as_it_is
 from opml.report.results import length, with_unit
 
 _SECONDS, _DATE = len("2016-09-28T12:09:45"), len("2016-09-28T")
 
-_TURNS = 24.0 * 60.0 / math.tau
-"""Revolutions a day for each radian a minute."""
+_TURNS = 24.0 * 60.0 / math.tau  # revolutions a day for each radian a minute
 
 
 def document(
@@ -27,7 +27,7 @@ def document(
         _in_short(rows),
         *_how(prediction),
         Pictures(pictures),
-        _expected(rows),
+        *_expected(rows),
         Paragraph(f"One sigma each: {prediction.basis}; {UNKNOWABLE}."),
         *(block for where, rows in passes.items() for block in _passes(where, rows)),
     ]
@@ -40,21 +40,15 @@ def _in_short(rows: pd.DataFrame) -> Paragraph:
 
 
 def _how(prediction: PredictedOrbit) -> Iterator[Block]:
+    used = {"way": prediction.way, "reason": prediction.reason}
     if not isinstance(prediction, Prediction):
-        yield Paragraph(f"Used: **{prediction.way}**. Whether to trust it: {prediction.reason}.")
-        return
-    how = prediction.how
-    yield Paragraph(
-        f"Used: **{prediction.way}**, propagated by SGP4. Why: {prediction.reason}. The newest set was "
-        f"{how['age']:.1f} days old, the mean height is {how['height'] / 1e3:.0f} km."
-    )
-    yield Paragraph(
-        f"Mean motion {_TURNS * how['motion']:.8f} rev/d (published {_TURNS * how['motion_before']:.8f}), B* "
-        f"{how['bstar']:.4e} (published {how['bstar_before']:.4e})."
-    )
+        return texts.blocks("predicted.used", **used)
+    how = dict(prediction.how)
+    turns = {name: _TURNS * how.pop(name) for name in ("motion", "motion_before")}
+    return texts.blocks("predicted.improved", **used, **how | turns | {"height": how["height"] / 1e3})
 
 
-def _expected(rows: pd.DataFrame) -> Table:
+def _expected(rows: pd.DataFrame) -> Iterator[Block]:
     names = {
         "along_track": "along track [m]",
         "radial": "radial [m]",
@@ -62,10 +56,8 @@ def _expected(rows: pd.DataFrame) -> Table:
         "sgp4_along_track": "SGP4 along track [m]",
     }
     told = {name: words for name, words in names.items() if name in rows}
-    return Table(
-        ["days ahead", *told.values()],
-        [[str(row["lead"]), *(length(row[name]) for name in told)] for row in rows.to_dict("records")],
-    )
+    cells = [[str(row["lead"]), *(length(row[name]) for name in told)] for row in rows.to_dict("records")]
+    return texts.blocks("predicted.expected", cells, names=texts.across(told.values()))
 
 
 def _passes(where: Place, rows: pd.DataFrame) -> Iterator[Block]:
@@ -73,20 +65,16 @@ def _passes(where: Place, rows: pd.DataFrame) -> Iterator[Block]:
     if rows.empty:
         yield Paragraph("None above 5 degrees.")
         return
-    yield Paragraph(f"Above 5 degrees. {100.0 * LEVEL:.0f} % are within these seconds.")
-    header = ["rise", "highest", "set", "up to [deg]", "early or late [s]"]
-    yield Table(
-        header,
+    cells = [
         [
-            [
-                _z(row["rise"]),
-                *(_z(row[name])[_DATE:] for name in ("highest", "set")),
-                f"{row['elevation']:.0f}",
-                f"{row['early_or_late']:.1f}",
-            ]
-            for row in rows.to_dict("records")
-        ],
-    )
+            _z(row["rise"]),
+            *(_z(row[name])[_DATE:] for name in ("highest", "set")),
+            f"{row['elevation']:.0f}",
+            f"{row['early_or_late']:.1f}",
+        ]
+        for row in rows.to_dict("records")
+    ]
+    yield from texts.blocks("predicted.passes", cells, level=100.0 * LEVEL)
 
 
 def _z(time: str) -> str:

@@ -4,7 +4,7 @@ Nothing is tuned towards the paper but one column, which says so: its kernel sca
 number, and every other number of the column is a prediction.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.resources import files
 from typing import Any
@@ -13,12 +13,12 @@ import pandas as pd
 
 from opml.base.constants import DAY
 from opml.naming import Experiment
+from opml.report import texts
 from opml.report.claims import Claim, judge_claim
-from opml.report.document import Block, Heading, Paragraph, Table
+from opml.report.document import Block
 from opml.report.results import NO_VALUE, Results, extent_cell, percent
 
-EXPLAINED = 0.5
-"""Share of a difference that a run must remove to count as its likeliest cause."""
+EXPLAINED = 0.5  # share of a difference that a run must remove to count as its likeliest cause
 
 
 @dataclass(frozen=True)
@@ -83,22 +83,31 @@ def document(
     """
     results = Results(metrics)
     comparisons = [compare(headline, results) for headline in reproduction.headlines]
+    summary = [
+        [_code(one), percent(one.headline.published), percent(one.ours), _cause(one, results)]
+        for one in comparisons
+    ]
+    causes = [_cause_row(one, results) for one in comparisons if not one.inside] or [[NO_VALUE] * 5]
+    judged = (judge_claim(claim, results) for claim in reproduction.claims if claim.points)
+    counted = [[str(cell) for cell in row] for row in datasets.itertuples(index=False)]
     return [
-        Heading("The paper's numbers and ours", 1),
-        *_summary(comparisons, results),
+        *texts.blocks("reproduction.summary", summary),
         *_headlines(reproduction, comparisons, scales),
-        *_causes(comparisons, results),
+        *texts.blocks("reproduction.causes", causes, explained=EXPLAINED),
         *_readings(reproduction, results),
         *_kernel_scales(reproduction.scales, results),
-        *_claims(reproduction.claims, results),
-        *_drawn_numbers(reproduction.drawn, results),
-        Heading("Tracks, pairs and kept rows"),
-        Table(
-            list(datasets.columns), [[str(cell) for cell in row] for row in datasets.itertuples(index=False)]
+        *texts.blocks(
+            "reproduction.claims",
+            [[says, numbers, "yes" if holds else "no"] for says, numbers, holds in judged],
         ),
-        Heading("Slips and doubts of the paper"),
-        Table(["the paper", "here"], doubts()),
+        *_drawn_numbers(reproduction.drawn, results),
+        *texts.blocks("reproduction.counts", counted, columns=texts.across(datasets.columns)),
+        *texts.blocks("reproduction.doubts", doubts()),
     ]
+
+
+def _code(comparison: Comparison) -> str:
+    return f"`{comparison.headline.name}`"
 
 
 def doubts() -> list[list[str]]:
@@ -153,26 +162,6 @@ def counts(
     }
 
 
-def _summary(comparisons: Sequence[Comparison], results: Results) -> list[Block]:
-    rows = [
-        [
-            f"`{comparison.headline.name}`",
-            percent(comparison.headline.published),
-            percent(comparison.ours),
-            _cause(comparison, results),
-        ]
-        for comparison in comparisons
-    ]
-    return [
-        Paragraph(
-            "P_ML [%] is the summed absolute error after correction, in % of that before: 0 is perfect, 100 "
-            "no correction. The cause is the interpretation of one open point that comes nearest."
-        ),
-        Table(["number", "paper", "ours", "cause of the difference"], rows),
-        Heading("Compared with our seeds"),
-    ]
-
-
 def _cause(comparison: Comparison, results: Results) -> str:
     if comparison.inside:
         return "the seeds"
@@ -182,32 +171,22 @@ def _cause(comparison: Comparison, results: Results) -> str:
 
 def _headlines(
     reproduction: Reproduction, comparisons: Sequence[Comparison], scales: Mapping[str, float]
-) -> list[Block]:
-    splits = max((len(headline.over_splits) for headline in reproduction.headlines), default=0)
-    noises = max((len(headline.over_noise) for headline in reproduction.headlines), default=0)
-    header = ["number", "paper", "ours", "over split seeds", "over noise seeds", "ours - paper"]
-    header += ["paper within our seeds", "our kernel scale s", f"s = {reproduction.fixed_scale:g}"]
-    rows = [_headline_row(comparison, scales, reproduction.calibrated) for comparison in comparisons]
-    return [
-        Paragraph(
-            "'Ours' is the run with the paper's single seed and the default reading of what "
-            f"it leaves open (kernel scale rule: {reproduction.rule}). The ranges are smallest and largest "
-            f"over {splits} seeds of the splits and subsamples and over {noises} seeds of the measurement "
-            "noise; a transfer to another RSO was not measured anew under other noise."
-        ),
-        Paragraph(
-            "The last column is no reproduction but a test: its kernel scale, "
-            f"{reproduction.fixed_scale:g} for every model, was chosen so that `{reproduction.calibrated}` "
-            "alone is met. Every other number in it is then a prediction."
-        ),
-        Table(header, rows),
-    ]
+) -> Iterator[Block]:
+    return texts.blocks(
+        "reproduction.headlines",
+        [_headline_row(comparison, scales, reproduction.calibrated) for comparison in comparisons],
+        rule=reproduction.rule,
+        splits=max((len(headline.over_splits) for headline in reproduction.headlines), default=0),
+        noises=max((len(headline.over_noise) for headline in reproduction.headlines), default=0),
+        scale=reproduction.fixed_scale,
+        calibrated=reproduction.calibrated,
+    )
 
 
 def _headline_row(comparison: Comparison, scales: Mapping[str, float], calibrated: str) -> list[str]:
     name = comparison.headline.name
     return [
-        f"`{name}`",
+        _code(comparison),
         percent(comparison.headline.published),
         percent(comparison.ours),
         extent_cell(comparison.over_splits),
@@ -219,27 +198,14 @@ def _headline_row(comparison: Comparison, scales: Mapping[str, float], calibrate
     ]
 
 
-def _causes(comparisons: Sequence[Comparison], results: Results) -> list[Block]:
-    rows = [_cause_row(comparison, results) for comparison in comparisons if not comparison.inside]
-    return [
-        Heading("Where we differ by more than the seeds do"),
-        Paragraph(
-            "For each number the run that comes nearest to the paper's, of all that change the "
-            "interpretation of one open point. It is named as the likeliest cause where it removes at least "
-            f"{EXPLAINED:.0%} of the difference. What comes nearest need not be what the paper did."
-        ),
-        Table(["number", "ours - paper", "likeliest cause", "P_ML then", "run"], rows or [[NO_VALUE] * 5]),
-    ]
-
-
 def _cause_row(comparison: Comparison, results: Results) -> list[str]:
     text, run, explains = likeliest_cause(comparison, results)
     verdict = "" if explains else "not explained by any interpretation run here; the nearest: "
     cells = [verdict + text, percent(results.p_ml(run)), f"`{run.path('metrics')}`"]
-    return [f"`{comparison.headline.name}`", f"{comparison.difference:+.1f}", *cells]
+    return [_code(comparison), f"{comparison.difference:+.1f}", *cells]
 
 
-def _readings(reproduction: Reproduction, results: Results) -> list[Block]:
+def _readings(reproduction: Reproduction, results: Results) -> Iterator[Block]:
     shown = {name for experiments in reproduction.readings.values() for name in experiments}
     names = [name for name in reproduction.evaluations if name in shown]
 
@@ -249,18 +215,12 @@ def _readings(reproduction: Reproduction, results: Results) -> list[Block]:
         )
         return [text, *cells]
 
-    rows = [row(text, experiments) for text, experiments in reproduction.readings.items()]
-    return [
-        Heading("Open points of the paper"),
-        Paragraph("P_ML [%] with one interpretation changed at a time."),
-        Table(
-            ["reading", *(f"`{name}`" for name in names)],
-            [row("as the settings are", reproduction.evaluations), *rows],
-        ),
-    ]
+    rows = [row("as the settings are", reproduction.evaluations)]
+    rows += [row(text, experiments) for text, experiments in reproduction.readings.items()]
+    return texts.blocks("reproduction.readings", rows, names=texts.across(f"`{name}`" for name in names))
 
 
-def _kernel_scales(scales: Mapping[Experiment, float], results: Results) -> list[Block]:
+def _kernel_scales(scales: Mapping[Experiment, float], results: Results) -> Iterator[Block]:
     columns: dict[str, dict[float, float]] = {}
     for experiment, scale in scales.items():
         title = f"{experiment.stations}, {experiment.train}, {experiment.test}"
@@ -269,35 +229,14 @@ def _kernel_scales(scales: Mapping[Experiment, float], results: Results) -> list
         [f"{scale:g}", *(percent(column[scale]) for column in columns.values())]
         for scale in dict.fromkeys(scales.values())
     ]
-    return [
-        Heading("The kernel scale"),
-        Paragraph(
-            "fitrsvm's own rule for the scale is not public, and it is the setting that matters most. P_ML "
-            "[%] by scale; `figs/kernel_scale_sensitivity` draws it with the rules' scales marked."
-        ),
-        Table(["s", *columns], rows),
-    ]
+    return texts.blocks("reproduction.kernel_scales", rows, columns=texts.across(columns))
 
 
-def _claims(claims: Sequence[Claim], results: Results) -> list[Block]:
-    judgements = [judge_claim(claim, results) for claim in claims if claim.points]
-    return [
-        Heading("What the paper says in words"),
-        Table(
-            ["the paper", "ours, P_ML [%]", "holds"],
-            [[sentence, numbers, "yes" if holds else "no"] for sentence, numbers, holds in judgements],
-        ),
-    ]
-
-
-def _drawn_numbers(drawn: Mapping[str, Experiment], results: Results) -> list[Block]:
+def _drawn_numbers(drawn: Mapping[str, Experiment], results: Results) -> Iterator[Block]:
     rows = []
     for name, experiment in drawn.items():
         row = results.row(experiment)
         shares = [percent(row["p_ml"]), percent(100.0 * row["fraction_reduced"])]
         counts = [str(row["rows"]), str(row["estimates"])]
         rows.append([name, *shares, *counts, f"`{experiment.path('metrics')}`"])
-    return [
-        Heading("Every number that is drawn"),
-        Table(["figure", "P_ML [%]", "points made better [%]", "rows", "estimates", "run"], rows),
-    ]
+    return texts.blocks("reproduction.drawn", rows)

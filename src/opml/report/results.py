@@ -8,8 +8,7 @@ import pandas as pd
 
 from opml.naming import Experiment
 
-NO_VALUE = "-"
-"""The cell of a number that is not there."""
+NO_VALUE = "-"  # the cell of a number that is not there
 
 
 class Results:

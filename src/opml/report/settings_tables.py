@@ -3,20 +3,17 @@
 import math
 from collections.abc import Iterator, Mapping, Sequence
 
-from opml.dynamics.settings import FORCES, ForceModels, ForceModelSettings
+from opml.dynamics.settings import FORCES, ForceModels
 from opml.environment.settings import EnvironmentSettings
 from opml.orbits.sheets import Rso, Station
-from opml.report.document import Block, Heading, Paragraph, Table
+from opml.report import texts
+from opml.report.document import Block, Table
 from opml.tables import COMPONENTS
 
 
 def models(environment: EnvironmentSettings, models: ForceModels) -> list[Block]:
     """Return a document on the truth and the assumed model."""
-    return [
-        Heading("Truth and assumed model", 1),
-        Paragraph("The paper's table of the models, as they ran here."),
-        force_models(environment, models),
-    ]
+    return [*texts.blocks("settings_tables.models"), force_models(environment, models)]
 
 
 def force_models(environment: EnvironmentSettings, models: ForceModels) -> Table:
@@ -33,19 +30,14 @@ def force_models(environment: EnvironmentSettings, models: ForceModels) -> Table
         ["atmosphere", "DTM2000", "DTM2000"],
         ["solar activity", truth + percentile, assumed + percentile + _knowledge(environment)],
         ["radiation pressure", *["sphere, umbra and penumbra"] * 2],
-        *_switched(both),
+        *[
+            [name, *("yes" if getattr(model, force) else "no" for model in both)]
+            for force, name in FORCES.items()
+            if any(getattr(model, force) for model in both)
+        ],
         ["drag coefficient", "the RSO's", "estimated"],
     ]
     return Table(["parameter", "truth model", "assumed model"], rows)
-
-
-def _switched(models: Sequence[ForceModelSettings]) -> list[list[str]]:
-    """Return the rows of forces that at least one of the models has switched on."""
-    return [
-        [name, *("yes" if getattr(model, force) else "no" for model in models)]
-        for force, name in FORCES.items()
-        if any(getattr(model, force) for model in models)
-    ]
 
 
 def assumed_model(environment: EnvironmentSettings, models: ForceModels) -> Table:
@@ -69,13 +61,13 @@ def weather(environment: EnvironmentSettings) -> str:
             return f"Space weather: monthly figures ({source})."
     if source == "MSAFE":
         return "Space weather: MSAFE's monthly figures, which were published half a year later."
-    return f"Space weather: {source} as it stands, measured values of the days predicted to included."
+    return f"Space weather: {source} as in the file, with measured values of the days predicted to."
 
 
 def weather_word(environment: EnvironmentSettings) -> str:
     """Return in a word or three what predictions know of the space weather."""
     words = {"forecast": "forecast", "hindcast": "observed", "monthly": "monthly"}
-    return words.get(environment.knowledge or "", "as it stands")
+    return words.get(environment.knowledge or "", "as in the file")
 
 
 def _knowledge(environment: EnvironmentSettings) -> str:
@@ -102,11 +94,8 @@ def stations(sheet: Sequence[Station]) -> list[Block]:
         ],
         *_sigmas(sheet),
     ]
-    return [
-        Heading("Stations", 1),
-        Paragraph("The paper's table of ground-based radars, from the sheet that ran."),
-        Table(["parameter", *(station.name for station in sheet)], rows),
-    ]
+    names = texts.across(station.name for station in sheet)
+    return list(texts.blocks("settings_tables.stations", rows, names=names))
 
 
 def _sigmas(sheet: Sequence[Station]) -> Iterator[list[str]]:
@@ -138,24 +127,14 @@ def rsos(sheet: Sequence[Rso], *, epoch: str, title: str) -> list[Block]:
         ["drag coefficient", *(_number(rso.cd) for rso in sheet)],
         ["reflection coefficient", *(_number(rso.cr) for rso in sheet)],
     ]
-    return [
-        Heading(title, 1),
-        Paragraph(f"Osculating elements in GCRF at {epoch} UTC, from the sheet that ran."),
-        Table(["parameter", *(rso.name for rso in sheet)], rows),
-    ]
+    names = texts.across(rso.name for rso in sheet)
+    return list(texts.blocks("settings_tables.rsos", rows, title=title, epoch=epoch, names=names))
 
 
 def components(p_ml: Mapping[str, Sequence[float]]) -> list[Block]:
     """Return a document on the six components; p_ml: [%], in the order of COMPONENTS, by evaluation."""
     rows = [[f"`{name}`", *(f"{value:.1f}" for value in values)] for name, values in p_ml.items()]
-    return [
-        Heading("P_ML of the six components [%]", 1),
-        Paragraph(
-            "Six models are trained, one per component of the error in RSW (x radial, y along-track, z "
-            "cross-track); 100 % is no correction. The paper shows e_y, the largest, only."
-        ),
-        Table(["evaluation", *COMPONENTS], rows),
-    ]
+    return list(texts.blocks("settings_tables.components", rows, names=texts.across(COMPONENTS)))
 
 
 def _deg(radians: float) -> str:

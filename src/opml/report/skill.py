@@ -10,8 +10,7 @@ from opml.base.errors import InputError
 from opml.learning.judge.model_choice import choose
 from opml.report.results import NO_VALUE
 
-NO_CORRECTION = "no correction"
-"""The row of a table whose predictions stay as they are."""
+NO_CORRECTION = "no correction"  # the row of a table whose predictions stay as they are
 
 
 @dataclass(frozen=True)
@@ -44,7 +43,6 @@ def reference(
     left: summed size of the errors that each leaves, NO_CORRECTION among them
     replays: `replay` tables of these models
     day: end of the training, None where it has none
-    seed: of the choice
     """
     if replays and day is not None:
         try:

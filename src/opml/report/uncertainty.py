@@ -9,7 +9,8 @@ from opml.learning.judge import calibration
 from opml.learning.judge.error_sizes import INSIDE, LEVEL
 from opml.learning.judge.errors_by_duration import REACH_DAYS
 from opml.learning.judge.model_choice import CHOSEN, Mornings
-from opml.report.document import Block, Heading, Paragraph, Table
+from opml.report import texts
+from opml.report.document import Block
 from opml.report.mornings import Dataset
 from opml.report.results import NO_VALUE, length
 from opml.tables import ELLIPSOID, PLANE, WHOLE
@@ -20,8 +21,7 @@ _QUANTITIES = ("e_x", "e_y", "e_z", PLANE, ELLIPSOID, WHOLE)
 
 TOO_SHORT = "No morning had a past that was long enough to state a covariance from."
 
-HOLDS = (0.85, 0.95)
-"""Shares at which an ellipsoid of 90 % counts as true."""
+HOLDS = (0.85, 0.95)  # shares at which an ellipsoid of 90 % counts as true
 
 
 def section(
@@ -34,31 +34,7 @@ def section(
     """
     if not replays:
         return
-    yield Heading(TITLE)
-    yield Paragraph(
-        "Shares [%] of the errors inside 90 %: radial, along-track and cross-track intervals, the plane of "
-        "the first two, the ellipsoid of the position, and that of all six components. The covariances are "
-        "those that an ephemeris of that morning would have had, from errors known by then; `fit` is the "
-        "fits' own, propagated to the prediction. sigma: median standard deviation along-track, "
-        "futures: the part of the space weather alone, a lower bound. p: "
-        "goodness of fit of the squared Mahalanobis distances to chi-square(3), one a morning (Cramer and "
-        f"von Mises); below {calibration.PASSES:g} the covariance is not realistic. score: mean of -ln of "
-        "the stated density at the position error; less is better. `opml docs uncertainty` explains."
-    )
-    header = [
-        "model",
-        "d",
-        "radial",
-        "along",
-        "cross",
-        "plane",
-        "ellipsoid",
-        "state",
-        "sigma [m]",
-        "futures [m]",
-        "p",
-        "score",
-    ]
+    yield from texts.blocks("uncertainty.section", title=TITLE, passes=calibration.PASSES)
     for (rso, stations), mornings in replays.items():
         tables = {CHOSEN: mornings.flown} | {f"`{name}`": table for name, table in mornings.tables.items()}
         shares = calibration.of_replays(tables, days=days)
@@ -67,27 +43,21 @@ def section(
             fit = fits[rso, stations].groupby("day")
             rows += [[*_cells("fit", day, table), NO_VALUE, NO_VALUE, NO_VALUE] for day, table in fit]
         flown = _verdict(mornings.flown, shares[CHOSEN], days) if CHOSEN in shares else TOO_SHORT
-        yield Paragraph(f"**{rso}, {stations}.** {flown}")
-        yield Table(header, rows)
+        yield from texts.blocks("uncertainty.dataset", rows, rso=rso, stations=stations, flown=flown)
 
 
 def _verdict(flown: pd.DataFrame, shares: pd.DataFrame, days: Sequence[float]) -> str:
-    """Return as text whether the covariances of what was flown are true.
-
-    flown: `replay` table
-    shares: its `calibration` table
-    days: prediction durations that shares are stated at
-    """
     ellipsoids = shares[(shares["quantity"] == ELLIPSOID) & (shares["level"] == LEVEL)]
     held = {row["day"]: row["inside"] for row in ellipsoids.to_dict("records")}
-    good = [day for day, share in held.items() if HOLDS[0] <= share <= HOLDS[1]]
     tested = calibration.goodness(flown, days=days).dropna(subset=["p"])
-    passed = int((tested["p"] >= calibration.PASSES).sum())
-    words = ", ".join(f"{100.0 * share:.0f} % at {day:g} d" for day, share in held.items())
-    return (
-        f"The 90 % ellipsoid of the issued ephemerides contains {words}: between 85 and 95 % at {len(good)} "
-        f"of {len(held)} durations. Goodness of fit passes at {passed} of {len(tested)} that have "
-        f"{calibration.LEAST} mornings."
+    return texts.sentences(
+        "uncertainty.verdict",
+        words=", ".join(f"{100.0 * share:.0f} % at {day:g} d" for day, share in held.items()),
+        good=sum(HOLDS[0] <= share <= HOLDS[1] for share in held.values()),
+        held=len(held),
+        passed=int((tested["p"] >= calibration.PASSES).sum()),
+        tested=len(tested),
+        least=calibration.LEAST,
     )
 
 

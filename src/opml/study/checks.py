@@ -126,6 +126,9 @@ def _check_day(source: Source, settings: Settings) -> None:
             raise source.wrong(
                 (kind.name,), "expected none where mornings are asked for (day), as these read none"
             )
+    for name in run.day.messages or ():
+        if name not in settings.measured:
+            raise source.wrong(("day", "messages"), f"expected objects that were measured, got {name}")
     for name in run.day.models:
         with source.naming(("day", "models")):
             learner = learners.resolved(

@@ -70,7 +70,7 @@ _MECHANISM = (
 )
 
 _ARCS = (
-    real("cd_arc", "1", "drag coefficient of the arc that ends at t_i, of the sheet where it tells nothing"),
+    real("cd_arc", "1", "drag coefficient of the arc that ends at t_i, or the sheet's where undetermined"),
     *state_columns(PREDICTED, "prediction minus that of the arc", prefix="l_arc_"),
     *state_columns(
         PREDICTED, "change of the arc's prediction per unit of Cd along its covariance", prefix="v_arc_"
@@ -187,7 +187,7 @@ CATALOG_SCHEMAS = (
             count("track", "number of the track"),
             real("t", "s", f"start of the track, {SINCE}"),
             *state_columns("GCRF", "first orbit at the track's start, NaN where it does not last"),
-            real("age", "s", "time between the track's start and the one that the orbit was known at"),
+            real("age", "s", "time from the known orbit's epoch to the track's start"),
         ),
     ),
     Schema(
@@ -318,7 +318,7 @@ CATALOG_SCHEMAS = (
         "scores",
         "a day of prediction durations, of the fans",
         (
-            count("day", "prediction durations up to so many days, from the day before"),
+            count("day", "prediction durations up to this number of days, above that of the day before"),
             count("rows", "predictions"),
             real("inside", "1", "share of the errors from low to high"),
             real("width", "m", "mean distance from low to high"),

@@ -33,7 +33,7 @@ _SET = (
     real("mean_anomaly", "rad", "mean anomaly"),
     real("bstar", "1/(6378.135 km)", "drag term B*"),
     flag("is_deep", "whether its period is 225 minutes or more, where SGP4 adds Sun and Moon"),
-    real("t_created", "s", f"when the set was made, {SINCE}; NaN where the file does not tell"),
+    real("t_created", "s", f"when the set was made, {SINCE}; NaN where the file does not state it"),
     text("file", "name of the file that the set was read from"),
     count("line", "line of the file where the set begins"),
 )
@@ -61,7 +61,7 @@ ELEMENT_SCHEMAS = (
             real("bstar", "1/(6378.135 km)", "B* of the improved set"),
             real("motion_before", "rad/min", "mean motion of the set as published"),
             real("bstar_before", "1/(6378.135 km)", "B* of the set as published"),
-            real("jump", "1", "how many times as far as usual the set misses those before it, NaN if untold"),
+            real("jump", "1", "how many times its usual distance the set misses those before it; or NaN"),
             *(
                 column
                 for lead in IMPROVED_LEADS
@@ -79,12 +79,12 @@ ELEMENT_SCHEMAS = (
         "a node of a tree of a trained model",
         (
             count("part", "number of the part of the catalogue, see the metadata"),
-            text("quantity", "miss: what is taken off; size: logarithm of the size of what is left"),
+            text("quantity", "miss: the error subtracted; size: logarithm of the residual error's size"),
             count("tree", "number of the tree"),
             count("feature", "number of the feature asked, -1 at a leaf"),
-            real("threshold", "1", "the branch is the left one where the feature is not above it"),
-            count("left", "row of the left node in its part and quantity, its own at a leaf"),
-            count("right", "row of the right node in its part and quantity, its own at a leaf"),
+            real("threshold", "1", "rows with a feature up to it go to the node `left`"),
+            count("left", "row of that node in its part and quantity; at a leaf this row"),
+            count("right", "row of the node for all others; at a leaf this row"),
             real("value", "1", "what a leaf adds, in scales or logarithms of these"),
         ),
     ),
@@ -129,14 +129,14 @@ ELEMENT_SCHEMAS = (
                 column
                 for name in ("scaled", "learned", "improved")
                 for column in (
-                    real(f"{name}_median", "%", f"median of what the {name} prediction leaves, of SGP4's"),
+                    real(f"{name}_median", "%", f"median error of the {name} prediction, of SGP4's"),
                     real(f"{name}_low", "%", f"2.5th percentile of {name}_median over weeks and objects"),
                     real(f"{name}_high", "%", f"97.5th percentile of {name}_median over weeks and objects"),
                     real(f"{name}_p95", "%", f"the same of the 95th percentile of the {name} prediction"),
                     real(f"{name}_p_ml", "%", f"P_ML of the {name} prediction"),
                 )
             ),
-            real("gain_median", "%", "median of what the learned prediction leaves, of the scaled one's"),
+            real("gain_median", "%", "median error of the learned prediction, of the scaled one's"),
             real("gain_low", "%", "2.5th percentile of gain_median over weeks and objects"),
             real("gain_high", "%", "97.5th percentile of gain_median over weeks and objects"),
             real("coverage", "%", "share of `learned` inside its intervals of 90 %, NaN without any"),

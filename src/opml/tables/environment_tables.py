@@ -63,10 +63,10 @@ ENVIRONMENT_SCHEMAS = (
     ),
     Schema(
         "futures",
-        "a node of the environment's time grid, by one of the futures told at a time of issue before",
+        "a node of the environment's time grid, in one of the futures issued at an earlier time",
         (
             count("member", "number of the future, that of the most similar day first"),
-            real("issued", "s", "when it was told, in elapsed SI seconds since the epoch"),
+            real("issued", "s", "when it was issued, in elapsed SI seconds since the epoch"),
             TIME,
             *_ACTIVITY,
         ),

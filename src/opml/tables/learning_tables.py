@@ -54,8 +54,8 @@ _SPLIT = (
     text("rso", "RSO, or pool of RSOs, the model was trained on"),
     text(
         "stations",
-        "station set, then noise seed, window and reading of t_b where they differ from the settings, and "
-        "reference of the errors where it is not the truth",
+        "station set, then noise seed, window and interpretation of t_b where they differ from the settings, "
+        "and reference of the errors where it is not the truth",
     ),
     text("train", "training split, then its seed where it differs from the settings"),
     text("learner", "learner"),
@@ -156,7 +156,7 @@ LEARNING_SCHEMAS = (
         (
             text("model", "that predicts: none, the best without learning, or the one selected each day"),
             text("covariance", "that it goes with: the fit's own, or of past errors"),
-            text("weather", "that the predictions knew: forecast, observed, monthly or as it stands"),
+            text("weather", "that the predictions knew: forecast, observed, monthly or as in the file"),
             real("day", "d", "prediction duration"),
             real("flagged", "1", "share of the collisions that raise an alarm"),
             real("alarms", "1", "alarms that are raised per collision"),

@@ -1,6 +1,7 @@
 """Schemas of the tables that every morning leaves of an object."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from opml.tables.catalog_tables import CATALOG_SCHEMAS
 from opml.tables.columns import (
@@ -56,6 +57,11 @@ MORNING_SCHEMAS = (
         ),
     ),
 )
+
+
+def of_objects(schema: Schema) -> Schema:
+    """Return the schema of a file with the rows of several objects, sorted by their names."""
+    return replace(schema, columns=(text("object", "name of the object"), *schema.columns))
 
 
 def paths_schema(models: Sequence[str]) -> Schema:

@@ -12,8 +12,8 @@ from pathlib import Path
 from opml.base.errors import InputError
 from opml.base.progress import counted
 from opml.mornings import outcomes
-from opml.mornings.days import Folder
 from opml.mornings.outcomes import DO_NOT_USE
+from opml.mornings.store import Store
 from opml.report.day import summary
 from opml.study.checks import load_settings
 from opml.study.settings.merging import Settings, merged
@@ -75,10 +75,9 @@ def run(call: Call) -> int:
 
 def mornings_ahead(day: date, settings: Settings) -> int:
     """Return how many mornings of objects are to be run up to a date, at most: tracks may begin later."""
-    days = Path(settings.values["results"], "days")
+    store = Store(Path(settings.values["results"], "days"), "0", settings.measured)
     before = date.fromisoformat(settings.values["epoch"][:10]) - timedelta(days=1)
-    done = (Folder(days, name).done(day) for name in settings.measured)
-    return sum((day - (dates[-1] if dates else before)).days for dates in done)
+    return sum((day - (dates[-1] if dates else before)).days for dates in store.done(day).values())
 
 
 def beforehand(number: int, settings: Settings) -> str:
@@ -110,7 +109,7 @@ def _snakemake(call: Call, pages: Sequence[str]) -> int:
     command = [sys.executable, "-m", "snakemake", *call.where, *how, *settings, "--", *pages]
     code = subprocess.run(command, check=False).returncode
     if code and not call.dry:
-        told = "opml: the workflow failed; `opml day -n`, which is not quiet, tells of errors in its plan"
+        told = "opml: the workflow failed; `opml day -n` shows errors in its plan"
         print(told, file=sys.stderr, flush=True)
     return code
 

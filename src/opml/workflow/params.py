@@ -209,7 +209,7 @@ class Params:
         if wildcards.rso in self.plan.settings.measured and wildcards.rso not in self.plan.settings.orbits:
             known = "what was measured has no truth, and no seed of the noise"
             raise InputError(
-                f"truth of '{wildcards.rso}': expected an RSO without measurements of its own, as {known}"
+                f"truth of '{wildcards.rso}': expected an RSO without own measurements, as {known}"
             )
 
     def check_filtered(self, _: Wildcards) -> None:
@@ -239,6 +239,7 @@ class Params:
             "date": wildcards.date,
             "hour": day.hour,
             "days": self.plan.product("days").folder,
+            "batch": wildcards.batch,
             "stations": self.all_stations,
             "estimation": _given(self.run.estimation),
             "max_days": self.run.prediction.max_days,
@@ -274,6 +275,7 @@ class Params:
             **self._measured(rso),
             "start": settings.starts.get(rso, ""),
             "manoeuvres": settings.manoeuvres(rso),
+            "has_message": settings.day.messages is None or rso in settings.day.messages,
         }
 
     def departures(self, wildcards: Wildcards) -> dict[str, Any]:

@@ -3,10 +3,12 @@
 import csv
 import json
 import math
+import re
 import runpy
 import shutil
 import sys
 from dataclasses import replace
+from datetime import date
 from itertools import pairwise
 
 import numpy as np
@@ -17,6 +19,7 @@ from support import REPOSITORY, refusal
 from opml import cli
 from opml.base.errors import InputError
 from opml.benchmark import answers, baselines, recipes, tasks
+from opml.environment import solar_activity
 from opml.interop import oem
 from opml.interop.element_sets.teme import teme_to_gcrf
 from opml.report import benchmark
@@ -291,12 +294,16 @@ def of_states(states, task, folder):
         ({"cov_x_x": "-1"}, "line 2: expected a covariance that is positive definite"),
         ({"cov_y_z": "nan"}, "line 2: expected a covariance that is positive definite"),
         ({"time": "noon"}, "line 2: "),
+        ({"x": "0", "y": "0", "z": "0"}, "line 2: expected a state of an orbit [m, m/s], got another"),
+        ({"vx": "0", "vy": "0", "vz": "0"}, "line 2: expected a state of an orbit [m, m/s], got another"),
+        ({"x": "-6800", "y": "0", "z": "0"}, "line 2: expected a state of an orbit [m, m/s], got another"),
+        ({"vx": "inf"}, "line 2: expected a state of an orbit [m, m/s], got another"),
     ],
     ids=lambda value: next(iter(value)) if isinstance(value, dict) else "",
 )
 def test_malformed_answers_are_refused(edit, told, sgp4, tmp_path):
     wrong = edited_rows(sgp4, tmp_path, lambda rows: [rows[0] | edit, *rows[1:]])
-    with pytest.raises(InputError, match="edited.csv: " + told.replace("(", r"\(")):
+    with pytest.raises(InputError, match="edited.csv: " + re.escape(told)):
         benchmark.score(tasks.SAMPLE, wrong)
 
 
@@ -397,9 +404,19 @@ def test_baselines_answer_all_that_is_asked(way, task, tmp_path):
     assert np.linalg.norm(found.states[:, :3] - true[:, :3], axis=1).max() < 200e3
 
 
-def test_a_way_that_is_none_is_refused(tmp_path, capsys):
-    assert cli.main(["answer", "SAMPLE", "magic", "-o", str(tmp_path / "a.csv")]) == 1
-    assert "expected sgp4, density" in capsys.readouterr().err
+@pytest.mark.parametrize(
+    ("way", "file", "told"),
+    [
+        ("magic", "a.csv", "expected sgp4, density"),
+        ("sgp4", "a.oem", "a.oem: expected a suffix .csv, got .oem"),
+        ("sgp4", "sample/questions.csv", "questions.csv: expected a file outside"),
+    ],
+)
+def test_ways_and_files_that_cannot_be_are_refused(way, file, told, tmp_path, capsys):
+    shutil.copytree(SAMPLE, tmp_path / "sample")
+    assert cli.main(["answer", str(tmp_path / "sample"), way, "-o", str(tmp_path / file)]) == 1
+    assert told in capsys.readouterr().err
+    tasks.read(tmp_path / "sample")
 
 
 # Tasks
@@ -431,6 +448,10 @@ def test_a_task_that_was_changed_is_refused(name, told, tmp_path):
     (changed / name).write_text((changed / name).read_text() + "\n")
     with pytest.raises(InputError, match=f"{told}: expected the file of SHA-256"):
         tasks.read(changed)
+    (changed / name).write_text("{")
+    (changed / "SHA256SUMS").write_text("\n".join(tasks.sums_of(changed)))
+    with pytest.raises(InputError, match=f"{re.escape(str(changed))}: expected task.json and questions.csv"):
+        tasks.read(changed)
 
 
 def test_another_truth_is_refused(task, tmp_path):
@@ -461,14 +482,37 @@ def test_forecasts_are_those_issued_last(recipe, tmp_path):
     issued.write_text(
         "issued,valid,f107\n2025-12-20T03:00:00Z,2025-12-21,150\n2025-12-23T07:00:00Z,2025-12-24,160\n"
     )
-    early = replace(recipe, first="2025-12-23", last="2025-12-23", groups=1)
+    early = recipe.evolve(first=date(2025, 12, 23), last=date(2025, 12, 23), groups=1)
     folder = tmp_path / "task"
     recipes.make(early, sets, folder, tmp_path / "truth", weather="OBSERVED", forecasts=issued)
     text = (folder / "inputs/2025-12-23T060000/forecast.csv").read_text()
     assert text == "issued,valid,f107\n2025-12-20T03:00:00Z,2025-12-21,150\n"
-    frozen = replace(early, digest="0" * 64)
-    with pytest.raises(InputError, match="digest: expected 0000"):
-        recipes.make(frozen, sets, folder, tmp_path / "truth", weather="OBSERVED", forecasts=issued)
+    given = {"weather": "OBSERVED", "forecasts": issued}
+    for made, changes, told in (
+        (early.evolve(digest="0" * 64), {}, "digest: expected 0000"),
+        (early, {"forecasts": tmp_path / "none.csv"}, "none.csv: expected comma-separated values"),
+        (early, {"weather": _until(tmp_path / "weather.csv", "2025-11-20")}, "measured up to 2025-12-23"),
+    ):
+        with pytest.raises(InputError, match=told):
+            recipes.make(made, sets, folder, tmp_path / "truth", **(given | changes))
+
+
+def _until(path, day):
+    """The packaged weather up to a day."""
+    lines = solar_activity.resolve("OBSERVED").read_text().splitlines(keepends=True)
+    path.write_text("".join(line for line in lines if line[0] in "#D" or line[:10] < day))
+    return path
+
+
+@pytest.mark.parametrize("folder", ["sets", "sets/one.tle"])
+def test_a_task_takes_the_place_of_no_other_files(folder, recipe, tmp_path):
+    """Of element sets in a folder, say, that would be gone."""
+    (tmp_path / "sets").mkdir()
+    (tmp_path / "sets" / "one.tle").write_text("whatever it holds\n")
+    for task, truth in ((tmp_path / folder, tmp_path / "new"), (tmp_path / "new", tmp_path / folder)):
+        told = refusal(recipes.make, recipe, [tmp_path / "sets"], task, truth, weather="OBSERVED")
+        assert "expected a new folder, an empty one" in told
+    assert (tmp_path / "sets" / "one.tle").is_file()
 
 
 @pytest.mark.parametrize(
@@ -476,7 +520,9 @@ def test_forecasts_are_those_issued_last(recipe, tmp_path):
     [
         ("benchmark/v1", "benchmark/v2", "format: expected benchmark/v1"),
         ("groups: 8", "groups: 2", "groups: expected more"),
-        ("title:", "titel:", "expected the keys of a recipe"),
+        ("title:", "titel:", "title: expected a value, got none"),
+        ("groups: 8", "groups: eight", "groups: expected a whole number above 0, got 'eight'"),
+        ("every_days: 7", "every_days: -7", "every_days: expected a whole number above 0, got -7"),
     ],
 )
 def test_recipes_that_cannot_be_are_refused(old, new, told, tmp_path):

@@ -16,6 +16,7 @@ from opml.base.constants import EARTH_GM
 from opml.base.errors import InputError
 from opml.conjunctions import comparison
 from opml.interop import oem
+from opml.interop.object_ids import ObjectId
 from opml.orbits.elements import rsw_rotation
 from opml.tables import read_table
 
@@ -75,6 +76,25 @@ def test_a_true_covariance_holds_what_it_says(truth, tmp_path, frame):
     inside = [np.mean(table["ellipsoid"] <= level) for level in (0.5, 0.9)]
     np.testing.assert_allclose(inside, [0.5, 0.9], atol=0.1)
     assert f"{100 * inside[1]:.0f} % inside its 90 %" in comparison.summary(table)
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "are_two"),
+    [
+        ("1998-067A", "1999-025B", True),
+        ("1998-067A", "98067A", False),
+        ("25544", "44714", True),
+        ("", "25544", False),
+    ],
+)
+def test_two_objects_are_told(one, other, are_two, truth, tmp_path, caplog):
+    orbits = []
+    for word in (one, other):
+        segment = oem.Segment("ONE", T, truth, identity=ObjectId.of("ONE", word))
+        oem.write(tmp_path / "one.oem", [segment], epoch=RUN)
+        orbits.append(comparison.read([tmp_path / "one.oem"]))
+    assert len(comparison.compare(*orbits)) == len(T)
+    assert ("compare: expected orbits of one object, got" in caplog.text) == are_two
 
 
 def in_formats(states, tmp_path):

@@ -1,6 +1,7 @@
 """Long encounters: Alfano's Monte Carlo, one of our own, the straight line, and what never is apart."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from opml.conjunctions import as_text, cdm, long_encounter
 from opml.conjunctions.conjunction import Conjunction, Participant
 from opml.conjunctions.likeliest import UncertainPairs
 from opml.interop.object_ids import ObjectId
+from opml.orbits.elements import rsw_rotation
 from opml.orbits.equinoctial import cartesian_from_equinoctial, equinoctial_from_cartesian
 
 EPOCH = "2000-01-01T00:00:00"
@@ -45,27 +47,68 @@ def test_alfanos_long_cases_have_their_probability(number):
     assert conjunction.chance.probability == pytest.approx(ALFANO[number], rel=0.01)
 
 
-def test_a_slow_encounter_is_that_of_drawn_orbits():
-    """Between the times of least flow, a quarter of a revolution to either side."""
-    rng, draws = np.random.default_rng(1), 10_000
-    drawn = [
-        equinoctial_from_cartesian(
-            one.state + rng.multivariate_normal(np.zeros(6), one.inertial_covariance, draws), EARTH_GM
-        )
-        for one in (SLOW.first, SLOW.second)
-    ]
-    step = 50.0
+def slope(elements, t):
+    """How a state (6,) at a time varies with elements (6, 6)."""
+    steps = 1e-6 * np.eye(6)
+    ahead, behind = (
+        cartesian_from_equinoctial(elements + sign * steps, np.full(6, t), EARTH_GM) for sign in (1, -1)
+    )
+    return (ahead - behind).T / 2e-6
+
+
+def drawn(conjunction, begin, end, draws):
+    """The share of drawn pairs of orbits that collide from a time to another, and its standard error."""
+    rng, step = np.random.default_rng(1), 25.0
+    orbits = []
+    for one in (conjunction.first, conjunction.second):
+        elements = equinoctial_from_cartesian(one.state, EARTH_GM)
+        root = np.linalg.solve(slope(elements, 0.0), np.linalg.cholesky(one.inertial_covariance))
+        orbits.append(elements + rng.standard_normal((draws, 6)) @ root.T)
     nearest = np.full(draws, np.inf)
-    for t in np.arange(-1450.0, 1451.0, step):
-        first, second = (cartesian_from_equinoctial(elements, t, EARTH_GM) for elements in drawn)
-        relative = second - first
-        position, velocity = relative[:, :3], relative[:, 3:]
+    for t in np.arange(begin + 0.5 * step, end, step):
+        first, second = (cartesian_from_equinoctial(elements, np.array(t), EARTH_GM) for elements in orbits)
+        position, velocity = np.split(second - first, 2, axis=1)
         along = -np.sum(position * velocity, axis=1) / np.sum(velocity**2, axis=1)
         passed = position + np.clip(along, -0.5 * step, 0.5 * step)[:, None] * velocity
         nearest = np.minimum(nearest, np.linalg.norm(passed, axis=1))
-    expected = float((nearest < SLOW.radius).mean())
+    share = float((nearest < conjunction.radius).mean())
+    return share, math.sqrt(share * (1.0 - share) / draws)
+
+
+def test_a_slow_encounter_is_that_of_drawn_orbits():
+    """Between the times of least flow, a quarter of a revolution to either side."""
+    expected, error = drawn(SLOW, -1450.0, 1450.0, 10_000)
     assert not SLOW.is_short
-    assert SLOW.chance.probability == pytest.approx(expected, abs=3.0 * math.sqrt(expected / draws))
+    assert SLOW.chance.probability == pytest.approx(expected, abs=3.0 * error)
+
+
+def moved(conjunction, dt):
+    """The conjunction as it is told for another time, by which both have flown on."""
+    pair = []
+    for one in (conjunction.first, conjunction.second):
+        elements = equinoctial_from_cartesian(one.state, EARTH_GM)
+        state = cartesian_from_equinoctial(elements, np.array(dt), EARTH_GM)
+        change = np.kron(np.eye(2), rsw_rotation(state)) @ slope(elements, dt)
+        change = change @ np.linalg.inv(slope(elements, 0.0))
+        pair.append(replace(one, state=state, covariance=change @ one.inertial_covariance @ change.T))
+    return replace(conjunction, first=pair[0], second=pair[1])
+
+
+@pytest.mark.parametrize("name", ["19_182317_20211217_232706", "20_012535_20211215_145954"])
+@pytest.mark.parametrize("dt", [-30.0, 10.0, 60.0], ids="{} s later".format)
+def test_a_long_encounter_is_the_same_from_another_time(name, dt):
+    told = cdm.read(shared(f"real/cara/000048901_conj_000048903_202112{name}.cdm.gz"), epoch=EPOCH)
+    assert told.method == "3D-Nc"
+    assert moved(told, dt).chance.probability == pytest.approx(told.chance.probability, rel=1e-4)
+
+
+def test_an_encounter_far_from_the_approach_is_that_of_drawn_orbits():
+    """Half a revolution after the least distance, spheres of 100 m: the flow has not ended at the limit."""
+    name = "000048901_conj_000048903_20211219_182317_20211217_232706"
+    told = cdm.read(shared(f"real/cara/{name}.cdm.gz"), epoch=EPOCH)
+    later = replace(moved(told, 2390.0), radius=100.0)
+    expected, error = drawn(later, -0.29 * later.first.period, 0.73 * later.first.period, 4000)
+    assert later.chance.probability == pytest.approx(expected, abs=3.0 * error)
 
 
 def test_a_fast_encounter_is_that_in_two_dimensions():

@@ -53,7 +53,7 @@ def test_passes_that_are_poor_are_left_out_and_told(tmp_path, caplog):
     poor = EARLIER.replace("0 1 0 2 0\nc0", "0 1 0 2 2\nc0")
     path = written(tmp_path, PASS, poor)
     assert set(crd.read([path], epoch=EPOCH)["station"]) == {"7090"}
-    assert f"{path}: line 17: a pass of poor quality is left out" in caplog.messages
+    assert f"{path}: line 17: a pass of poor quality is ignored" in caplog.messages
 
 
 @pytest.mark.parametrize("nothing", ["-1.0", "na", "0"])

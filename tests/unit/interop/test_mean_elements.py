@@ -219,6 +219,18 @@ def test_a_damaged_line_names_no_set(written):
     assert len(damaged) == 1
 
 
+@pytest.mark.parametrize(
+    ("order", "sets", "damaged"),
+    [("212121", 0, 6), ("21212", 2, 1), ("121", 1, 1), ("2121212", 3, 1), ("1221", 1, 2)],
+)
+def test_lines_2_before_lines_1_make_no_sets(written, order, sets, damaged):
+    """Between a line 2 and a line 1 alone each line may belong to the one before it or to the one after."""
+    text = "".join(LINES[int(kind) - 1] + "\n" for kind in order)
+    errors = []
+    assert len(mean_elements.read_sets(written(text), errors)) == sets
+    assert len(errors) == damaged
+
+
 def test_an_orbit_that_decayed_is_an_input_error(written):
     satellite = mean_elements.read(written(kvn(MEAN_MOTION="16.4", ECCENTRICITY="0.001", BSTAR="0.01")))
     with pytest.raises(InputError, match=r"mean elements: expected an orbit at 2020-01-01T00:00:00, got"):

@@ -5,7 +5,7 @@ import gzip
 import numpy as np
 import pytest
 from orbit_files import AHEAD_OF_UTC, cpf, flagged, in_itrf, oem, sp3
-from support import EPOCH
+from support import EPOCH, refusals
 
 from opml.base.constants import DAY
 from opml.base.errors import InputError
@@ -134,61 +134,16 @@ utc,x_gcrf_m,y_gcrf_m,z_gcrf_m,vx_gcrf_mps,vy_gcrf_mps,vz_gcrf_mps,sigma_vr_mps,
 2016-09-28T12:11:00,6990000.0,450000.0,0.0,-167,7500,0,1,1,1
 """
 
-WRONG = {
-    "error page": (
-        GOOD,
-        GOOD,
-        "<!DOCTYPE html>\n<html></html>",
-        "line 1: expected columns .* <!doctype html>",
-    ),
-    "semicolons": (GOOD, ",", ";", "line 1: expected columns such as .* got utc;x_gcrf_m"),
-    "decimal commas": (GOOD, ".0", ",0", "line 2: expected 4 cells, as in its first line, got 7"),
-    "tabs": (GOOD, ",", "\t", "line 1: expected columns such as"),
-    "zeros": (GOOD, "700", "7\x0000", "line 2: expected text, got bytes that are none"),
-    "open quote": (GOOD, "7000000", '"7000000', "line 2: expected cells of CSV, got unexpected end of data"),
-    "endless cell": (GOOD, "450000", "9" * 200_000, "line 3: expected cells of CSV, got field larger"),
-    "not a number": (GOOD, "450000.0", "NaN", "line 3: expected a finite number, got NaN"),
-    "infinite": (GOOD, "450000.0", "inf", "line 3: expected a finite number, got inf"),
-    "blank cell": (GOOD, "450000.0", "", "line 3: expected a finite number, got nothing"),
-    "cut": (GOOD, "0000.0,0.0\n", "00", "line 3: expected 4 cells, as in its first line, got 3"),
-    "same time": (GOOD, "12:11:00", "12:10:00", "line 3: expected a later epoch than before, got none"),
-    "no leap second": (GOOD, "12:11:00", "12:10:60", "line 3: expected a time that exists"),
-    "offset": (GOOD, "12:10:00", "12:10:00+02:00", "line 2: expected a time such as"),
-    "columns again": (GOOD, "0\n2016", "0\nutc,x,y,z\n2016", "line 3: expected a time such as .* got utc"),
-    "empty": (GOOD, GOOD, "", "orbit.csv: expected a line of columns, such as utc,x_itrf_m"),
-    "no points": (GOOD, GOOD[GOOD.index("2016") :], "", "orbit.csv: expected points below its first line"),
-    "no time": (GOOD, "utc,", "-,", "line 1: expected one column of times, utc, gps, tai or tt, got 0"),
-    "two times": (GOOD, "z_gcrf_m", "gps", "line 1: expected one column of times.* got 2"),
-    "unknown column": (GOOD, "z_gcrf", "z_teme", "line 1: expected columns such as .* got z_teme_m"),
-    "column twice": (GOOD, "z_gcrf", "y_gcrf", "line 1: expected one column y_gcrf_m, got 2"),
-    "axis twice": (GOOD, "z_gcrf_m", "y_gcrf_km", "line 1: expected one column of y, got two"),
-    "axis missing": (GOOD, "z_gcrf_m", "-", "line 1: expected columns of x, y, z, got x, y"),
-    "two frames": (GOOD, "z_gcrf", "z_itrf", "line 1: expected one frame .* gcrf and itrf"),
-    "unit of another": (GOOD, "z_gcrf_m", "z_gcrf_mps", "line 1: expected mps or kmps for a velocity"),
-    "cells missing": (GOOD, ",450000.0,0.0", ",450000.0", "line 3: expected 4 cells.* got 3"),
-    "no number": (GOOD, "450000.0", "east", "line 3: expected a finite number, got east"),
-    "no time text": (GOOD, "2016-09-28T12:11:00", "1311.0", "line 3: expected a time such as"),
-    "no such time": (GOOD, "09-28T12:11", "09-31T12:11", "line 3: expected a time that exists"),
-    "backwards": (GOOD, "12:11", "12:09", "line 3: expected a later epoch than before"),
-    "other unit": (GOOD, "_m", "_km", "expected positions 6357 to 600000 km"),
-    "another year": (GOOD, "2016", "2017", "expected an orbit between 2016-09-28"),
-    "no sigma": (MOVED, "0,1,1,1", "0,1,0,1", "line 2: expected standard deviations above 0, got 0"),
-    "sigmas alone": (MOVED, "_vs_mps", "_s_m", "line 1: expected columns of r, s, w, got s"),
-    "sigmas of nothing": (
-        MOVED,
-        "vx_gcrf_mps,vy_gcrf_mps,vz_gcrf_mps",
-        "-,-,-",
-        "line 1: expected velocities beside their standard deviations",
-    ),
-    "other velocities": (MOVED, "7500", "7000", "expected velocities that lead from each position to the"),
-}
+TEXTS = {"good": GOOD, "moved": MOVED}
+ENDLESS = pytest.param(
+    *("good", "450000", "9" * 200_000, "line 3: expected cells of CSV, got field larger"), id="endless cell"
+)
 
 
-@pytest.mark.parametrize("wrong", WRONG)
-def test_a_wrong_csv_is_told_in_one_line(tmp_path, wrong):
-    text, old, new, message = WRONG[wrong]
+@pytest.mark.parametrize(("text", "old", "new", "message"), [*refusals("points"), ENDLESS])
+def test_a_wrong_csv_is_told_in_one_line(tmp_path, text, old, new, message):
     path = tmp_path / "orbit.csv"
-    path.write_text(text.replace(old, new))
+    path.write_text(TEXTS[text].replace(old, new))
     with pytest.raises(InputError, match=message) as told:
         points_from_files.check(OrbitFiles([path], EPOCH, DAY), MOVING)
     assert str(path) in str(told.value)

@@ -8,7 +8,7 @@ import pytest
 
 from opml.base.errors import InputError
 from opml.interop.element_sets import mean_elements, rewriting
-from opml.interop.element_sets.element_set import PER_DAY
+from opml.interop.element_sets.element_set import PER_DAY, ElementSet
 from opml.interop.element_sets.rewriting import Better
 
 NAME = "CALSPHERE 1"
@@ -27,7 +27,11 @@ def source(tmp_path: Path) -> Path:
 
 def better(path: Path, **changes: float) -> Better:
     (one,) = mean_elements.read_sets(path)
-    return Better(str(path), one.line, **({"motion": MOTION, "bstar": BSTAR} | changes))
+    return better_than(one, **changes)
+
+
+def better_than(one: ElementSet, **changes: float) -> Better:
+    return Better(str(one.path), one.place, one.line, **({"motion": MOTION, "bstar": BSTAR} | changes))
 
 
 def test_a_tle_keeps_all_but_two_fields_and_its_checksums(source: Path, tmp_path: Path) -> None:
@@ -80,6 +84,33 @@ def test_json_has_numbers_and_texts_as_celestrak_has_them(source: Path, tmp_path
     (one,) = json.loads((tmp_path / "better.json").read_text())
     assert (one["OBJECT_NAME"], one["OBJECT_ID"], one["NORAD_CAT_ID"]) == (NAME, "1964-063C", 900)
     assert one["ECCENTRICITY"] == 0.0026047
+
+
+@pytest.mark.parametrize("suffix", [".json", ".xml"])
+def test_sets_in_one_line_are_told_apart(suffix: str, source: Path, tmp_path: Path) -> None:
+    """As lists of public sets have them: each keeps its object and its epoch."""
+    path = tmp_path / f"list{suffix}"
+    rewriting.write(path, [better(source)])
+    one = path.read_text()
+    begin, end = (one.index("<omm"), one.index("</ndm>")) if suffix == ".xml" else (1, one.rindex("]"))
+    other = one[begin:end].replace("900", "901").replace(NAME, "OTHER")
+    path.write_text("".join([one[:end], "" if suffix == ".xml" else ",", other, one[end:]]).replace("\n", ""))
+    first, second = mean_elements.read_sets(path)
+
+    rewriting.write(tmp_path / "better.tle", [better_than(first, bstar=-BSTAR), better_than(second)])
+
+    found = mean_elements.read_sets(tmp_path / "better.tle")
+    assert [(each.number, each.name) for each in found] == [(900, NAME), (901, "OTHER")]
+    np.testing.assert_allclose([each.satellite.bstar for each in found], [-BSTAR, BSTAR], rtol=1e-4)
+
+
+def test_a_name_like_a_notation_and_a_line_alone_are_no_obstacle(source: Path, tmp_path: Path) -> None:
+    source.write_text(f"[DEB]\n{FIRST}\n{SECOND}\n{FIRST}\n")
+    one, *_ = mean_elements.read_sets(source, damaged=[])
+
+    rewriting.write(tmp_path / "better.tle", [better_than(one)])
+
+    assert (tmp_path / "better.tle").read_text().startswith("[DEB]\n1 00900U")
 
 
 def test_a_number_beyond_those_of_tles_is_counted_and_kept_in_other_notations(tmp_path: Path) -> None:

@@ -132,7 +132,7 @@ def test_degraded_segments_are_left_out_and_told(message, caplog):
     message.write_text(message.read_text().replace("MODE =", "DATA_QUALITY = DEGRADED\nMODE =", 1))
     left = read(message)
     assert 0 < len(left) < len(table)
-    assert caplog.messages == [f"{message}: a segment of degraded data is left out"]
+    assert caplog.messages == [f"{message}: a segment of degraded data is ignored"]
 
 
 @pytest.mark.parametrize("path", ["1,2", "2,1,2"])

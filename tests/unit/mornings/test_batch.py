@@ -2,7 +2,7 @@
 
 import errno
 from datetime import date
-from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -12,21 +12,26 @@ from opml.mornings.batch import BatchSettings, ObjectSettings
 from opml.mornings.outcomes import FAILED
 
 ONE = ObjectSettings.model_construct(rso=None, taking={})
-SETTINGS = BatchSettings.model_construct(
-    days=Path("days"), date=date(2016, 10, 5), objects={"first": ONE, "second": ONE}
-)
+DAY = date(2016, 10, 5)
+OBJECTS = {"first": ONE, "second": ONE}
+SETTINGS = BatchSettings.model_construct(days="days", batch="0", date=DAY, max_days=1.0, objects=OBJECTS)
 
 
 def outcomes(monkeypatch, reason):
     """What becomes of two objects, of which the first meets an error."""
 
-    def met(folder, *_, **__):
-        if folder.rso == "first":
+    def met(name, *_):
+        if name == "first":
             raise reason
 
-    monkeypatch.setattr(batch.Surroundings, "read", lambda *_: None)
-    monkeypatch.setattr(batch, "_catch_up", met)
-    monkeypatch.setattr(batch.days, "read_outcome", lambda path: {"object": path.parent.name})
+    second = SimpleNamespace(outcomes={"second": {"object": "second"}})
+    store = SimpleNamespace(
+        done=lambda _: {name: [] for name in OBJECTS}, places=lambda _: {"second": second}
+    )
+    monkeypatch.setattr(batch.Surroundings, "read", lambda *_, **__: None)
+    monkeypatch.setattr(batch, "Store", lambda *_: store)
+    monkeypatch.setattr(batch, "_begin", met)
+    monkeypatch.setattr(batch.days, "catch_up", lambda *_, **__: None)
     return batch.run(None, SETTINGS, metadata={})
 
 

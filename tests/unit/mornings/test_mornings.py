@@ -4,7 +4,6 @@ import json
 import shutil
 from dataclasses import replace
 from datetime import date, timedelta
-from functools import partial
 
 import numpy as np
 import pandas as pd
@@ -27,12 +26,13 @@ from opml.learning.models import learners
 from opml.mornings import days, fits, judged, morning
 from opml.mornings.beside_sgp4 import Sgp4
 from opml.mornings.calendar import Calendar
-from opml.mornings.days import Folder
+from opml.mornings.days import Task, UnderWay
 from opml.mornings.morning import FlightModel, MorningPlan, Watched
 from opml.mornings.outcomes import DO_NOT_USE, UNPROVEN
-from opml.mornings.records import DONE, Records
+from opml.mornings.records import Records
+from opml.mornings.store import Store
 from opml.orbits.manoeuvres import Manoeuvre
-from opml.tables import FIX_SIGMAS, SCHEMAS, STATE, paths_schema, read_metadata, read_table, read_tables
+from opml.tables import FIX_SIGMAS, SCHEMAS, STATE, paths_schema, write_table
 
 ARC = {"window_hours": 18.0, "memory_days": 30.0}
 MODELS = {
@@ -45,6 +45,7 @@ CALENDAR = Calendar(EPOCH, hour=13.0)  # the epoch is at 12:10
 FIRST = date.fromisoformat(EPOCH[:10])
 LAST = FIRST + timedelta(days=4)
 METADATA = {"epoch": EPOCH, "settings": "digest"}
+BATCH = "batch_0"
 
 
 @pytest.fixture(scope="module")
@@ -65,9 +66,35 @@ def watched(orbit, assumed_model, iss, earth_orientation, three_stations):
     return Watched(model, plan, measured, three_stations, given=first, identity=identity)
 
 
+def begin(store, name, watched, until):
+    """An object before the first of its mornings that are not over."""
+    return UnderWay.begin(Task(name, CALENDAR, until, "digest"), watched, store, store.done(until)[name])
+
+
 def run(watched, folder, until=LAST):
-    days.catch_up(Folder(folder, "iss"), watched, CALENDAR, until, metadata=METADATA)
+    store = Store(folder, "0", ["iss"])
+    days.catch_up(store, [begin(store, "iss", watched, until)], until, metadata=METADATA)
     return folder
+
+
+def left(folder, day=LAST):
+    """What a morning left."""
+    return Store(folder, "0", ["iss"]).places(day)["iss"]
+
+
+def told(folder, day=LAST):
+    """What became of the object on a day."""
+    return left(folder, day).outcomes["iss"]
+
+
+def rows(folder, table, dates):
+    """The rows of a table of some mornings."""
+    return pd.concat([left(folder, day).rows(table, "iss") for day in dates], ignore_index=True)
+
+
+def done(folder):
+    """The dates of mornings that are over."""
+    return Store(folder, "0", ["iss"]).done(LAST)["iss"]
 
 
 @pytest.fixture(scope="module")
@@ -122,38 +149,62 @@ def test_low_down_no_fit_to_mean_elements_is_flown(watched, whole, tmp_path, fit
     sets = Sgp4(history(np.arange(0.0, 5.0, 0.5)), EPOCH)
     low = replace(watched, sgp4=sets, plan=replace(watched.plan, fits_above=fits_above))
     carried_on(whole, low, tmp_path, after=LAST - timedelta(days=1))
-    left = tmp_path / LAST.isoformat() / "iss"
-    (table,) = Records.read([left], since=-np.inf, digest=METADATA["settings"]).paths
+    (table,) = left(tmp_path).paths("iss")
     assert table.models == models
-    made = read_table(left / "kept_estimates.parquet", "kept_estimates")
-    assert {*made["window_hours"]} == windows
+    assert {*rows(tmp_path, "kept_estimates", [LAST])["window_hours"]} == windows
     assert contents(tmp_path, LAST - timedelta(days=1)) == contents(whole, LAST - timedelta(days=1))
 
 
 def test_a_morning_that_was_cut_short_runs_again(watched, whole, tmp_path):
     """Whatever it left before it ended is written anew; what is over stays as it is."""
     carried_on(whole, watched, tmp_path, LAST)
-    last = Folder(tmp_path, "iss").of_day(LAST)
-    (last / DONE).unlink()
+    last, before = (tmp_path / day.isoformat() / BATCH for day in (LAST, LAST - timedelta(days=1)))
+    (last / "done.json").unlink()
     (last / "judged.parquet").write_bytes(b"half")
-    before = (Folder(tmp_path, "iss").of_day(LAST - timedelta(days=1)) / DONE).stat().st_mtime_ns
+    made = (before / "done.json").stat().st_mtime_ns
     run(watched, tmp_path)
     assert contents(tmp_path) == contents(whole)
-    assert (Folder(tmp_path, "iss").of_day(LAST - timedelta(days=1)) / DONE).stat().st_mtime_ns == before
+    assert (before / "done.json").stat().st_mtime_ns == made
+
+
+def as_an_older_release(whole, folder, until):
+    """Mornings up to a date as they were kept once: a folder of each day and object."""
+    for day in (day for day in done(whole) if day <= until):
+        place, old = left(whole, day), folder / day.isoformat() / "iss"
+        metadata = METADATA | {"stations": dict(place.marks["iss"].stations)}
+        for table in Records.TABLES:
+            write_table(old / f"{table}.parquet", place.rows(table, "iss"), table, metadata=metadata)
+        for paths in place.paths("iss"):
+            schema = paths_schema(paths.models)
+            told_of = metadata | {"models": paths.models}
+            write_table(old / "paths.parquet", paths.table, schema, metadata=told_of)
+        (old / "morning.json").write_text(json.dumps(place.outcomes["iss"]))
+
+
+def test_mornings_of_an_older_release_are_built_on(watched, whole, tmp_path):
+    before = LAST - timedelta(days=1)
+    as_an_older_release(whole, tmp_path, before)
+    run(watched, tmp_path)
+    assert done(tmp_path) == done(whole)
+    assert told(tmp_path, before) == told(whole, before)
+    last = f"{LAST.isoformat()}/"
+    now, then = (
+        {path: made for path, made in contents(folder).items() if path.startswith(last)}
+        for folder in (tmp_path, whole)
+    )
+    assert now == then
 
 
 def test_every_track_is_estimated_once_and_judges_what_was_flown_before(watched, whole):
-    folder = Folder(whole, "iss")
-    done = folder.done(LAST)
-    assert done[-1] == LAST
-    tables = [folder.of_day(day) / "kept_estimates.parquet" for day in done]
-    made = read_tables(tables, "kept_estimates")
+    dates = done(whole)
+    assert dates[-1] == LAST
+    made = rows(whole, "kept_estimates", dates)
     base = made[made["window_hours"] == ESTIMATION.window_hours]
     by_track = watched.tracking.groupby("track")["t"]
     over = by_track.max() <= CALENDAR.time(LAST)
     np.testing.assert_array_equal(np.sort(base["t"]), by_track.min()[over])
-    for day in done:
-        judged = read_table(folder.of_day(day) / "judged.parquet", "judged")
+    for day in dates:
+        judged = rows(whole, "judged", [day])
         now = CALENDAR.time(day)
         assert (judged["t_known"] <= now).all()
         assert (judged["morning"] < now).all()
@@ -161,16 +212,14 @@ def test_every_track_is_estimated_once_and_judges_what_was_flown_before(watched,
 
 
 def test_what_leaves_is_the_path_of_the_model_that_the_past_chose(whole):
-    place = Folder(whole, "iss").of_day(LAST)
-    found = json.loads((place / DONE).read_text())
+    found = told(whole)
     assert found["model"] in MODELS
     assert found["verdict"] == UNPROVEN  # after few mornings
     assert found["past"]["all"][0]["along_track_m"] < 200.0
     assert found["mornings"][-1] == {"date": LAST.isoformat(), "verdict": UNPROVEN}
     assert [one["day"] for one in found["expected"]] == [1, 2]
-    table = place / "paths.parquet"
-    paths = read_table(table, paths_schema(read_metadata(table)["models"]))
-    (segment,) = oem.read(place / "iss.oem", epoch=EPOCH)
+    (paths,) = (one.table for one in left(whole).paths("iss"))
+    (segment,) = oem.read(whole / LAST.isoformat() / "iss" / "iss.oem", epoch=EPOCH)
     states = corrected(
         paths["t_j"].to_numpy(), np.ascontiguousarray(paths[STATE]), paths[f"e_y_{found['model']}"].to_numpy()
     )
@@ -193,24 +242,34 @@ def test_a_morning_without_a_new_estimate_is_judged_once(watched, whole, tmp_pat
     before = FIRST + timedelta(days=3)
     silent = watched.tracking[ends <= CALENDAR.time(before)]
     carried_on(whole, replace(watched, tracking=silent), tmp_path, before)
-    folder = Folder(tmp_path, "iss")
-    left = [read_table(folder.of_day(day) / "issued.parquet", "issued") for day in folder.done(LAST)[-2:]]
-    assert left[0]["i"].iloc[0] == left[1]["i"].iloc[0]
-    assert not (folder.of_day(LAST) / "paths.parquet").exists()
-    assert (folder.of_day(LAST) / "iss.oem").exists()
-    judged = read_tables([folder.of_day(day) / "judged.parquet" for day in folder.done(LAST)], "judged")
+    assert rows(tmp_path, "issued", done(tmp_path)[-2:])["i"].nunique() == 1
+    assert not left(tmp_path).paths("iss")
+    assert (tmp_path / LAST.isoformat() / "iss" / "iss.oem").exists()
+    judged = rows(tmp_path, "judged", done(tmp_path))
     assert not judged.duplicated(["model", "i", "j"]).any()
+
+
+def test_an_ephemeris_without_a_message_is_told_all_the_same(watched, whole, tmp_path):
+    carried_on(whole, watched, tmp_path, LAST)
+    for name in (BATCH, "iss"):
+        shutil.rmtree(tmp_path / LAST.isoformat() / name)
+    store = Store(tmp_path, "0", ["iss"])
+    task = Task("iss", CALENDAR, LAST, "digest", has_message=False)
+    days.catch_up(store, [UnderWay.begin(task, watched, store, done(tmp_path))], LAST, metadata=METADATA)
+    assert not (tmp_path / LAST.isoformat() / "iss").exists()
+    assert told(tmp_path) == told(whole) | {"message": None}
+    assert told(tmp_path)["expected"]
 
 
 def test_an_object_that_is_seldom_seen_is_watched_on(watched, tmp_path):
     """One track a day: of the newest five estimates some are older than the windows reach."""
     begins = watched.tracking.groupby("track")["t"].min()
     seldom = begins.groupby(np.floor(begins / DAY)).idxmin().to_numpy()
-    rows = watched.tracking[watched.tracking["track"].isin(seldom)]
-    numbered = rows.assign(track=np.searchsorted(seldom, rows["track"]))
-    place = Folder(run(replace(watched, tracking=numbered), tmp_path), "iss").of_day(LAST)
+    seen = watched.tracking[watched.tracking["track"].isin(seldom)]
+    numbered = seen.assign(track=np.searchsorted(seldom, seen["track"]))
+    run(replace(watched, tracking=numbered), tmp_path)
     assert begins[seldom[-1]] - begins[seldom[0]] > watched.plan.reach
-    assert json.loads((place / DONE).read_text())["verdict"] == DO_NOT_USE  # one track does not tell an orbit
+    assert told(tmp_path)["verdict"] == DO_NOT_USE  # one track does not tell an orbit
 
 
 def test_a_burn_that_nobody_named_is_found_and_windows_begin_anew_behind_it(
@@ -227,13 +286,11 @@ def test_a_burn_that_nobody_named_is_found_and_windows_begin_anew_behind_it(
     measured = tracking.simulate(orbit, orientation, stations, rso="iss", seed=1)
     pd.testing.assert_frame_equal(*(rows[rows["t"] < burn] for rows in (measured, watched.tracking)))
     carried_on(whole, replace(watched, tracking=measured), tmp_path, FIRST + timedelta(days=3))
-    folder = Folder(tmp_path, "iss")
-    left = read_tables([folder.of_day(day) / "issued.parquet" for day in folder.done(LAST)], "issued")
-    assert left["burn_t"].iloc[:-1].isna().all()
-    assert left["burn_t"].iloc[-1] == pytest.approx(burn, abs=600.0)
-    found = json.loads((folder.of_day(LAST) / DONE).read_text())
-    assert found["burn"][:13] == "2016-10-01T16"
-    made = read_table(folder.of_day(LAST) / "kept_estimates.parquet", "kept_estimates")
+    issued = rows(tmp_path, "issued", done(tmp_path))
+    assert issued["burn_t"].iloc[:-1].isna().all()
+    assert issued["burn_t"].iloc[-1] == pytest.approx(burn, abs=600.0)
+    assert told(tmp_path)["burn"][:13] == "2016-10-01T16"
+    made = rows(tmp_path, "kept_estimates", [LAST])
     behind = made[made["t"] > burn].set_index("t")
     assert behind["converged"].sum() > 5
     off = behind[STATE[:3]].sub(orbit.set_index("t").loc[behind.index, STATE[:3]])
@@ -241,14 +298,14 @@ def test_a_burn_that_nobody_named_is_found_and_windows_begin_anew_behind_it(
 
 
 def test_what_went_across_a_burn_has_no_say_once_it_is_known():
-    rows = (
+    across = (
         SCHEMAS["judged"].empty().reindex(range(4)).assign(t_i=[1.0, 4.5, 5.5, 6.5], t_j=[6.0, 7.0, 7.0, 7.0])
     )
     issued = SCHEMAS["issued"].empty().reindex(range(2)).assign(morning=[6.0, 8.0], burn_t=[np.nan, 5.0])
     made = SCHEMAS["kept_estimates"].empty().reindex(range(3)).assign(t=[4.0, 5.5, 6.5], window_hours=1.0)
     hours = DAY / HOUR
     scaled = {
-        "judged": rows.assign(t_i=rows["t_i"] * DAY, t_j=rows["t_j"] * DAY),
+        "judged": across.assign(t_i=across["t_i"] * DAY, t_j=across["t_j"] * DAY),
         "issued": issued * DAY,
         "estimates": made.assign(t=made["t"] * DAY, window_hours=hours, converged=True),
     }
@@ -265,8 +322,7 @@ def test_what_went_across_a_burn_has_no_say_once_it_is_known():
 
 
 def test_a_first_morning_says_that_it_has_no_past(whole):
-    folder = Folder(whole, "iss")
-    found = json.loads((folder.of_day(folder.done(LAST)[0]) / DONE).read_text())
+    found = told(whole, done(whole)[0])
     assert (found["verdict"], found["message"]) == (DO_NOT_USE, None)
     assert found["reason"] == "no estimate that an ephemeris may start from"
 
@@ -289,51 +345,66 @@ def by_points(watched, truth_model, iss):
 
 
 def beside(objects, folder, until):
-    """Run the mornings of objects in one job, and return the bytes that each left."""
-    blocks = SharedBlocks()
-
-    def caller(name, one, rso):
+    """Run the mornings of objects in one job, and return what each left."""
+    blocks, store = SharedBlocks(), Store(folder, "0", objects)
+    under_way = []
+    for name, (one, rso) in objects.items():
         flight = replace(one.model.fits, rso=rso, propagate=blocks.propagate)
         model = replace(one.model, fits=flight, predictions=flight, flattened=flight)
-        watched = replace(one, model=model)
-        days.catch_up(Folder(folder, name), watched, CALENDAR, until, metadata=METADATA)
+        under_way.append(begin(store, name, replace(one, model=model), until))
 
-    blocks.run([partial(caller, name, *one) for name, one in objects.items()])
-    left = contents(folder, until)
-    return {name: {path: left[path] for path in left if f"/{name}/" in path} for name in objects}
+    def together(calls):
+        return dict(zip(calls, blocks.run(list(calls.values())), strict=True))
+
+    days.catch_up(store, under_way, until, together=together, metadata=METADATA)
+    return {name: everything(store, name, until) for name in objects}
 
 
-def test_an_object_leaves_the_same_bytes_whoever_shares_its_job(by_points, tmp_path):
+def everything(store, name, until):
+    """All that the mornings of an object left, in tables and texts."""
+    found = {}
+    for day, place in ((day, store.places(day)[name]) for day in store.done(until)[name]):
+        found |= {(day, table): place.rows(table, name).to_csv(index=False) for table in Records.TABLES}
+        found |= {(day, "paths"): [one.table.to_csv() for one in place.paths(name)]}
+        found |= {(day, "outcome"): place.outcomes[name]}
+        message = store.message(day, name)
+        found |= {(day, "message"): message.read_bytes() if message.exists() else b""}
+    return found
+
+
+def test_an_object_leaves_the_same_whoever_shares_its_job(by_points, tmp_path):
     until = FIRST + timedelta(days=2)
     together = beside(by_points, tmp_path / "together", until)
-    assert all(any(path.endswith("judged.parquet") for path in left) for left in together.values())
+    assert all(len(one[until, "judged"].splitlines()) > 1 for one in together.values())
     for name, one in by_points.items():
         assert beside({name: one}, tmp_path / name, until)[name] == together[name]
 
 
 def test_records_of_other_settings_are_refused(watched, whole):
-    folders = [Folder(whole, "iss").of_day(LAST)]
-    assert "made with these settings" in refusal(Records.read, folders, since=0.0, digest="another")
+    told = refusal(Store(whole, "0", ["iss"]).check_made, LAST, "iss", "another", {})
+    assert "made with these settings" in told
 
 
 def test_a_morning_that_is_gone_from_between_others_is_told(watched, whole, tmp_path):
-    folder = Folder(tmp_path / "days", "iss")
-    shutil.copytree(whole, folder.days)
-    gone = folder.of_day(LAST - timedelta(days=2))
+    folder = tmp_path / "days"
+    shutil.copytree(whole, folder)
+    gone, *behind = (folder / (LAST - timedelta(days=day)).isoformat() for day in (2, 1, 0))
     shutil.rmtree(gone)
-    with pytest.raises(InputError, match=f"^{gone}: expected the morning that later ones stand on, got none"):
-        run(watched, folder.days, LAST + timedelta(days=1))
-    for day in (1, 0):
-        shutil.rmtree(folder.of_day(LAST - timedelta(days=day)))
-    assert contents(run(watched, folder.days)) == contents(whole)
+    with pytest.raises(
+        InputError, match=f"^{gone}: expected the morning of iss that later ones stand on, got"
+    ):
+        run(watched, folder, LAST + timedelta(days=1))
+    for day in behind:
+        shutil.rmtree(day)
+    assert contents(run(watched, folder)) == contents(whole)
 
 
 def test_a_station_that_moved_is_told(watched, whole):
     first, *others = watched.stations
     moved = replace(watched, stations=[replace(first, latitude=first.latitude + 1e-4), *others])
-    with pytest.raises(InputError, match=f": expected the station {first.name} as it measured then, got"):
+    with pytest.raises(InputError, match=f": expected the station {first.name} as it measured iss then, got"):
         run(moved, whole, LAST + timedelta(days=1))
-    assert not Folder(whole, "iss").of_day(LAST + timedelta(days=1)).exists()
+    assert not (whole / (LAST + timedelta(days=1)).isoformat()).exists()
 
 
 def track(number, begin, length=300.0):
@@ -350,16 +421,11 @@ def test_a_late_track_is_in_the_fits_of_later_ones_and_told(watched, whole, tmp_
     never, came = tmp_path / "never", tmp_path / "came"
     carried_on(whole, replace(watched, tracking=lacking), never, after=before - timedelta(days=1))
     carried_on(never, watched, came, after=before)
-    found, absent = (
-        json.loads((folder / LAST.isoformat() / "iss" / DONE).read_text()) for folder in (came, never)
-    )
+    found, absent = told(came), told(never)
     assert (found["late"], absent["late"]) == (1, 0)
     assert found["tracks"] == absent["tracks"]
     made, lesser = (
-        read_table(folder / LAST.isoformat() / "iss" / "kept_estimates.parquet", "kept_estimates").query(
-            "window_hours == 12.0"
-        )
-        for folder in (came, never)
+        rows(folder, "kept_estimates", [LAST]).query("window_hours == 12.0") for folder in (came, never)
     )
     assert begins[late] not in made["t"].to_numpy()
     np.testing.assert_array_equal(made["t"], lesser["t"])
@@ -385,8 +451,7 @@ def test_messages_tell_the_object_by_what_its_files_tell(watched, whole):
 
 
 def test_fits_to_mean_elements_are_marked_as_what_errs_alike(watched, whole):
-    (folder,) = (whole / LAST.isoformat()).glob("iss")
-    made = read_table(folder / "kept_estimates.parquet", "kept_estimates").query("window_hours == 12.0")
+    made = rows(whole, "kept_estimates", [LAST]).query("window_hours == 12.0")
     recent = fits.recent_tracks(watched.tracking, made, now=CALENDAR.time(LAST), reach=2 * DAY)
     assert "alike" not in judged.later_states(made, recent)
     before = recent.tracking.assign(t_estimate=recent.tracking["t"] + HOUR)

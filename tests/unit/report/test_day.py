@@ -78,6 +78,7 @@ def test_a_card_says_what_to_do(page):
     cards = page[: page.index("## In figures")]
     assert "**second. Do not send**" in cards
     assert "**first. Send: good**" in cards
+    assert "Why." in cards
     assert "Expected along the track, one sigma: **93 m** after 1 d, **15 km** after 7 d." in cards
     assert (
         "Message: [first.oem](first/first.oem); [yesterday's](../2016-10-04/first/); "

@@ -5,10 +5,11 @@ from datetime import date
 import pytest
 from browser import laid_out
 
+from opml.figures.style import page_figure, save_png
 from opml.mornings import days
 from opml.mornings.outcomes import DO_NOT_USE, FAILED, GOOD, UNPROVEN, WIDE
 from opml.report import day
-from opml.report.document import html_page
+from opml.report.document import Picture, html_page
 
 WORDS = (GOOD, FAILED, UNPROVEN, DO_NOT_USE, WIDE)
 STRIP = [{"date": f"2016-09-{k + 1:02}", "verdict": WORDS[k % len(WORDS)]} for k in range(30)]
@@ -47,3 +48,13 @@ def test_those_to_look_at_come_first_in_their_colours(seen):
     assert [name for name, *_ in page["cards"]] == ["failed", "donotuse", "wide", "unproven", "good"]
     assert page["lines"][0] == page["lines"][1]
     assert len(set(page["lines"])) == len(WORDS) - 1
+
+
+@pytest.mark.parametrize(("width", "least"), [(390, 700), (1280, 900)])
+def test_a_wide_figure_is_large_enough_to_read(width, least, tmp_path):
+    save_png(page_figure(height_mm=60.0), tmp_path / "wide.png")
+    page = html_page([Picture(tmp_path / "wide.png", "wide.png", "errors")], title="study")
+    seen = laid_out(page, tmp_path, width=width)
+    assert seen["across"] <= width
+    ((_, right),) = seen["pictures"]
+    assert least < right <= max(width, 850)

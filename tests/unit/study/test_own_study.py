@@ -186,7 +186,7 @@ def test_the_report_says_what_was_known_of_the_weather():
     told = {
         "forecast": ("up to each estimate, then forecast (`regression`, every 24 h)", "forecast"),
         "hindcast": ("up to the time predicted to: a hindcast", "observed"),
-        None: ("measured values of the days predicted to included", "as it stands"),
+        None: ("measured values of the days predicted to", "as in the file"),
     }
     for knowledge, (words, word) in told.items():
         asked = {"knowledge": knowledge} if knowledge else {}

@@ -601,6 +601,13 @@ def test_mornings_read_no_laser_ranges(tmp_path):
     assert line in refused(with_ranges(tmp_path, "day: {hour: 6}"))
 
 
+def test_messages_are_of_objects_that_were_measured(tmp_path):
+    for day in ("{}", "{messages: []}", "{messages: [mine]}"):
+        checked(with_elements(tmp_path, f"day: {day}"))
+    line = refused(with_elements(tmp_path, "day: {messages: [mine, other]}"))
+    assert "day.messages: expected objects that were measured, got other" in line
+
+
 def test_no_learner_of_telescopes_asks_for_what_radars_measure(tmp_path):
     row = "latitude_deg: 20, longitude_deg: 0, altitude_m: 0, max_range_km: 50000, min_elevation_deg: 10"
     text = f"stations: {{tenerife: {{{row}, max_elevation_deg: 90, sigma_declination_deg: 0.001}}}}\n"

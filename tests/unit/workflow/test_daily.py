@@ -1,5 +1,6 @@
 """Dates that `opml day` may be asked for."""
 
+import json
 from datetime import date
 from types import SimpleNamespace
 
@@ -8,7 +9,6 @@ from support import refusal
 
 from opml import cli
 from opml.base.errors import InputError
-from opml.mornings.records import DONE
 from opml.workflow import daily
 from opml.workflow.daily import Call, beforehand, check_dates, mornings_ahead
 
@@ -45,9 +45,10 @@ def test_what_is_ahead_is_told(tmp_path):
     settings = SimpleNamespace(
         values={"results": str(tmp_path), "epoch": EPOCH}, measured={"first": ["a"], "second": ["b"]}
     )
-    done = tmp_path / "days" / "2016-10-02" / "second"
+    done = tmp_path / "days" / "2016-10-02" / "batch_0"
     done.mkdir(parents=True)
-    (done / DONE).write_text("{}")
+    mark = {"settings": "", "stations": {}, "optional": [], "models": []}
+    (done / "done.json").write_text(json.dumps({"second": mark}))
     assert mornings_ahead(TODAY, settings) == 6 + 1
     assert beforehand(7, settings) == (
         f"2 objects, at most 7 mornings: about 1 min of one core, 10 MB in {tmp_path}"

@@ -361,7 +361,7 @@ def test_what_was_measured_has_no_truth():
     jobs = user_inputs().params
     jobs.check_simulated(wildcards(rso="flown"))
     jobs.check_simulated(wildcards(rso="judged"))
-    with pytest.raises(InputError, match="truth of 'mine': expected an RSO without measurements of its own"):
+    with pytest.raises(InputError, match="truth of 'mine': expected an RSO without own measurements"):
         jobs.check_simulated(wildcards(rso="mine"))
 
 

@@ -22,14 +22,9 @@ FLUX_LAGS = (0, 1, 2, 4, 7, 13, 19, 21, 23, 25)
 KP_LAGS = (0, 1, 2, 3, 19, 20, 21, 22, 23, 24, 25, 26)
 """Days back at which F10.7, and the mean Kp of 24 hours, are compared."""
 
-APART = 3
-"""Least number of days between two analogues, so that no event counts twice."""
-
-PAST = 60
-"""Days of weather before the issue: for the lags, and for the removal of bursts."""
-
-_LEVEL = 2.0
-"""Weight of the height of F10.7 relative to the weight of each of its changes."""
+APART = 3  # least number of days between two analogues, so that no event counts twice
+PAST = 60  # days of weather before the issue: for the lags, and for the removal of bursts
+_LEVEL = 2.0  # weight of the height of F10.7 relative to the weight of each of its changes
 
 
 class AnalogueSettings(ForecastSettings):

@@ -92,7 +92,6 @@ def _issue(rows: list[tuple[float, ...]]) -> _Issue:
 
 
 def _cssi_issue(path: str, text: str) -> _Issue:
-    """Return the predicted days of a CSSI file. Raises InputError where it has none."""
     weather = space_weather.read(path, text)
     days = weather.iloc[space_weather.observed_days(path, text) :]
     if days.empty:
@@ -126,7 +125,6 @@ def _row(where: str, cells: Mapping[str, str], index: str) -> tuple[float, ...]:
 
 
 def _time(where: str, name: str, text: str) -> float:
-    """Return the modified Julian day of a UTC text. Raises InputError for any other text."""
     try:
         day, fraction = epochs.utc(text, 0.0)
     except InputError:

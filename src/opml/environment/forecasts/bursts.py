@@ -2,11 +2,8 @@
 
 import numpy as np
 
-_DAYS = 5
-"""Days up to a reading whose median it is compared with."""
-
-_HIGHEST = 60.0
-"""Highest reading above the median that is no burst [sfu]."""
+_DAYS = 5  # days up to a reading whose median it is compared with
+_HIGHEST = 60.0  # highest reading above the median that is no burst [sfu]
 
 
 def remove_bursts(flux: np.ndarray) -> np.ndarray:

@@ -50,7 +50,6 @@ class MakeForecast(Protocol[S_in]):
 
         history: weather before the run, at least the method's `least_days` and `days`
         days: of each future
-        settings: of the forecast
         """
 
 

@@ -21,8 +21,7 @@ _BY_KIND: Mapping[str, ForecastMethod[Any]] = {method.kind: method for method in
 
 FORECASTS = OfItsKind("forecast", lambda: {kind: method.settings for kind, method in _BY_KIND.items()})
 
-AnyForecast = Annotated[ForecastSettings, FORECASTS]
-"""Settings of a forecast, of whatever kind."""
+AnyForecast = Annotated[ForecastSettings, FORECASTS]  # settings of a forecast, of whatever kind
 
 
 def fit(history: Weather, *, days: int, settings: ForecastSettings) -> Forecast:

@@ -13,11 +13,8 @@ from opml.figures.axis_labels import clauses
 from opml.figures.display_names import display_learner
 from opml.figures.style import MARKERS, MUTED, NOTE_SIZE, SERIES, TRUE_COLOR, legend, panel_figure
 
-_COLUMNS = 4
-"""Panels side by side."""
-
-_APART = 0.2
-"""Days by which the marks of one lead stand apart."""
+_COLUMNS = 4  # panels side by side
+_APART = 0.2  # days by which the marks of one lead stand apart
 
 _INTERVALS = "bars hold 95 %, over weeks and objects"
 _UNLEARNED = "density-scaled, nothing learned of the objects"
@@ -28,7 +25,6 @@ def shares(scores: pd.DataFrame, seasons: Mapping[str, Sequence[str]], *, name: 
 
     scores: `catalogue_scores` of one test
     seasons: dates under `train` and `test`
-    name: of the test
     """
     bands = {_title(band): own for band, own in scores.groupby("band", sort=False)}
     learned = f"learned from half of the objects, {' to '.join(seasons['train'])}"
@@ -62,8 +58,6 @@ def every_season(scores: pd.DataFrame, seasons: Mapping[str, Mapping[str, Sequen
 def _panels(
     parts: Mapping[str, pd.DataFrame], draw: Callable[[Axes, pd.DataFrame], None], note: str
 ) -> Figure:
-    """Draw a panel per part with common axes, a legend and a note."""
-
     def draw_part(axes: Axes, title: str) -> None:
         axes.axhline(100.0, color=MUTED, lw=1.0, ls="--", label="SGP4")
         draw(axes, parts[title])
@@ -91,7 +85,6 @@ def _draw_band(axes: Axes, scores: pd.DataFrame) -> None:
 
 
 def _mark(axes: Axes, scores: pd.DataFrame, way: str, place: int, look: Mapping[str, Any]) -> None:
-    """Draw the shares of one way to predict with their intervals."""
     middle, low, high = (scores[f"{way}_{part}"] for part in ("median", "low", "high"))
     at = scores["lead"] + _APART * (place - 1)
     # The interval of a skew statistic need not hold it.

@@ -125,7 +125,6 @@ def bridge(t: np.ndarray, positions: np.ndarray, attraction: Attraction, *, want
 
     t: (n,) times of the nodes [s], ascending
     positions: (n, 3) in GCRF [m]
-    attraction: the Earth's gravity
     wanted: (n - 1,) intervals to bridge
 
     An interval whose ends are too far apart for any orbit is left open.

@@ -22,20 +22,14 @@ LEAST_JUMP = 5e-4
 TIMES_USUAL = 10.0
 """Least ratio of a jump to the usual jump in USUAL_HOURS before it or after it, whichever is smaller."""
 
-USUAL_HOURS = 12
-"""Hours before and after a jump whose jumps are its usual ones."""
-
+USUAL_HOURS = 12  # hours before and after a jump whose jumps are its usual ones
 _MOST_NODES = 4  # of a break other than a manoeuvre: two wrong nodes make four jumps
 _MOST_NOISE = 30.0  # largest swing of noise [m]; a larger swing comes from adjacent wrong nodes
 _OF_SWING = 0.2  # least ratio of a seam's step to its swing; wrong nodes leave less than a hundredth
 _UNLIKE = 30.0  # ratio of adjacent jumps of different causes
 _FEWEST_HOURS = 3  # with nodes, for a side to count
-
-LEAST_SEAM = 0.05
-"""Smallest step between two solutions that is reported [m], the accuracy of precise orbits."""
-
-BRIDGED = 0.05
-"""Largest error of an interval at a break that is bridged nevertheless [m]."""
+LEAST_SEAM = 0.05  # smallest step between two solutions that is reported [m], the accuracy of precise orbits
+BRIDGED = 0.05  # largest error of an interval at a break that is bridged nevertheless [m]
 
 
 @dataclass(frozen=True)

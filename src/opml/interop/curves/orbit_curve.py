@@ -15,15 +15,9 @@ from opml.interop.curves import orbit_breaks
 from opml.interop.curves.gravity_interpolation import Bridges, bridge
 from opml.interop.orbit_arcs import MOST_APART, Arc
 
-ON_NODE = 1e-6
-"""Largest distance of a time from a node whose state is taken unchanged [s]."""
-
-ALIEN = 10.0
-"""Usual difference [m/s] from the velocities of the positions that means another unit or frame."""
-
-STRAYING = 0.05
-"""Difference [m/s] below which a single velocity counts as right, whatever is usual."""
-
+ON_NODE = 1e-6  # largest distance of a time from a node whose state is taken unchanged [s]
+ALIEN = 10.0  # usual difference [m/s] from the velocities of the positions that means another unit or frame
+STRAYING = 0.05  # difference [m/s] below which a single velocity counts as right, whatever is usual
 _TIMES_USUAL = 10.0  # least ratio of the difference to the usual one for a wrong single velocity
 _EXACT = 1e-4  # usual difference [m/s] that counts as none
 _MOST_LOGGED = 10
@@ -66,7 +60,6 @@ def fit_curve(arcs: Sequence[Arc], orientation: pd.DataFrame, attraction: Attrac
 
     arcs: one after the other, without overlap
     orientation: table `earth_orientation` over their times
-    attraction: the Earth's gravity
 
     Intervals longer than MOST_APART and breaks stay open. Raises InputError where velocities are in another
     unit or frame than the positions.
@@ -159,7 +152,6 @@ def _isolated_nodes(bridged: np.ndarray) -> np.ndarray:
 
 
 def _log_wrong_nodes(arcs: Sequence[Arc], wrong: np.ndarray) -> None:
-    """Log the first few wrong nodes."""
     lines = np.concatenate([arc.lines for arc in arcs])
     arc_numbers = np.repeat(np.arange(len(arcs)), [len(arc.t) for arc in arcs])
     for node in np.flatnonzero(wrong)[:_MOST_LOGGED]:

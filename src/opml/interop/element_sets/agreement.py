@@ -20,17 +20,10 @@ from opml.orbits.elements import in_rsw
 from opml.orbits.manoeuvres import Manoeuvre, contain_any
 from opml.tables import FIX_SIGMAS
 
-GROSS = 10.0
-"""How many times the usual disagreement a set is off that is left out."""
-
-USUAL = np.array([100.0, 300.0, 100.0])
-"""Standard deviations of a set in RSW until its object has a past [m]."""
-
-_FEWEST = 5
-"""Disagreements that make a past, and sets in a row that end it, as they agree with none."""
-
-_RECENT = 30
-"""Newest disagreements that count."""
+GROSS = 10.0  # how many times the usual disagreement a set is off that is left out
+USUAL = np.array([100.0, 300.0, 100.0])  # standard deviations of a set in RSW until its object has a past [m]
+_FEWEST = 5  # disagreements that make a past, and sets in a row that end it, as they agree with none
+_RECENT = 30  # newest disagreements that count
 
 _log = logging.getLogger(__name__)
 
@@ -82,7 +75,6 @@ def weighed(
     """Return how accurate each set of one object is: whether it `counts`, and its sigmas in RSW [m].
 
     sets: table `element_sets` of one object
-    epoch: UTC text, the table's
     sampling: of the points that stand for a set
     manoeuvres: across which no sets are compared with each other, once known
 
@@ -100,7 +92,7 @@ def weighed(
         known = [one] if counts else [*known, one]
         rows.append([counts, *past.sigma])
         if not counts:
-            _log.warning("%s disagrees with those before it and is left out: a burn?", place(one, epoch))
+            _log.warning("%s disagrees with those before it and is ignored: a burn?", place(one, epoch))
     return pd.DataFrame(rows, columns=["counts", *FIX_SIGMAS[:3]], index=sets.index)
 
 

@@ -12,7 +12,6 @@ def build(predictions: pd.DataFrame, sets: pd.DataFrame, *, epoch: str, name: st
     """Return a table such as `sgp4`: one row per pair of `predictions`, in their order.
 
     sets: table `element_sets` of one object
-    epoch: UTC text, the table's
     name: of what SGP4 propagates, the prefix of the columns
 
     SGP4 propagates the set with the newest epoch up to t_i. An estimate is at the epoch of a set and made of

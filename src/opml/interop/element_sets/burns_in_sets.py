@@ -19,27 +19,16 @@ from opml.interop import ccsds
 from opml.interop.element_sets.histories import satellite
 from opml.orbits.manoeuvres import Manoeuvre
 
-OFF = 5.0
-"""How many standard deviations two sets are apart between which a burn lies."""
+OFF = 5.0  # how many standard deviations two sets are apart between which a burn lies
 
 _SETTLING = 5
 """Sets after a burn that may be twice as far apart: some are made of tracks from both sides of it."""
 
-_FEWEST = 8
-"""Differences that make a past."""
-
-_RECENT = 40
-"""Newest differences that count."""
-
-_ALWAYS = 0.5 * DAY
-"""Gap in which drag parts two sets as much as the noise of their fits does [s]."""
-
-_UNCLEAR = 5
-"""Sets in a row that follow from none, after which a new past begins."""
-
-_SIGMAS = 1.15
-"""Standard deviations within which three quarters of normal differences lie."""
-
+_FEWEST = 8  # differences that make a past
+_RECENT = 40  # newest differences that count
+_ALWAYS = 0.5 * DAY  # gap in which drag parts two sets as much as the noise of their fits does [s]
+_UNCLEAR = 5  # sets in a row that follow from none, after which a new past begins
+_SIGMAS = 1.15  # standard deviations within which three quarters of normal differences lie
 _EARTH_RADIUS = 6378.135e3  # WGS 72, the unit of SGP4's lengths [m]
 _MINUTE = 60.0
 
@@ -108,7 +97,6 @@ def find_burns(sets: pd.DataFrame, *, epoch: str) -> list[Manoeuvre]:
     """Return the burns that a history shows, in order of time.
 
     sets: table `element_sets` of one object
-    epoch: UTC text, the table's
 
     Each is logged.
     """
@@ -125,7 +113,8 @@ def burns_among(sets: Iterable[KnownSet], *, epoch: str) -> list[Manoeuvre]:
             followed, off = one, []
         elif len(off) == _UNCLEAR or (off and past.follows(off[-1], one)):
             burns.append(Manoeuvre(off[0].t, one.made))
-            _log_found(followed, off, one, epoch)
+            begin, end, known = ccsds.utc_texts(epoch, np.array([followed.t, off[0].t, one.t]))
+            _log.info("a burn between %s and %s, found by the set of %s", begin, end, known)
             past = _Past() if len(off) == _UNCLEAR else past
             past.since = 0
             followed, off = one, []
@@ -135,7 +124,6 @@ def burns_among(sets: Iterable[KnownSet], *, epoch: str) -> list[Manoeuvre]:
 
 
 def _sets(sets: pd.DataFrame, epoch: str) -> Iterator[KnownSet]:
-    """Yield the sets of a table; each is made when all before it are."""
     made = np.maximum.accumulate(np.fmax(sets["t"], sets["t_created"]).to_numpy())
     for k, (_, row) in enumerate(sets.iterrows()):
         yield KnownSet(float(row["t"]), float(made[k]), satellite(row, epoch=epoch))
@@ -158,9 +146,3 @@ def _mean_orbit(flying: Satrec, after: float) -> tuple[float, float, float]:
     """
     error, _, _ = flying.sgp4_tsince(after / _MINUTE)
     return (flying.am, flying.im, flying.Om) if error == 0 else (np.nan, np.nan, np.nan)
-
-
-def _log_found(followed: KnownSet, off: Sequence[KnownSet], last: KnownSet, epoch: str) -> None:
-    """Tell between which sets a burn was found, and by which."""
-    begin, end, known = ccsds.utc_texts(epoch, np.array([followed.t, off[0].t, last.t]))
-    _log.info("a burn between %s and %s, found by the set of %s", begin, end, known)

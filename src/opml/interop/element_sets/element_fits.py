@@ -17,19 +17,14 @@ from opml.interop.element_sets.element_set import satellite
 from opml.interop.element_sets.teme import teme_to_gcrf
 from opml.orbits.elements import coe_from_cartesian, mean_from_true_anomaly
 
-_FIRST_ARC = 0.2 * DAY
-"""Length of the arc [s] that the osculating elements are good enough to start on."""
+_FIRST_ARC = 0.2 * DAY  # length of the arc [s] that the osculating elements are good enough to start on
 
 _MINUTE = 60.0
 _LOST = 1e6  # residual [km] where SGP4 fails
 
 
 def in_teme(states: np.ndarray, epoch: str, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return positions and velocities (n, 3) in TEME [km, km/s] of states (n, 6) in GCRF [m, m/s].
-
-    epoch: UTC text
-    t: (n,) [s since `epoch`]
-    """
+    """Return positions and velocities (n, 3) in TEME [km, km/s] of states (n, 6) in GCRF [m, m/s]."""
     turns = teme_to_gcrf(epoch, t)
     positions, velocities = (
         np.einsum("nji,nj->ni", turns, part) / 1e3 for part in (states[:, :3], states[:, 3:])
@@ -44,7 +39,6 @@ def fit(t: np.ndarray, positions: np.ndarray, *, at: float, known: np.ndarray, e
     positions: (n, 3) in TEME [km]
     at: epoch of the set, the first or the last time [s]
     known: (6,) state then in TEME, where the fit starts [km, km/s]
-    epoch: UTC text
 
     Raises InputError where SGP4 does not come near them.
     """
@@ -71,7 +65,6 @@ def _osculating(state: np.ndarray) -> np.ndarray:
 
 
 def _nearest(start: np.ndarray, misses: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
-    """Return the parameters of least squares."""
     return np.asarray(least_squares(lambda x: misses(x).ravel(), start, method="lm", x_scale="jac").x)
 
 
@@ -87,7 +80,6 @@ def _satellite(parameters: np.ndarray, epoch: str) -> Satrec:
     """Return the satellite of parameters.
 
     parameters: (7,) mean motion [rad/min], e cos w, e sin w, inclination, node, w + M [rad], B*
-    epoch: UTC text
     """
     motion, x, y, inclination, node, longitude, bstar = parameters.tolist()
     perigee = math.atan2(y, x)

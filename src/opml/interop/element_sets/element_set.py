@@ -17,15 +17,12 @@ from opml.base.files import FilePath
 from opml.interop import ccsds
 from opml.interop.orbit_arcs import line_error
 
-PER_DAY = 1440.0 / (2.0 * math.pi)
-"""Revolutions per day of a radian per minute."""
+PER_DAY = 1440.0 / (2.0 * math.pi)  # revolutions per day of a radian per minute
 
 _SGP4_ZERO = datetime(1949, 12, 31)
 _SGP4_ZERO_JULIAN = 2433281.5
 
-_FASTEST = 18.0
-"""Revolutions per day that no satellite makes: at the Earth's surface there were 17."""
-
+_FASTEST = 18.0  # revolutions per day that no satellite makes: at the Earth's surface there were 17
 _ROUNDING = 1e-9  # [deg]
 _MINUTE = 60.0
 _MINUTES_A_DAY = 1440.0
@@ -40,6 +37,7 @@ class ElementSet:
     """A set of mean elements.
 
     path, line: where it is, a TLE by its line 1
+    place: number of sets before it in the file, damaged ones among them
     number: catalogue number, 0 where the file has none
     created: UTC text, '' where unknown
     satellite: the elements, initialised; sgp4's own number is 0 beyond those of TLEs
@@ -53,12 +51,12 @@ class ElementSet:
     satellite: Satrec
     name: str = ""
     designator: str = ""
+    place: int = 0
 
 
 def satellite(epoch: str, elements: Sequence[float]) -> Satrec:
     """Return the satellite of mean elements that SGP4 propagates.
 
-    epoch: UTC text
     elements: mean motion [rad/min], eccentricity, inclination, right ascension of the node, argument of
         perigee, mean anomaly [rad], B*
     """
@@ -156,6 +154,13 @@ def each(
             if damaged is None:
                 raise
             damaged.append(error)
+
+
+def numbered(one: ElementSet) -> ElementSet:
+    """Return the set. Raises InputError where it does not name its object."""
+    if one.number == 0:
+        raise line_error(one.path, one.line, "a catalogue number above 0", "none")
+    return one
 
 
 def check_orbit(path: FilePath, line: int, satellite: Satrec) -> None:

@@ -24,8 +24,6 @@ _log = logging.getLogger(__name__)
 def fit_elements(ephemeris: Segment, *, epoch: str) -> Satrec:
     """Return mean elements at the beginning of an ephemeris by which SGP4 comes nearest to it.
 
-    epoch: UTC text from which its times count
-
     Raises InputError where SGP4 does not come near it.
     """
     (begin,) = ccsds.utc_texts(epoch, ephemeris.t[:1])
@@ -37,8 +35,6 @@ def fit_elements(ephemeris: Segment, *, epoch: str) -> Satrec:
 
 def residual(satellite: Satrec, ephemeris: Segment, *, epoch: str) -> str:
     """Return a sentence, and log it, that says how far SGP4 from mean elements is from an ephemeris.
-
-    epoch: UTC text from which its times count
 
     Raises InputError where SGP4 fails before the end of the ephemeris.
     """

@@ -24,16 +24,12 @@ from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.interop import ccsds
 from opml.interop.element_sets import element_set, mean_elements
-from opml.interop.element_sets.element_set import ElementSet, each, seconds_since
+from opml.interop.element_sets.element_set import ElementSet, each, numbered, seconds_since
 from opml.interop.object_ids import ObjectId
-from opml.interop.orbit_arcs import line_error
 from opml.tables import ELEMENTS, SCHEMAS
 
-_TLE_DAY = 1e8
-"""Parts of a day that the epoch of a TLE resolves; an OMM's epoch has two digits more."""
-
-_SAME = 1e-12
-"""Relative difference of elements that two notations of the same number may have."""
+_TLE_DAY = 1e8  # parts of a day that the epoch of a TLE resolves; an OMM's epoch has two digits more
+_SAME = 1e-12  # relative difference of elements that two notations of the same number may have
 
 _MOST_LOGGED = 10
 _MOST_DAMAGED = 0.05  # of all sets
@@ -67,7 +63,6 @@ def read(paths: Iterable[FilePath], *, epoch: str, leave_out_damaged: bool = Fal
     """Read the history in files, each of TLEs (with or without names) or OMMs in KVN, XML, JSON or CSV.
 
     paths: plain or gzipped, of any formats; of sets made at the same time the one that is read later counts
-    epoch: UTC text
     leave_out_damaged: however many damaged sets there are; otherwise one in twenty at most
 
     Damaged sets are left out, counted and logged.
@@ -78,7 +73,7 @@ def read(paths: Iterable[FilePath], *, epoch: str, leave_out_damaged: bool = Fal
     """
     damaged: list[InputError] = []
     sets = chain.from_iterable(mean_elements.read_sets(path, damaged) for path in paths)
-    found = list(each(sets, _numbered, damaged))
+    found = list(each(sets, numbered, damaged))
     if not leave_out_damaged and len(damaged) > _MOST_DAMAGED * (len(found) + len(damaged)):
         raise damaged[0]
     issues = _by_epoch(found)
@@ -132,7 +127,6 @@ def predict(sets: pd.DataFrame, *, epoch: str, known: float, t: np.ndarray) -> n
     """Return GCRF states (n, 6) [m, m/s] by SGP4 from the newest set that was known at a time.
 
     sets: table `element_sets` of one object
-    epoch: UTC text, the table's
     known: the time [s]
     t: (n,) times of the states [s]
 
@@ -153,20 +147,10 @@ def states_of(row: pd.Series, *, epoch: str, t: np.ndarray) -> np.ndarray:
 
 
 def satellite(row: pd.Series, *, epoch: str) -> Satrec:
-    """Return the satellite of a row of a table `element_sets` that SGP4 propagates.
-
-    epoch: UTC text, the table's
-    """
+    """Return the satellite of a row of a table `element_sets` that SGP4 propagates."""
     (time,) = ccsds.utc_texts(epoch, np.array([row["t"]]))
     motion, *others = (float(row[name]) for name in ELEMENTS)
     return element_set.satellite(time, [_MINUTE * motion, *others])
-
-
-def _numbered(one: ElementSet) -> ElementSet:
-    """Return the set. Raises InputError where it does not name its object."""
-    if one.number == 0:
-        raise line_error(one.path, one.line, "a catalogue number above 0", "none")
-    return one
 
 
 def _object(one: ElementSet) -> ObjectId:
@@ -200,7 +184,6 @@ def _same(one: ElementSet, other: ElementSet) -> bool:
 
 
 def _elements(one: ElementSet) -> tuple[float, ...]:
-    """Return the values of ELEMENTS."""
     made = one.satellite
     return (made.no_kozai / _MINUTE, made.ecco, made.inclo, made.nodeo, made.argpo, made.mo, made.bstar)
 

@@ -8,8 +8,8 @@ adds an RSO to the sheet. Source: CCSDS 502.0-B-2, section 4 (OMM).
 
 import logging
 import math
-from collections.abc import Callable, Mapping
-from dataclasses import fields
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import fields, replace
 from functools import partial
 from typing import NamedTuple
 
@@ -38,6 +38,9 @@ week by more than the median error of the paper case's predictions, 5 km.
 MOST_DAYS = 30.0
 """Days from the elements' epoch beyond which they are refused: drag has moved a low orbit too far by then."""
 
+Piece = omm.Record | Sequence[tle.Line]
+"""The notation of a set: of an OMM, or lines of a TLE."""
+
 _log = logging.getLogger(__name__)
 
 
@@ -59,14 +62,24 @@ def read_sets(path: FilePath, damaged: list[InputError] | None = None) -> list[E
 
     Raises InputError, naming file and line, for a file that cannot be read as a whole or has no set.
     """
-    text = read_text(path)
-    if omm.matches(text) and not tle.begins_with_name(text):
-        sets = [*each(omm.records(path, text), partial(omm.element_set, path), damaged)]
-    else:
-        sets = [*each(tle.pieces(text), partial(tle.element_set, path), damaged)]
+    sets = [*each(enumerate(pieces(path, read_text(path))), partial(_set, path), damaged)]
     if not sets and not damaged:
         raise InputError(f"{path}: expected a TLE or an OMM, got none")
     return sets
+
+
+def pieces(path: FilePath, text: str) -> Iterator[Piece]:
+    """Return the parts of a text, one for each set. Raises InputError for a broken notation."""
+    if omm.matches(text) and not tle.begins_with_name(text):
+        return omm.records(path, text)
+    return tle.pieces(text)
+
+
+def _set(path: FilePath, placed: tuple[int, Piece]) -> ElementSet:
+    place, piece = placed
+    if isinstance(piece, omm.Record):
+        return replace(omm.element_set(path, piece), place=place)
+    return replace(tle.element_set(path, piece), place=place)
 
 
 def read_text(path: FilePath) -> str:
@@ -92,11 +105,7 @@ def state(satellite: Satrec, *, epoch: str) -> np.ndarray:
 
 
 def states(satellite: Satrec, *, epoch: str, t: np.ndarray) -> np.ndarray:
-    """Return osculating GCRF states (n, 6) [m, m/s] by SGP4, NaN where it fails (decayed).
-
-    epoch: UTC text
-    t: (n,) [s since `epoch`]
-    """
+    """Return osculating GCRF states (n, 6) [m, m/s] by SGP4, NaN where it fails (decayed)."""
     errors, found = _fly(satellite, epoch, t)
     return np.where(errors[:, None] == 0, found, np.nan)
 
@@ -165,7 +174,6 @@ def line_of_sheet(path: FilePath, name: str, epoch: str, body: Body) -> str:
     """Return the line of the sheet of RSOs for a file of mean elements.
 
     name: in the sheet
-    epoch: of the run, UTC text
 
     Raises InputError as `read` and `rso` do, and for a name or a body that the sheet would refuse.
     """

@@ -15,14 +15,9 @@ from opml.interop.element_sets.sgp4_points import SetSampling
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import FIX_SIGMAS
 
-USUAL_REACH = DAY
-"""Time before the epoch of a set over which its points lie where its span is unknown [s]."""
-
-PAST = 60.0 * DAY
-"""Sets so long before a run show how accurate its first ones are [s]."""
-
-_NUMBERS = 6
-"""What a set shows about an orbit, however many points it gives."""
+USUAL_REACH = DAY  # time before the epoch of a set over which its points lie where its span is unknown [s]
+PAST = 60.0 * DAY  # sets so long before a run show how accurate its first ones are [s]
+_NUMBERS = 6  # what a set shows about an orbit, however many points it gives
 
 _LEAST = 0.5
 """Part of a set's points, of a day at most, that lie within the run and after a manoeuvre, at least."""
@@ -96,7 +91,6 @@ def measured(
     """Return what the sets of one object measured within a run.
 
     sets: table `element_sets` of one object
-    epoch: UTC text, the table's
     duration: of the run [s]
     manoeuvres: no points of a set lie before one that was before its epoch, and known by then
 

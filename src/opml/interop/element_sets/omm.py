@@ -140,8 +140,6 @@ def write(path: FilePath, satellite: Satrec, *, identity: ObjectId, epoch: str, 
     """Write mean elements as an OMM in KVN, whole or not at all.
 
     identity: of the object, by its name in the run
-    epoch: of the run, UTC text
-    comment: line for the whole message
     """
     version, *header = ccsds.header(_VERSION, epoch, float(seconds_since(epoch, [satellite])[0]))
     pairs = {
@@ -335,7 +333,6 @@ class _Messages(ContentHandler, LexicalHandler):
 
 
 def _is_csv(text: str) -> bool:
-    """Return whether the first line of a text names columns of elements."""
     first = next(csv.reader(text.lstrip().splitlines()[:1]), [])
     return len({cell.strip() for cell in first} & {*_NUMBERS}) > 1
 
@@ -353,18 +350,14 @@ def _csv(path: FilePath, text: str) -> Iterator[Record]:
                 yield Record(reader.line_num, [Pair(reader.line_num, key, cell) for key, cell in pairs])
             else:
                 columns = cells
-                _check_columns(path, reader.line_num, columns)
+                for name in ("EPOCH", *_NUMBERS):
+                    if name not in columns:
+                        raise line_error(path, reader.line_num, f"a column {name}", "none")
+                for name in columns:
+                    if columns.count(name) > 1:
+                        raise line_error(path, reader.line_num, f"one column {name}", "several")
     except csv.Error as reason:
         raise line_error(path, reader.line_num, "CSV", str(reason)) from None
-
-
-def _check_columns(path: FilePath, line: int, columns: Sequence[str]) -> None:
-    for name in ("EPOCH", *_NUMBERS):
-        if name not in columns:
-            raise line_error(path, line, f"a column {name}", "none")
-    for name in columns:
-        if columns.count(name) > 1:
-            raise line_error(path, line, f"one column {name}", "several")
 
 
 def _is_finite(text: str) -> bool:

@@ -7,9 +7,8 @@ formats; CCSDS 502.0-B-2, section 4.
 import csv
 import io
 import json
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import groupby
 from pathlib import Path
 from xml.sax.saxutils import escape
 
@@ -20,9 +19,9 @@ from opml.base.errors import InputError
 from opml.base.files import FilePath, replacing
 from opml.interop.element_sets import mean_elements, omm, tle
 from opml.interop.element_sets.element_set import PER_DAY
+from opml.interop.element_sets.mean_elements import Piece
 
-Fields = Mapping[str, str]
-"""An OMM: values by their keys."""
+Fields = Mapping[str, str]  # an OMM: values by their keys
 
 _HEADER = ("CCSDS_OMM_VERS", "CREATION_DATE", "ORIGINATOR")
 _METADATA = (
@@ -50,13 +49,14 @@ _STANDARD = {
 
 @dataclass(frozen=True)
 class Better:
-    """A set of a file, by path and line, and what it gets.
+    """A set of a file, by path, place and line as `ElementSet` has them, and what it gets.
 
     motion: mean motion [rad/min]
     bstar: B* [1/(6378.135 km)]
     """
 
     path: str
+    place: int
     line: int
     motion: float
     bstar: float
@@ -76,7 +76,11 @@ def write(path: FilePath, sets: Sequence[Better]) -> int:
     Raises InputError for another suffix, and where a file has changed since it was read.
     """
     check_suffix(path)
-    found = [one for _, group in groupby(sets, key=lambda one: one.path) for one in _of_file([*group])]
+    wanted: dict[str, list[Better]] = {}
+    for one in sets:
+        wanted.setdefault(one.path, []).append(one)
+    there = {file: _pieces(file, group) for file, group in wanted.items()}
+    found = [_better(there[one.path][one.place], one) for one in sets]
     text, missing = _WRITERS[Path(path).suffix.lower()](found)
     with replacing(path) as temporary:
         temporary.write_text(text, encoding="utf-8")
@@ -92,59 +96,45 @@ class _Tle:
     second: str
 
 
-def _of_file(sets: Sequence[Better]) -> Iterator[_Tle | Fields]:
-    """Yield sets of one file with their new values."""
-    path = sets[0].path
-    text = mean_elements.read_text(path)
-    wanted = {one.line: one for one in sets}
-    found: dict[int, _Tle | Fields] = {}
-    if omm.matches(text):
-        for record in omm.records(path, text):
-            if record.line in wanted:
-                found[record.line] = _better_omm(record, wanted[record.line])
-    else:
-        for number, one in map(_tle, tle.pieces(text)):
-            if number in wanted:
-                found[number] = _better_tle(one, wanted[number])
-    for line in wanted:
-        if line not in found:
+def _pieces(path: FilePath, sets: Sequence[Better]) -> dict[int, Piece]:
+    """Return the sets of a file by their places."""
+    wanted = {one.place: one.line for one in sets}
+    pieces = enumerate(mean_elements.pieces(path, mean_elements.read_text(path)))
+    there = {place: piece for place, piece in pieces if place in wanted}
+    for place, line in wanted.items():
+        if place not in there or _line(there[place]) != line:
             raise InputError(f"{path}: line {line}: expected the set that was read there, got another")
-        yield found[line]
+    return there
 
 
-def _tle(piece: Sequence[tle.Line]) -> tuple[int, _Tle]:
-    """Return the number of line 1, and the set, of a piece that was read before."""
-    *name, (number, first), (_, second) = piece
-    return number, _Tle(name[0][1].removeprefix("0 ") if name else "", first, second)
+def _line(piece: Piece) -> int:
+    """Return the line of a piece, of a TLE its line 1."""
+    return piece.line if isinstance(piece, omm.Record) else piece[-2:][0][0]
 
 
-def _better_tle(one: _Tle, better: Better) -> _Tle:
-    return _Tle(one.name, *tle.with_drag(one.first, one.second, motion=better.motion, bstar=better.bstar))
-
-
-def _better_omm(record: omm.Record, better: Better) -> Fields:
-    fields = {pair.key: pair.value for pair in record.pairs if pair.key and pair.value}
+def _better(piece: Piece, better: Better) -> _Tle | Fields:
+    if not isinstance(piece, omm.Record):
+        *name, (_, first), (_, second) = piece
+        lines = tle.with_drag(first, second, motion=better.motion, bstar=better.bstar)
+        return _Tle(name[0][1].removeprefix("0 ") if name else "", *lines)
+    fields = {pair.key: pair.value for pair in piece.pairs if pair.key and pair.value}
     return fields | {"MEAN_MOTION": f"{better.motion * PER_DAY:.10f}", "BSTAR": f"{better.bstar:.10g}"}
 
 
 def _fields(one: _Tle | Fields) -> Fields:
-    """Return a set as an OMM."""
     if not isinstance(one, _Tle):
         return one
     # sgp4 exports no set without an international designator.
     designator = one.first[9:17].strip()
     first = one.first if designator else f"{one.first[:9]}57001A  {one.first[17:]}"
     exported = exporter.export_omm(Satrec.twoline2rv(first, one.second), one.name or "UNKNOWN")
-    fields = {key: _text(value) for key, value in exported.items()}
+    fields = {
+        key: (f"{value:.10g}" if isinstance(value, float) else str(value)) for key, value in exported.items()
+    }
     return fields if designator else {**fields, "OBJECT_ID": "UNKNOWN"}
 
 
-def _text(value: object) -> str:
-    return f"{value:.10g}" if isinstance(value, float) else str(value)
-
-
 def _as_tle(sets: Sequence[_Tle | Fields]) -> tuple[str, int]:
-    """Return the text of TLEs, and how many sets have a number that no TLE has."""
     lines, missing = [], 0
     for one in sets:
         if not isinstance(one, _Tle):
@@ -157,7 +147,6 @@ def _as_tle(sets: Sequence[_Tle | Fields]) -> tuple[str, int]:
 
 
 def _as_json(sets: Sequence[_Tle | Fields]) -> tuple[str, int]:
-    """Return a list of objects with numbers, as CelesTrak's."""
     objects = ",\n".join(
         "{"
         + ",".join(f"{json.dumps(key)}:{_json_value(key, value)}" for key, value in _fields(one).items())
@@ -174,7 +163,6 @@ def _json_value(key: str, value: str) -> str:
 
 
 def _as_csv(sets: Sequence[_Tle | Fields]) -> tuple[str, int]:
-    """Return lines under a heading of all keys."""
     rows = [_fields(one) for one in sets]
     text = io.StringIO()
     writer = csv.DictWriter(
@@ -186,14 +174,12 @@ def _as_csv(sets: Sequence[_Tle | Fields]) -> tuple[str, int]:
 
 
 def _as_kvn(sets: Sequence[_Tle | Fields]) -> tuple[str, int]:
-    """Return messages one after the other."""
     keys = (*_HEADER, *_METADATA, *_ELEMENTS, *_OF_TLES)
     whole = [{"CCSDS_OMM_VERS": "2.0", **_STANDARD, **_fields(one)} for one in sets]
     return "\n".join("".join(f"{key} = {one[key]}\n" for key in keys if key in one) for one in whole), 0
 
 
 def _as_xml(sets: Sequence[_Tle | Fields]) -> tuple[str, int]:
-    """Return one navigation data message with all sets, as CelesTrak's."""
     messages = "".join(map(_xml_message, ({**_STANDARD, **_fields(one)} for one in sets)))
     return f'<?xml version="1.0" encoding="UTF-8"?>\n<ndm>\n{messages}</ndm>\n', 0
 

@@ -30,7 +30,6 @@ def before(row: pd.Series, end: float, *, epoch: str, sampling: SetSampling) -> 
 
     row: of a table `element_sets`
     end: the set's epoch, or soon behind it [s]
-    epoch: UTC text, the table's
 
     Shortly before a re-entry SGP4 may fail within hours.
     """

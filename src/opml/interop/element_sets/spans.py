@@ -20,8 +20,7 @@ from opml.orbits.manoeuvres import Manoeuvre, contain_any
 _BACK = np.arange(0.0, 5.0 * DAY, 1800.0)
 """Times before the later epoch at which two sets are compared with each other [s]."""
 
-_GAPS = (0.1 * DAY, 3.0 * DAY)
-"""Least and longest time between the epochs of two sets."""
+_GAPS = (0.1 * DAY, 3.0 * DAY)  # least and longest time between the epochs of two sets
 
 _BEFORE = DAY
 """Time before two sets in which a manoeuvre spoils what they tell [s]: the earlier was fitted across it."""
@@ -29,11 +28,8 @@ _BEFORE = DAY
 _LONGEST = 2.0 * float(_BACK[-1])
 """Longest span that is told [s]: the middle of a longer one lies before all that two sets are held at."""
 
-_FEWEST, _MOST = 8, 30
-"""Pairs of sets that tell a span."""
-
-_UNIT = 0.5 * DAY
-"""Spans are multiples of it [s]: people choose them, and pairs tell them to some hours."""
+_FEWEST, _MOST = 8, 30  # pairs of sets that tell a span
+_UNIT = 0.5 * DAY  # spans are multiples of it [s]: people choose them, and pairs tell them to some hours
 
 _UNEXPLAINED = 0.3
 """Part of the rates' size that a span may leave; an object with little drag has none that explains them.
@@ -47,7 +43,6 @@ def fit_spans(sets: pd.DataFrame, *, epoch: str, manoeuvres: Sequence[Manoeuvre]
     """Return over how long sets (n,) were fitted [s], each as it and those before it tell; NaN where not.
 
     sets: table `element_sets` of one object
-    epoch: UTC text, the table's
     manoeuvres: pairs of sets with one between them or shortly before say nothing, from when it is known
 
     The first pairs of a history tell, so that the span hardly changes once it is found.

@@ -15,22 +15,16 @@ from opml.base import epochs
 from opml.base.constants import DAY
 from opml.environment.earth_orientation import lagrange_weights
 
-_ZERO = "2000-01-01T12:00:00"
-"""UTC text from which nodes count."""
+_ZERO = "2000-01-01T12:00:00"  # UTC text from which nodes count
 
 _STEP = 0.25 * DAY
 """Between the nodes of the slow angles [s]; Lagrange's polynomial through six has them to 1e-13 rad."""
 
-_AROUND = np.arange(-2.0, 4.0)
-"""Nodes about a time, from the one before it."""
+_AROUND = np.arange(-2.0, 4.0)  # nodes about a time, from the one before it
 
 
 def teme_to_gcrf(epoch: str, t: np.ndarray) -> np.ndarray:
-    """Return the rotations (n, 3, 3) of TEME to GCRF; at 7e-12 rad/s they move no velocity.
-
-    epoch: UTC text
-    t: (n,) [s since `epoch`]
-    """
+    """Return the rotations (n, 3, 3) of TEME to GCRF; at 7e-12 rad/s they move no velocity."""
     number, part = np.divmod((epochs.seconds_between(_ZERO, epoch) + t) / _STEP, 1.0)
     before, place = np.unique(number, return_inverse=True)
     nodes = np.array([[_slow_angles(int(one)) for one in k + _AROUND] for k in before])

@@ -20,23 +20,15 @@ from opml.interop.element_sets.element_set import PER_DAY, ElementSet, check_orb
 from opml.interop.object_ids import ObjectId
 from opml.interop.orbit_arcs import line_error
 
-Line = tuple[int, str]
-"""Number and text of a line."""
-
-LARGEST_NUMBER = 339_999
-"""Largest catalogue number of a TLE, Z9999 there."""
-
-FOR_TESTS = 99999
-"""Catalogue number of an object of which none is known."""
+Line = tuple[int, str]  # number and text of a line
+LARGEST_NUMBER = 339_999  # largest catalogue number of a TLE, Z9999 there
+FOR_TESTS = 99999  # catalogue number of an object of which none is known
 
 EPHEMERIS_TYPES = ("0", "2", "3")
 """Types of elements that SGP4 propagates, 0 in what is published; 4 are those of SGP4-XP, another theory."""
 
-_FIRST_YEAR = 57
-"""Two digits of the first year of a TLE, 1957; smaller ones are of this century."""
-
-_LONGEST_NAME = 68
-"""Letters of a name: a text as long as a line of a TLE is a damaged one."""
+_FIRST_YEAR = 57  # two digits of the first year of a TLE, 1957; smaller ones are of this century
+_LONGEST_NAME = 68  # letters of a name: a text as long as a line of a TLE is a damaged one
 
 _WORTH = bytes(int(chr(k)) if chr(k) in "0123456789" else chr(k) == "-" for k in range(256))
 """What each byte counts in a checksum: digits their value, minus signs one."""
@@ -65,7 +57,27 @@ _PATTERNS = {
 
 
 def pieces(text: str) -> Iterator[list[Line]]:
-    """Yield the lines of each set: from its name or line 1 up to its line 2, or to where the next begins."""
+    """Yield the lines of each set: from its name or line 1 up to its line 2, or to where the next begins.
+
+    Between a line 2 alone and the next line 1 alone, lines 2 may be written before lines 1: each line there
+    is a piece of its own.
+    """
+    doubtful: list[list[Line]] = []
+    for piece in _cut(text):
+        kinds = "".join(line[0] for _, line in piece[-2:])
+        if kinds.endswith("1"):
+            yield from ([line] for pair in doubtful for line in pair)
+            doubtful = []
+            yield piece
+        elif doubtful or (kinds.endswith("2") and kinds != "12"):
+            doubtful.append(piece)
+        else:
+            yield piece
+    yield from doubtful
+
+
+def _cut(text: str) -> Iterator[list[Line]]:
+    """Yield lines up to a line 2, or to where another set begins."""
     piece: list[Line] = []
     has_first = False
     for number, line in enumerate(text.splitlines(), start=1):
@@ -102,7 +114,10 @@ def element_set(path: FilePath, piece: Sequence[Line]) -> ElementSet:
         raise line_error(path, second_number, f"catalogue number {first[2:7]}", second[2:7])
     if (kind := first[62].replace(" ", "0")) not in EPHEMERIS_TYPES:
         raise line_error(path, number, f"the ephemeris type {' or '.join(EPHEMERIS_TYPES)}", kind)
-    _check_day(path, number, first)
+    year = int(first[18:20]) + (1900 if int(first[18:20]) >= _FIRST_YEAR else 2000)
+    days = 366 if isleap(year) else 365
+    if not 1.0 <= float(first[20:32]) < days + 1:
+        raise line_error(path, number, f"a day from 1 to {days} of {year}", first[20:32])
     satellite = Satrec.twoline2rv(first, second)
     check_orbit(path, second_number, satellite)
     name = piece[0][1].removeprefix("0 ").strip() if named else ""
@@ -117,7 +132,8 @@ def lines(satellite: Satrec, number: int, launch: str = "") -> tuple[str, str]:
 
     Raises InputError for a number beyond those of TLEs.
     """
-    check_number(number)
+    if not 0 < number <= LARGEST_NUMBER:
+        raise InputError(f"number: expected one of a TLE, 1 to {LARGEST_NUMBER}, got {number}")
     name = to_alpha5(number)
     angles = np.rad2deg([satellite.nodeo, satellite.argpo, satellite.mo])
     node, perigee, anomaly = (f"{round(angle, 4) % 360.0:8.4f}" for angle in angles)
@@ -145,12 +161,6 @@ def write(path: FilePath, satellite: Satrec, identity: ObjectId) -> None:
     Raises InputError for a number beyond those of TLEs.
     """
     ccsds.write(path, lines(satellite, identity.number or FOR_TESTS, identity.launch))
-
-
-def check_number(number: int) -> None:
-    """Raise InputError for a catalogue number that no TLE has."""
-    if not 0 < number <= LARGEST_NUMBER:
-        raise InputError(f"number: expected one of a TLE, 1 to {LARGEST_NUMBER}, got {number}")
 
 
 def _summed(line: str) -> str:
@@ -184,10 +194,3 @@ def _check_line(path: FilePath, last: int, line: Line | None, kind: str) -> None
 
 def _checksum(line: str) -> int:
     return sum(line[:68].encode("ascii").translate(_WORTH)) % 10
-
-
-def _check_day(path: FilePath, number: int, first: str) -> None:
-    year = int(first[18:20]) + (1900 if int(first[18:20]) >= _FIRST_YEAR else 2000)
-    days = 366 if isleap(year) else 365
-    if not 1.0 <= float(first[20:32]) < days + 1:
-        raise line_error(path, number, f"a day from 1 to {days} of {year}", first[20:32])

@@ -232,6 +232,9 @@ class DaySettings(Section):
     together: Annotated[int, Ge(1), Expected("a whole number from 1")] = setting(
         "objects that one job takes at most; their arcs fly side by side", default=32
     )
+    messages: Absent[Annotated[list[Name], Unique()]] = setting(
+        "objects whose ephemerides are also written as OEM; by default all", unit="names", default=None
+    )
 
 
 class Sheets(Section):

@@ -40,7 +40,7 @@ class ClaimSettings(Item):
     holds: Holds = setting("what then holds of our numbers")
     limit: Absent[float] = setting("number that they are compared with", unit="% or km", default=None)
     start: Absent[Positive] = setting("mean error before the correction", unit="km", default=None)
-    share: Absent[Share] = setting("how far a number may be off, or what is left of it", default=None)
+    share: Absent[Share] = setting("how far a number may be off, or its residual share", default=None)
     beside: Absent[Names] = setting("evaluations whose numbers are shown with the entry's own", default=None)
     beyond: Absent[float] = setting("value of a curve from which on the numbers count", default=None)
 
