@@ -82,7 +82,6 @@ def closure(*modules: str) -> set[str]:
 
 @cache
 def _path(module: str) -> Path:
-    """Return the source of a module or package; ValueError where there is none."""
     base = _PACKAGE.joinpath(*module.split(".")[1:])
     for path in (base / "__init__.py", base.with_suffix(".py")):
         if path.is_file():
@@ -112,7 +111,6 @@ def _needed(module: str) -> frozenset[str]:
 
 
 def _imports(path: Path, *, package: str) -> set[str]:
-    """Return the modules of opml that a source file imports, with their parents."""
     modules: set[str] = set()
     for node in _nodes(path):
         if isinstance(node, ast.Import):
@@ -139,7 +137,6 @@ def _imported_from(node: ast.ImportFrom, package: str) -> Iterator[str]:
 # The workflow asks for the digests of some forty scripts at each start of a job; all share most modules.
 @cache
 def _named_data(module: str) -> frozenset[Path]:
-    """Return the data files that a module names, in quotation marks."""
     text = _text(_path(module))
     return frozenset(path for name, path in _data().items() if f'"{name}"' in text or f"'{name}'" in text)
 

@@ -295,7 +295,6 @@ def _check_variables(source: Source, study: Study) -> None:
 
 
 def _check_references(source: Source, settings: Settings) -> None:
-    """Hold names of entries against the entries that there are."""
     asked = settings.asked
     for key, known in (
         (("individual", "evaluation"), asked.get("evaluations", {})),

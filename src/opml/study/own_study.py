@@ -320,7 +320,6 @@ class OwnStudy:
         )
 
     def _manoeuvres(self, rso: str) -> str:
-        """Return in words which manoeuvres of an RSO are known, '' where it is simulated."""
         settings = self.study.settings
         kind = settings.kind_of(rso)
         taking = settings.taking(kind, rso) if kind else None

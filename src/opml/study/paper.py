@@ -171,7 +171,6 @@ class Paper:
         ]
 
     def _fix_scale(self, experiment: Experiment) -> Experiment:
-        """Return an experiment with the learner whose kernel scale is one fixed number."""
         return replace(experiment, learner=self.study.entry("reproduction")["fixed"])
 
     def _alternatives(self, name: str, experiment: Experiment) -> list[tuple[str, Experiment]]:
@@ -205,7 +204,6 @@ class Paper:
         }
 
     def _apply_reading(self, entry: Mapping[str, Any], experiment: Experiment) -> Experiment:
-        """Return an experiment under another reading of what the paper leaves open."""
         read, previous = experiment, self.study.cleaning.previous
         if "learner" in entry:
             read = replace(read, learner=entry["learner"])

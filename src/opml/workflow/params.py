@@ -164,7 +164,6 @@ class Params:
         return self._measured(wildcards.rso)["taking"]
 
     def _measured(self, rso: str) -> dict[str, Any]:
-        """Return how an RSO was measured, in which files, and how they are taken."""
         settings = self.plan.settings
         kind = settings.kind_of(rso)
         if kind is None:
@@ -268,7 +267,6 @@ class Params:
         return {"epoch": self.run.epoch, "hour": hour, "date": wildcards.date}
 
     def _watched(self, rso: str) -> dict[str, Any]:
-        """Return what is known of an RSO that is watched, and where its measurements are."""
         settings = self.plan.settings
         return {
             "rso": self.rso_named(rso),
@@ -401,10 +399,8 @@ class Params:
 
 
 def _given(section: Section) -> dict[str, Any]:
-    """Return what was given of a section, as plain values."""
     return section.model_dump(exclude_unset=True, by_alias=True)
 
 
 def _seasons(test: SeasonSettings) -> dict[str, list[str]]:
-    """Return the dates of a catalogue's test that are learned from, and those that judge."""
     return {"train": list(test.train), "test": list(test.test)}

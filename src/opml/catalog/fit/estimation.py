@@ -212,7 +212,6 @@ def estimate_all(
 ) -> pd.DataFrame:
     """Return the `estimates` table: one row per track, converged or with the reason why not.
 
-    flight: under the assumed model
     starts: the table, a state at each track's start for fits where no estimate is at hand
     """
     return with_noise(flight, starts, measured, settings=settings)[0]
@@ -266,8 +265,6 @@ def estimate_over_windows(
 
     Their arcs are propagated side by side, as fast as the longest.
 
-    flight: under the assumed model
-    starts: the table
     settings: of all windows but their length
     earlier: by the length of each window [h], rows of tracks before that fits over it may start from
 

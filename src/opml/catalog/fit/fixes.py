@@ -78,7 +78,6 @@ class Fixes(Measurements):
 
 
 def _in_axes(axes: np.ndarray, vectors: np.ndarray) -> np.ndarray:
-    """Return vectors (..., n, 3) or pairs of them (..., n, 6) in axes (n, 3, 3)."""
     parts = vectors.reshape(*vectors.shape[:-1], -1, 3)
     return np.einsum("nij,...nkj->...nki", axes, parts).reshape(vectors.shape)
 

@@ -93,7 +93,6 @@ class _Flown:
 
 
 def _is_running(fit: Fit) -> bool:
-    """Return whether a fit goes on, at a trial that can be propagated."""
     while fit.running and np.linalg.norm(fit.trial[3:6]) > FASTEST:
         fit.reject(TOO_FAST)
     return fit.running

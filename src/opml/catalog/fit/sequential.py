@@ -284,7 +284,6 @@ class Filtering:
 
 
 def _covariance(estimate: pd.Series) -> np.ndarray:
-    """Return the covariance (7, 7) of an estimate."""
     return symmetric_matrices(estimate.to_frame().T, PARAMETER_COVARIANCES)[0]
 
 
@@ -298,7 +297,6 @@ def filter_all(
 ) -> pd.DataFrame:
     """Return the `estimates` table of the filters: one row per track, with all measurements up to its own.
 
-    flight: under the assumed model
     estimates: the table of batch fits of the same tracks, which the filters begin from
     light_time: as in `Estimation`
     bank: a noise for each filter
@@ -331,7 +329,6 @@ def filter_all(
 
 
 def _next_or_lost(run: Filtering, filters: Filters, track: int) -> Filters | None:
-    """Return the filters at the next track; None where their arc does not reach it."""
     try:
         return run.next(filters, track)
     except LostError:

@@ -27,7 +27,6 @@ class Measured(Measurements):
     def __init__(
         self, tracking: pd.DataFrame, earth_orientation: pd.DataFrame, stations: Sequence[Station]
     ) -> None:
-        """Take the tables of tracking and Earth orientation, and the stations that measured."""
         track, t = tracking["track"].to_numpy(), tracking["t"].to_numpy()
         super().__init__(track, t, t[np.searchsorted(track, track)])
         order = {station.name: k for k, station in enumerate(stations)}

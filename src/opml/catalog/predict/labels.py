@@ -64,7 +64,6 @@ def with_sigmas(estimates: pd.DataFrame) -> pd.DataFrame:
 
 
 def _reasons(unpredicted: np.ndarray, later: pd.DataFrame) -> np.ndarray:
-    """Return why each pair (n,) has no label, empty where it has one."""
     failed = np.where(
         later["reason"].isin([""]), "", f"{NO_LATER_ESTIMATE}: " + later["reason"].fillna("none")
     )

@@ -44,7 +44,6 @@ class Neighbours:
     def fly(self, states: np.ndarray, cd: np.ndarray) -> np.ndarray:
         """Return the states (n, 6) in GCRF [m, m/s] of neighbours at t_j.
 
-        states: (arcs, 6) GCRF [m, m/s]
         cd: (arcs,)
         """
         flown, _ = self.flight.fly_pairs(self.predictions, states, cd=cd)

@@ -244,7 +244,6 @@ def _highest_measurements(tracking: pd.DataFrame, tracks: pd.Index) -> pd.DataFr
 
 
 def _reasons(rows: pd.DataFrame, cleaning: Cleaning) -> pd.Series:
-    """Return why each row is dropped, '' where it is kept."""
     failed = rows["prediction_reason"]
     reason = pd.Series("", index=rows.index, dtype="str")
     # From the last reason to the first, so that the first overwrites.
@@ -261,7 +260,6 @@ def _reasons(rows: pd.DataFrame, cleaning: Cleaning) -> pd.Series:
 
 
 def _outside_fences(rows: pd.DataFrame, kept: np.ndarray, cleaning: Cleaning) -> np.ndarray:
-    """Return which of the rows kept so far (n,) lie outside Tukey's fences on e_y."""
     if cleaning.fence is None or not kept.any():
         return np.zeros(len(rows), dtype=bool)
     days, e_y = cleaning.fence_days, rows["e_y"].to_numpy()

@@ -232,7 +232,6 @@ def _inflation(distance: np.ndarray, duration: np.ndarray, weight: np.ndarray) -
 
 
 def _within() -> float:
-    """Return the squared distance within which LEVEL of normal errors of three axes lie."""
     from scipy.stats import chi2
 
     return float(chi2.ppf(LEVEL, 3))

@@ -201,7 +201,6 @@ def summed(replay: pd.DataFrame) -> float:
 
 
 def _shared_pairs(replays: Mapping[str, pd.DataFrame], mornings: Sequence[float]) -> pd.MultiIndex:
-    """Return the pairs (i, j) of these mornings that every model has."""
     of_model = [
         pd.MultiIndex.from_frame(table.loc[table["morning"].isin(mornings), ["i", "j"]])
         for table in replays.values()
