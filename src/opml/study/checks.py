@@ -368,7 +368,9 @@ class _Checks:
             "test": self._test,
             "tests": _each(self._test),
             "split": self._pair,
-            "splits": self._pairs,
+            "splits": lambda pairs: _each(self._pair)(
+                list(pairs.values()) if isinstance(pairs, Mapping) else pairs
+            ),
             "window_day": lambda day: self._days([0, day]),
             "zoom_days": self._days,
             "span_days": self._days,
@@ -403,10 +405,6 @@ class _Checks:
         if not isinstance(pair, str):
             self._train(pair[0])
             self._test(pair[1])
-
-    def _pairs(self, pairs: Mapping[str, Sequence[str]] | Sequence[Sequence[str]]) -> None:
-        for pair in pairs.values() if isinstance(pairs, Mapping) else pairs:
-            self._pair(pair)
 
     def _days(self, days: Sequence[float]) -> None:
         first, last = days

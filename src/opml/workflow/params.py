@@ -143,6 +143,9 @@ class Params:
         """
         parts = dict(wildcards.items())
         names = [parts["learner"]] if "learner" in parts else self.plan.own_study.replayed_models
+        return self._resolved(names, parts)
+
+    def _resolved(self, names: Iterable[str], parts: Mapping[str, str]) -> dict[str, ResolvedSettings]:
         return {
             name: learners.resolved(
                 naming.parse_learner(name, self.plan.study.learners),
@@ -224,14 +227,6 @@ class Params:
     def mornings_of(self, wildcards: Wildcards) -> dict[str, Any]:
         """Return the params of the mornings of the wildcard `batch`, up to the wildcard `date`."""
         day = self.plan.settings.day
-        resolved = {
-            name: learners.resolved(
-                naming.parse_learner(name, self.plan.study.learners),
-                component=components.CORRECTED,
-                variables=self.run.learning.variables,
-            )
-            for name in day.models
-        }
         return {
             **self.assumed_model,
             "duration_days": self.run.duration_days,
@@ -243,7 +238,7 @@ class Params:
             "estimation": _given(self.run.estimation),
             "max_days": self.run.prediction.max_days,
             "step_s": self.run.ephemeris.step_s,
-            "models": {name: settings.of_job() for name, settings in resolved.items()},
+            "models": {name: settings.of_job() for name, settings in self._resolved(day.models, {}).items()},
             # Models that a user names are flown at any height.
             "fits_above": 0.0 if "models" in day.model_fields_set else FITS_ABOVE,
             "catalogue": {"files": self.element_files, "weather": self.measured_weather},
