@@ -191,11 +191,7 @@ class Params:
 
     def training(self, wildcards: Wildcards) -> dict[str, Any]:
         """Return the params of all jobs that split a dataset: epoch, split, seed and span."""
-        return {
-            "epoch": self.run.epoch,
-            **self.split(wildcards),
-            "span_days": self.plan.study.span_days,
-        }
+        return {"epoch": self.run.epoch, **self.split(wildcards), "span_days": self.plan.study.span_days}
 
     def experiment(self, wildcards: Wildcards) -> dict[str, str]:
         """Return the experiment in the columns of `metrics`."""
@@ -296,11 +292,7 @@ class Params:
         return {
             "known_until_days": self.train_days(wildcards)[1],
             "from": self.run.ephemeris.start,
-            "grid": [
-                self.run.ephemeris.step_s,
-                self.run.prediction.max_days,
-                self.run.duration_days,
-            ],
+            "grid": [self.run.ephemeris.step_s, self.run.prediction.max_days, self.run.duration_days],
         }
 
     def check_from_newest(self, _: Wildcards) -> None:

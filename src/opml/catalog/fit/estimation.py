@@ -101,10 +101,7 @@ class Run:
         return self.measured.window(track, self._window, after, without=without)
 
     def fit_windows(
-        self,
-        windows: Sequence[Window],
-        candidates: Iterable[np.ndarray],
-        methods: Sequence[Method],
+        self, windows: Sequence[Window], candidates: Iterable[np.ndarray], methods: Sequence[Method]
     ) -> list[Estimate]:
         """Return estimates over `windows`, each from the best start that its arc can be propagated from.
 

@@ -9,15 +9,7 @@ import pandas as pd
 from opml.catalog.fit.least_squares import Evaluation
 from opml.catalog.fit.measurements import Measurements, Rows, Window
 from opml.catalog.fit.neighbour_arcs import NUDGES
-from opml.catalog.simulate.observing import (
-    ANGLES,
-    OBSERVABLES,
-    Stands,
-    difference,
-    place,
-    predicted,
-    sigmas,
-)
+from opml.catalog.simulate.observing import ANGLES, OBSERVABLES, Stands, difference, place, predicted, sigmas
 from opml.orbits.sheets import Station
 
 

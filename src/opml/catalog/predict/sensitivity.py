@@ -15,11 +15,7 @@ CD_NUDGE = 0.01  # change of Cd between neighbouring arcs: small against Cd, lar
 
 
 def sensitivities(
-    flight: Flight,
-    estimates: pd.DataFrame,
-    predictions: pd.DataFrame,
-    *,
-    bounds: tuple[float, float] | None,
+    flight: Flight, estimates: pd.DataFrame, predictions: pd.DataFrame, *, bounds: tuple[float, float] | None
 ) -> pd.DataFrame:
     """Return the `sensitivities` table: for each pair of the predictions, in RSW of the predicted state.
 
