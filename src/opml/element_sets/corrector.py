@@ -140,9 +140,12 @@ def jumps(rows: pd.DataFrame) -> pd.Series:
 
     rows: of `features.build`, mornings in order; nine in ten of the object's last ones are usual
     """
-    of_object = rows.groupby(["number", "lead"], sort=False)["missed"]
-    usual = of_object.rolling(**_USUAL, closed="left").quantile(LEVEL).droplevel([0, 1])
-    return rows["missed"] / usual.reindex(rows.index)
+    # Lead by lead: all at once would take a quarter more memory.
+    usual = [
+        of_lead.groupby("number")["missed"].rolling(**_USUAL, closed="left").quantile(LEVEL).droplevel(0)
+        for _, of_lead in rows[["number", "missed"]].groupby(rows["lead"])
+    ]
+    return rows["missed"] / pd.concat(usual).reindex(rows.index)
 
 
 def widen_jumps(found: pd.DataFrame, jump: pd.Series) -> pd.DataFrame:

@@ -20,7 +20,7 @@ from opml.interop import ccsds
 from opml.interop.element_sets.element_set import changed, seconds_since
 from opml.tables import IMPROVED_MODELS, SCHEMAS
 
-_REACH = 60
+_REACH = 80
 """Days before a morning beyond which no set tells anything of it, those of the PAST mornings reckoned."""
 
 _SOON = 0.5

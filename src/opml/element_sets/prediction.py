@@ -27,6 +27,7 @@ from opml.base.progress import Progress
 from opml.element_sets import catalogue as catalogues
 from opml.element_sets import corrector, density, improve, model, ways
 from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day
+from opml.element_sets.improve import Improved
 from opml.environment import nrlmsis
 from opml.environment.space_weather import INTERVALS
 from opml.interop import ccsds, fixes_csv, tdm
@@ -48,7 +49,11 @@ from opml.orbits.density_error import DensityErrors
 from opml.orbits.elements import bent_rsw
 
 MORNINGS = 12
-"""Mornings before the date whose predictions tell an object's own sizes."""
+"""Mornings before the date whose predictions tell an object's own sizes, radial and cross-track."""
+
+ALONG_MORNINGS = 20
+"""Mornings before the date whose predictions tell an object's own sigma along the track: more would hide a
+burn, or a month of storms."""
 
 USUAL = 8.0
 """Predictions that err as the corrector says that an object's own count against."""
@@ -204,7 +209,7 @@ def predict(
     better = improve.improve(known, model.read(trained), progress=progress)
     (place,) = np.flatnonzero(better.table["number"] == newest.number)
     how = better.table.iloc[place]
-    past = better.past[better.past["number"] == newest.number].reset_index(drop=True)
+    past = _past_of(newest.number, better)
     rows = np.flatnonzero(known.catalogue.table["number"] == newest.number)
     own = known.catalogue.take(rows)
     errors = errors_of_sets(own, date)
@@ -230,6 +235,13 @@ def predict(
         burns,
         thrusts,
     )
+
+
+def _past_of(number: int, better: Improved) -> pd.DataFrame:
+    """Return the judged predictions of an object's last ALONG_MORNINGS."""
+    first = modified_julian_day(better.date) - ALONG_MORNINGS
+    past = better.past
+    return past[(past["number"] == number) & (past["morning"] >= first)].reset_index(drop=True)
 
 
 def _basis(past: pd.DataFrame) -> str:

@@ -12,7 +12,7 @@ from opml.element_sets import corrector
 from opml.element_sets.corrector import Corrector
 from opml.element_sets.pairs import LEADS
 
-PAST = 20
+PAST = 40
 """Mornings before the date whose predictions tell how much each way counts."""
 
 BURN = 25.0

@@ -30,7 +30,7 @@ from opml.element_sets.on_mornings import ImprovedHistory
 from opml.learning.models.learners import JobLearner
 from opml.mornings import days, measured
 from opml.mornings.calendar import Calendar
-from opml.mornings.days import Task, UnderWay
+from opml.mornings.days import BatchTask, UnderWay
 from opml.mornings.measured import MeasurementSource, Span
 from opml.mornings.morning import FlightModel, MorningPlan, Watched
 from opml.mornings.outcomes import FAILED
@@ -287,4 +287,6 @@ def _begin(
     )
     shared = settings.model_dump(include=_SHARED)
     digest = settings_digest(shared | one.model_dump(include={"rso", "taking"}))
-    return UnderWay.begin(Task(name, calendar, settings.date, digest, one.has_message), watched, store, done)
+    return UnderWay.begin(
+        BatchTask(name, calendar, settings.date, digest, one.has_message), watched, store, done
+    )

@@ -40,7 +40,7 @@ _log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
-class Task:
+class BatchTask:
     """What is asked of an object.
 
     until: date of its last morning
@@ -59,14 +59,14 @@ class Task:
 class UnderWay:
     """An object on its way through its mornings; records: of those before `next`."""
 
-    task: Task
+    task: BatchTask
     watched: Watched
     store: Store
     records: Records
     next: date
 
     @classmethod
-    def begin(cls, task: Task, watched: Watched, store: Store, done: Sequence[date]) -> Self:
+    def begin(cls, task: BatchTask, watched: Watched, store: Store, done: Sequence[date]) -> Self:
         """Return an object before the first of its mornings that are not over; done: dates of those that are.
 
         Raises InputError where a morning between others is gone, and where settings or stations changed.

@@ -26,7 +26,7 @@ TURNED = "the orbit to turn, where the extra `explore` is installed"
 """What a page shows that is made with plotly alone."""
 
 FEWEST = 10  # predictions of a duration below which neither their median nor a share of them is told
-MORNINGS = 14  # mornings below which the past chooses poorly (docs/operations.md)
+MORNINGS = 14  # mornings below which a selection each day is poor
 
 _SPANS = {1.0: "a day", 7.0: "a week"}
 

@@ -26,7 +26,7 @@ from opml.learning.models import learners
 from opml.mornings import days, fits, judged, morning
 from opml.mornings.beside_sgp4 import Sgp4
 from opml.mornings.calendar import Calendar
-from opml.mornings.days import Task, UnderWay
+from opml.mornings.days import BatchTask, UnderWay
 from opml.mornings.morning import FlightModel, MorningPlan, Watched
 from opml.mornings.outcomes import DO_NOT_USE, UNPROVEN
 from opml.mornings.records import Records
@@ -68,7 +68,7 @@ def watched(orbit, assumed_model, iss, earth_orientation, three_stations):
 
 def begin(store, name, watched, until):
     """An object before the first of its mornings that are not over."""
-    return UnderWay.begin(Task(name, CALENDAR, until, "digest"), watched, store, store.done(until)[name])
+    return UnderWay.begin(BatchTask(name, CALENDAR, until, "digest"), watched, store, store.done(until)[name])
 
 
 def run(watched, folder, until=LAST):
@@ -254,7 +254,7 @@ def test_an_ephemeris_without_a_message_is_told_all_the_same(watched, whole, tmp
     for name in (BATCH, "iss"):
         shutil.rmtree(tmp_path / LAST.isoformat() / name)
     store = Store(tmp_path, "0", ["iss"])
-    task = Task("iss", CALENDAR, LAST, "digest", has_message=False)
+    task = BatchTask("iss", CALENDAR, LAST, "digest", has_message=False)
     days.catch_up(store, [UnderWay.begin(task, watched, store, done(tmp_path))], LAST, metadata=METADATA)
     assert not (tmp_path / LAST.isoformat() / "iss").exists()
     assert told(tmp_path) == told(whole) | {"message": None}
