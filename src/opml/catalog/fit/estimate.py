@@ -13,14 +13,11 @@ from opml.tables import PARAMETER_COVARIANCES, PARAMETERS
 
 @dataclass(frozen=True)
 class Estimate:
-    """One track's estimate under way.
-
-    kept: (numbers,) bool, which of the window's measured numbers count; None: all of them
-    """
+    """One track's estimate under way."""
 
     window: Window
     fit: Fit
-    kept: np.ndarray | None = None
+    kept: np.ndarray | None = None  # (numbers,) bool, which measured numbers count; None: all of them
 
     @property
     def solution(self) -> Solution:

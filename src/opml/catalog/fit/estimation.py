@@ -41,17 +41,13 @@ NO_START = "no orbit to start from"  # why a fit did not begin
 
 @dataclass(frozen=True)
 class Run:
-    """All that the windows of a run share.
-
-    flight: under the assumed model
-    eccentricity_sigma: standard deviation of the eccentricity about 0; None where nothing is known beforehand
-    """
+    """All that the windows of a run share."""
 
     measured: Measurements
     flight: Flight
     starts: Starts
     settings: Estimation
-    eccentricity_sigma: float | None = None
+    eccentricity_sigma: float | None = None  # of the eccentricity about 0; None where nothing is known
 
     @classmethod
     def of_starts(

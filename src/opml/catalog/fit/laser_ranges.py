@@ -29,13 +29,10 @@ _STATION = [f"{axis}_station" for axis in "xyz"]
 
 @dataclass(frozen=True)
 class Sites:
-    """Where laser stations are: tables of `interop.sinex`.
+    """Where laser stations are: tables of `interop.sinex`."""
 
-    coordinates: of `read_coordinates`; eccentricities: of `read_eccentricities`
-    """
-
-    coordinates: pd.DataFrame
-    eccentricities: pd.DataFrame
+    coordinates: pd.DataFrame  # of `read_coordinates`
+    eccentricities: pd.DataFrame  # of `read_eccentricities`
 
     def position(self, station: str, system: str, date: pd.Timestamp) -> np.ndarray:
         """Return the position (3,) in ITRF [m] that a station's ranges count from at a date.

@@ -121,18 +121,12 @@ CHOSEN = "selected each day"  # what the models that were flown are called besid
 
 @dataclass(frozen=True)
 class Mornings:
-    """Replays of several models on the same predictions, and of the models that the past would have chosen.
+    """Replays of several models on the same predictions, and of those that the past would have chosen."""
 
-    tables: rows of the `replay` table of each model, of the same pairs in the same order
-    flown: rows of the models that were chosen
-    choices: by morning [s]
-    earlier: number of predictions that began before all models could be flown, which count nowhere
-    """
-
-    tables: Mapping[str, pd.DataFrame]
-    flown: pd.DataFrame
-    choices: Mapping[float, Choice]
-    earlier: int
+    tables: Mapping[str, pd.DataFrame]  # `replay` rows of each model, of the same pairs in the same order
+    flown: pd.DataFrame  # rows of the models that were chosen
+    choices: Mapping[float, Choice]  # by morning [s]
+    earlier: int  # predictions from before all models could be flown, which count nowhere
 
     @property
     def last_choice(self) -> str:
