@@ -6,7 +6,7 @@ import logging
 import os
 import re
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from datetime import UTC, date, datetime
 from importlib.util import find_spec
@@ -34,8 +34,7 @@ class Command:
     run: Callable[[argparse.Namespace], None]
 
 
-INTERRUPTED = 130
-"""Exit code of a command that its user interrupts, as of a shell's."""
+INTERRUPTED = 130  # exit code of a command that its user interrupts, as of a shell's
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -62,7 +61,10 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="opml",
         description="Orbit prediction improved by machine learning.",
-        epilog="\n".join(_listed()),
+        epilog="\n".join(
+            f"{group}:\n" + "\n".join(f"  {command.name:10} {command.help}" for command in commands)
+            for group, commands in GROUPS.items()
+        ),
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--version", action="version", version=f"opml {__version__}")
@@ -72,13 +74,6 @@ def _parser() -> argparse.ArgumentParser:
         command.add_arguments(subparser)
         subparser.set_defaults(run=command.run)
     return parser
-
-
-def _listed() -> Iterator[str]:
-    """Yield the lines of the help that list the commands, by their groups."""
-    for group, commands in GROUPS.items():
-        yield f"{group}:"
-        yield from (f"  {command.name:10} {command.help}" for command in commands)
 
 
 # The modules behind a command are imported when it runs: some need packages of an extra, some take a second.
@@ -193,11 +188,6 @@ def _instant(text: str) -> str:
     return f"{text}T00:00:00" if re.fullmatch(r"[\d-]{10}", text) else text
 
 
-def _beside(options: argparse.Namespace) -> list[str]:
-    """Return the files of weather and model that are read beside the others."""
-    return [path for path in (options.weather, options.model) if path]
-
-
 def _add_improve(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("sets", nargs="+", help="files and folders of TLEs or OMMs (JSON, CSV, XML, KVN)")
     parser.add_argument("-o", "--output", required=True, help="better sets: .tle, .json, .csv, .xml or .kvn")
@@ -211,7 +201,9 @@ def _add_improve(parser: argparse.ArgumentParser) -> None:
 def _improve(options: argparse.Namespace) -> None:
     from opml.element_sets import improve, model
 
-    improve.check_written(options.output, options.table, [*options.sets, *_beside(options)])
+    improve.check_written(
+        options.output, options.table, [*options.sets, *filter(None, (options.weather, options.model))]
+    )
     date = options.date or datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%S")
     latency = (6.0 if options.date else 0.0) if options.latency is None else options.latency
     if not latency >= 0.0:
@@ -252,7 +244,10 @@ def _predict(options: argparse.Namespace) -> None:
     from opml.workflow import predicted
 
     predicted.check(options.output)
-    check_apart(options.output, [*options.files, *options.catalogue, options.radars, *_beside(options)])
+    check_apart(
+        options.output,
+        [*options.files, *options.catalogue, options.radars, *filter(None, (options.weather, options.model))],
+    )
     places = [passes.place(text) for text in options.station]
     with on_stderr() as progress:
         made = (_fit if is_measured(options.files[0]) else _fly_sets)(options, progress)
@@ -369,25 +364,36 @@ def _table(options: argparse.Namespace) -> None:
 
 def _add_task(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("recipe", help="a recipe, as benchmark/elements-maximum.yaml")
-    parser.add_argument("sets", nargs="+", help="files and folders of TLEs")
+    parser.add_argument("orbits", nargs="+", help="files and folders of TLEs; of tracks SP3, CPF, OEM")
     parser.add_argument("-o", "--output", required=True, help="the task's folder; the truth gets -truth")
     parser.add_argument("--weather", default="OBSERVED", help="space weather, CSSI (that of the package)")
     parser.add_argument("--forecasts", metavar="FILE", help="weather as forecast: CSV, a column issued")
 
 
 def _task(options: argparse.Namespace) -> None:
-    from opml.benchmark import recipes
+    from opml.benchmark import freezing, recipes
 
     truth = f"{options.output.rstrip('/')}-truth"
-    count = recipes.make(
-        recipes.read(options.recipe),
-        options.sets,
-        options.output,
-        truth,
-        weather=options.weather,
-        forecasts=options.forecasts,
-    )
-    print(f"{options.output}: {count} questions; {truth} is for the judge alone")
+    folders = freezing.Folders(options.output, truth)
+    known = freezing.WeatherSources(options.weather, options.forecasts)
+    count = recipes.make(recipes.read(options.recipe), options.orbits, folders, known)
+    judge = "is for the judge alone" if os.path.exists(truth) else "is made by `opml truth` when it is over"
+    print(f"{options.output}: {count} questions; {truth} {judge}")
+
+
+def _add_truth(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("task", help="the folder of a hidden task")
+    parser.add_argument("sets", nargs="+", help="files and folders of TLEs that were published since")
+    parser.add_argument("-o", "--output", required=True, help="the truth's folder")
+    parser.add_argument("--weather", default="OBSERVED", help="space weather, CSSI (that of the package)")
+
+
+def _truth(options: argparse.Namespace) -> None:
+    from opml.benchmark import recipes, tasks
+
+    task = tasks.read(options.task)
+    count = recipes.make_truth(task, options.sets, options.output, options.weather)
+    print(f"{options.output}: the truth of {count} of {len(task.questions)} questions")
 
 
 def _add_answer(parser: argparse.ArgumentParser) -> None:
@@ -478,7 +484,8 @@ GROUPS = {
     "a benchmark": (
         Command("score", "score answers to a task of the benchmark", _add_score, _score),
         Command("answer", "answer a task with a baseline", _add_answer, _answer),
-        Command("task", "make a task and its truth from element sets", _add_task, _task),
+        Command("task", "make a task and its truth from element sets or orbits", _add_task, _task),
+        Command("truth", "make the truth of a hidden task from later element sets", _add_truth, _truth),
     ),
     "a project": (
         Command("init", "create a project with a first study", _add_init, _init),

@@ -200,6 +200,7 @@ def test_what_describes_the_package_names_what_is_there(path):
 def test_lines_have_one_width(page):
     lines = page.read_text(encoding="utf-8").splitlines()
     assert [line for line in lines if len(line) > 110 and not line.startswith("|")] == []
+    assert [line for line in lines if line.lstrip().startswith("%")] == [], "the site takes it for a comment"
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(REPOSITORY).as_posix())

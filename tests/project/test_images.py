@@ -112,9 +112,10 @@ def digest(tmp_path, monkeypatch):
         ("return SIZE", "return SIZE  # metres"),
         ("(axes):", '(axes):\n    """Draw it."""'),
         ("return 5", "return 6"),
+        ("SIZE = 3", 'SIZE = 3\n"""Points of the line."""'),
         ("_points(), color", "_points(),\n        color"),
     ],
-    ids=["comment", "docstring", "another function", "layout"],
+    ids=["comment", "docstring", "another function", "meaning of a constant", "layout"],
 )
 def test_what_changes_no_drawing_changes_no_digest(digest, old, new):
     assert digest(TEXT.replace(old, new)) == digest(TEXT)

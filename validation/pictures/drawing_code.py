@@ -62,7 +62,7 @@ def module_names(name: str) -> ModuleNames:
                 stored = (node for node in ast.walk(statement) if isinstance(node, ast.Name))
                 names = [node.id for node in stored if isinstance(node.ctx, ast.Store)]
                 module.definitions |= dict.fromkeys(names, statement)
-            case ast.Import() | ast.Expr(value=ast.Constant()):
+            case ast.Import() | ast.Expr(value=ast.Constant()):  # what a constant means is no code
                 pass
             case _:
                 module.effects.append(statement)

@@ -10,6 +10,7 @@ import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from datetime import date, timedelta
+from functools import lru_cache
 
 import erfa
 import numpy as np
@@ -45,11 +46,18 @@ def parse(epoch: str) -> tuple[int, int, int, int, int, float]:
 
 def tai(epoch: str, t: ArrayLike) -> JulianDate:
     """Return the TAI Julian date of `epoch` + `t` SI seconds. Raises InputError on a malformed epoch."""
+    day, fraction = _tai(epoch)
+    elapsed_days = np.asarray(t, dtype=float) / DAY
+    return np.full_like(elapsed_days, day), fraction + elapsed_days
+
+
+@lru_cache(maxsize=4096)
+def _tai(epoch: str) -> tuple[float, float]:
+    """Return the TAI Julian date of an epoch, which callers ask for over and over."""
     fields = parse(epoch)
     with strict_erfa():
         day, fraction = erfa.utctai(*erfa.dtf2d("UTC", *fields))
-    elapsed_days = np.asarray(t, dtype=float) / DAY
-    return np.full_like(elapsed_days, day), fraction + elapsed_days
+    return float(day), float(fraction)
 
 
 def tt(epoch: str, t: ArrayLike) -> JulianDate:

@@ -11,7 +11,7 @@ import csv
 import hashlib
 import json
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -63,6 +63,11 @@ class Answers:
     def is_answered(self) -> np.ndarray:
         """Return which questions (n,) have a state."""
         return np.asarray(np.isfinite(self.states).all(axis=1))
+
+    def among(self, rows: np.ndarray) -> "Answers":
+        """Return the answers to some of the questions."""
+        kept = {name: getattr(self, name)[rows] for name in ("states", "covariances", "known")}
+        return replace(self, **kept)
 
 
 def read(path: FilePath, task: BenchmarkTask) -> Answers:

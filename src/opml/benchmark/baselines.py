@@ -170,6 +170,8 @@ def write(path: FilePath, task: BenchmarkTask, way: str, trained: FilePath | Non
 
     Raises InputError for inputs that cannot be read.
     """
+    if any(task.folder.glob(f"{tasks.INPUTS}/*/*.tdm")):
+        raise InputError(f"{task.name}: expected a task of element sets, got tracks: benchmark/track_fits.py")
     lines: list[list[str]] = []
     model, first = models.read(trained), process_time()
     for t, questions in task.questions.groupby("t", sort=True):

@@ -27,6 +27,9 @@ AXES = {"s": "along_track", "r": "radial", "w": "cross_track"}
 LEVEL = corrector.LEVEL
 """Share of the errors that intervals are to hold."""
 
+STORM = 30
+"""Daily Ap from which a day is a storm, NOAA's minor one."""
+
 _SEED = 1
 _INTERVAL = (2.5, 97.5)
 
@@ -86,13 +89,24 @@ def by_height(table: pd.DataFrame) -> pd.DataFrame:
     table: of `errors`
     """
     edges = np.append(0.0, BANDS)
-    lower = edges[np.searchsorted(edges, table["height"], side="right") - 1]
-    return pd.DataFrame(
-        [
-            {"from": band, "lead": lead, "answers": len(part), **_of_axis(part, "s")}
-            for (band, lead), part in table.groupby([lower, table["lead"].to_numpy()])
-        ]
-    )
+    return _by(edges[np.searchsorted(edges, table["height"], side="right") - 1], table, "from")
+
+
+def by_weather(table: pd.DataFrame) -> pd.DataFrame:
+    """Return the same by weeks, quiet or stormy, where the weather is told.
+
+    table: of `errors`, with highest_ap of the week after the morning
+    """
+    told = table[np.isfinite(table["highest_ap"])]
+    return _by(np.where(told["highest_ap"] >= STORM, "stormy", "quiet"), told, "weeks")
+
+
+def _by(parts: np.ndarray, table: pd.DataFrame, name: str) -> pd.DataFrame:
+    rows = [
+        {name: of, "lead": lead, "answers": len(part), **_of_axis(part, "s")}
+        for (of, lead), part in table.groupby([parts, table["lead"].to_numpy()])
+    ]
+    return pd.DataFrame(rows, columns=None if rows else [name, "lead", "answers", "median"])
 
 
 def _of_axis(part: pd.DataFrame, axis: str) -> dict[str, float]:

@@ -8,7 +8,7 @@ import csv
 import hashlib
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -24,11 +24,20 @@ FORMAT = "benchmark/v1"
 SAMPLE = "SAMPLE"
 """Name of the simulated task that comes with the package."""
 
+SAMPLES = {SAMPLE: "sample", "SAMPLE-TRACKS": "sample-tracks"}
+"""Folders of the tasks that come with the package, by name."""
+
+HIDDEN = "hidden"
+"""Digest of a truth that is published later."""
+
 EPOCH = "2000-01-01T12:00:00"
 """UTC text from which times count."""
 
-TASK, QUESTIONS, INPUTS, SUMS, TRUTH = "task.json", "questions.csv", "inputs", "SHA256SUMS", "truth.csv"
-"""Files and folders of a task, and the file of its truth."""
+TASK, QUESTIONS, INPUTS, SUMS = "task.json", "questions.csv", "inputs", "SHA256SUMS"
+"""Files and folders of a task."""
+
+TRUTH, WEEKS = "truth.csv", "weeks.csv"
+"""Files of its truth: states, and how stormy the week after each t was."""
 
 QUESTION = ("object", "t", "lead", "time")
 STATE = ("x", "y", "z", "vx", "vy", "vz")
@@ -54,6 +63,10 @@ class BenchmarkTask:
     def inputs(self, t: str) -> Path:
         """Return the folder of what was known at a time of the questions."""
         return self.folder / INPUTS / folder_name(t)
+
+    def among(self, rows: np.ndarray) -> "BenchmarkTask":
+        """Return the task of some of its questions."""
+        return replace(self, questions=self.questions[rows].reset_index(drop=True))
 
 
 def folder_name(t: str) -> str:
@@ -83,7 +96,7 @@ def read(folder: FilePath) -> BenchmarkTask:
 
     Raises InputError for a folder that holds none, and for a file that is not as SHA256SUMS has it.
     """
-    place = _PACKAGED / "sample" if str(folder) == SAMPLE else Path(folder)
+    place = _PACKAGED / SAMPLES[str(folder)] if str(folder) in SAMPLES else Path(folder)
     if not (place / TASK).is_file():
         raise InputError(f"{folder}: expected a task with {TASK}, got none: `opml docs benchmark`")
     _check_sums(place)
@@ -117,19 +130,30 @@ def _check_sums(folder: Path) -> None:
 
 
 def read_truth(task: BenchmarkTask, folder: FilePath | None) -> np.ndarray:
-    """Return true GCRF states (n, 6) [m, m/s] of a task's questions.
+    """Return true GCRF states (n, 6) [m, m/s] of a task's questions, NaN where a hidden one has none.
 
     folder: of the truth; None: that of the package, or beside the task under its name and `-truth`
 
     Raises InputError for a file that is missing or not the one the task was frozen with.
     """
-    place = task.folder.with_name(f"{task.folder.name}-truth") if folder is None else Path(folder)
-    path = place / TRUTH
+    path = _truth_folder(task, folder) / TRUTH
     if not path.is_file():
         raise InputError(f"{path}: expected the truth of {task.name}, got none: --truth")
-    if digest(path) != task.truth_digest:
+    if task.truth_digest not in (HIDDEN, digest(path)):
         raise InputError(f"{path}: expected the truth that {task.name} was frozen with, got another")
-    return np.asarray(pd.read_csv(path)[[*STATE]], dtype=float)
+    truth = pd.read_csv(path, dtype={"t": str, "time": str})
+    return np.asarray(task.questions.merge(truth, how="left", on=[*QUESTION])[[*STATE]], dtype=float)
+
+
+def read_weeks(task: BenchmarkTask, folder: FilePath | None) -> np.ndarray:
+    """Return the highest daily Ap (n,) in the week after the t of each question, NaN where it is not told."""
+    path = _truth_folder(task, folder) / WEEKS
+    weeks = pd.read_csv(path, dtype={"t": str}).set_index("t")["highest_ap"] if path.is_file() else {}
+    return np.asarray(task.questions["t"].map(weeks), dtype=float)
+
+
+def _truth_folder(task: BenchmarkTask, folder: FilePath | None) -> Path:
+    return task.folder.with_name(f"{task.folder.name}-truth") if folder is None else Path(folder)
 
 
 def write_csv(path: Path, header: Sequence[str], rows: Sequence[Sequence[object]]) -> None:

@@ -88,13 +88,16 @@ def read(
 
     Raises InputError where a file is unreadable, or too many of its sets are.
     """
-    sets = [one for path in find_files(paths) for one in _readable(path, leave_out_damaged)]
+    sets = [one for path in find_files(paths) for one in readable(path, leave_out_damaged)]
     sets.sort(key=lambda one: (one.number, _epoch(one.satellite), one.created))
     return ElementCatalogue(_table(sets, latency), [one.satellite for one in sets])
 
 
-def _readable(path: Path, leave_out_damaged: bool) -> list[ElementSet]:
-    """Return the sets of a file that name their object; the others are counted in the log."""
+def readable(path: FilePath, leave_out_damaged: bool = False) -> list[ElementSet]:
+    """Return the sets of a file that name their object; the others are counted in the log.
+
+    Raises InputError as `read`.
+    """
     damaged: list[InputError] = []
     sets = [*each(mean_elements.read_sets(path, damaged), numbered, damaged)]
     if not leave_out_damaged and _DAMAGED * len(damaged) > len(sets) + len(damaged):

@@ -26,6 +26,8 @@ QUARTERS = 4
 DAYS_AHEAD = 9
 """Days of the forecast: seven, half a day to the set that judges, and what the newest weather may lack."""
 
+_FLUX_DAYS = 82  # of flux that a density asks for: the mean of 81 days up to the day before
+
 RUN_UP = 84
 """Days of densities before a morning that its forecast and its levels of drag need."""
 
@@ -67,6 +69,11 @@ def end_of(weather: Weather) -> float:
     return float(math.floor(QUARTERS * (end + ROUNDING))) / QUARTERS
 
 
+def first_morning(weather: Weather) -> float:
+    """Return the first morning (modified Julian day) whose run-up the weather reaches."""
+    return float(weather.first + _FLUX_DAYS + RUN_UP + 1)
+
+
 def clean(weather: Weather) -> Weather:
     """Return the weather without the radio bursts of flares, for which NRLMSIS has no density."""
     return Weather(weather.first, remove_bursts(weather.flux), weather.kp)
@@ -80,9 +87,10 @@ def measured(weather: Weather, first: int, end: float) -> Densities:
     """
     nrlmsis.check_installed()
     days = first - weather.first
-    if days < 82:
+    if days < _FLUX_DAYS:
         asked, begins = map(epochs.calendar, (first, weather.first))
-        raise InputError(f"weather: expected measurements 82 days before {asked}, got them from {begins} on")
+        expected = f"measurements {_FLUX_DAYS} days before {asked}"
+        raise InputError(f"weather: expected {expected}, got them from {begins} on")
     sines, weights = np.polynomial.legendre.leggauss(_LATITUDES)
     north, east = np.arcsin(sines), 2.0 * np.pi * np.arange(_LONGITUDES) / _LONGITUDES
     totals, ap = np.concatenate([[0.0], np.cumsum(weather.flux)]), nrlmsis.ap_of_kp(weather.kp)

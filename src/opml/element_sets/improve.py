@@ -179,7 +179,11 @@ def improve(known: PublicData, model: CatalogueModel, *, progress: Progress = _l
 
 
 def replayed(known: PublicData, model: CatalogueModel, mornings: np.ndarray) -> pd.DataFrame:
-    """Return the rows of `features.build` on mornings, each with what was known on it."""
+    """Return the rows of `features.build` on mornings, each with what was known on it.
+
+    mornings: a day apart; those that the weather does not reach are left out, but for the last one
+    """
+    mornings = mornings[(mornings >= density.first_morning(known.weather)) | (mornings == mornings[-1])]
     first = int(np.floor(min(mornings[0], density.end_of(known.weather)))) - density.RUN_UP - 1
     densities = density.measured(known.weather, first, density.end_of(known.weather))
     air = density.LearnedAir(known.weather, densities, model.outlook)

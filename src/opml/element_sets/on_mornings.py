@@ -100,7 +100,7 @@ class ImprovedHistory:
 
     @cached_property
     def _air(self) -> LearnedAir:
-        first = int(np.floor(self._catalogue.table["known"].min())) - ways.PAST - density.RUN_UP - 1
+        first = int(np.floor(self._catalogue.table["known"].min())) - density.RUN_UP - 1
         end = density.end_of(self._weather)
         return LearnedAir(self._weather, density.measured(self._weather, first, end), self._trained.outlook)
 

@@ -36,7 +36,6 @@ class Variation(NamedTuple):
     kind: ICGEM's key: gfct (the value itself), trnd (per Julian year since `reference`), acos and asin (of
         the angle since `reference`)
     reference, start, end: TT Julian dates; the row counts from `start` up to `end`
-    period: [Julian years]
     """
 
     kind: str
@@ -47,7 +46,7 @@ class Variation(NamedTuple):
     reference: float
     start: float = -np.inf
     end: float = np.inf
-    period: float = np.nan
+    period: float = np.nan  # [Julian years]
 
     def weight(self, jd: float) -> float:
         """Return the factor of c and s at a TT Julian date."""
@@ -74,19 +73,16 @@ _RowReader = Callable[[list[str], dict[tuple[int, int], float]], Variation]
 class GravityField:
     """Fully normalised spherical harmonics of the Earth's gravity.
 
-    gm: [m3/s2]
-    radius: [m]
     c, s: constant part (degree + 1, order + 1), entry [n, m], zero above the diagonal, read-only
-    variations: time-variable part
     """
 
     name: str
-    gm: float
-    radius: float
+    gm: float  # [m3/s2]
+    radius: float  # [m]
     tide_system: str
     c: np.ndarray
     s: np.ndarray
-    variations: tuple[Variation, ...] = ()
+    variations: tuple[Variation, ...] = ()  # time-variable part
 
     def __post_init__(self) -> None:
         self.c.setflags(write=False)

@@ -33,18 +33,14 @@ _AHEAD = 2.0 * HOUR
 class Issues(JobSettings):
     """Forecasts of the space weather issued at regular times.
 
-    source: of the measured weather, OBSERVED or a CSSI file
-    epoch: UTC text
     forecast: settings of the method, which learns from the packaged weather before the epoch
-    issue_hours: between issues, the first one at or before the epoch
-    max_days: longest flight of an arc after its epoch
     """
 
-    source: str | Path
-    epoch: str
+    source: str | Path  # of the measured weather, OBSERVED or a CSSI file
+    epoch: str  # UTC text
     forecast: methods.AnyForecast
-    issue_hours: int
-    max_days: float
+    issue_hours: int  # between issues, the first one at or before the epoch
+    max_days: float  # longest flight of an arc after its epoch
 
     @property
     def horizon(self) -> float:

@@ -21,16 +21,11 @@ ACTIVITY = ["f107", "f107_mean", "kp_3h", "kp_24h"]
 
 @dataclass(frozen=True, eq=False)
 class Weather:
-    """Measurements of F10.7 and Kp without gaps; either series may be the longer one.
+    """Measurements of F10.7 and Kp without gaps; either series may be the longer one."""
 
-    first: the first day (modified Julian day, UTC)
-    flux: (days,) F10.7 [sfu], one a day
-    kp: (intervals,) Kp, one every three hours
-    """
-
-    first: int
-    flux: np.ndarray
-    kp: np.ndarray
+    first: int  # the first day (modified Julian day, UTC)
+    flux: np.ndarray  # (days,) F10.7 [sfu], one a day
+    kp: np.ndarray  # (intervals,) Kp, one every three hours
 
     def keep_known(self, day: float) -> "Weather":
         """Return the measurements that were known at a time, a modified Julian day with its fraction."""

@@ -43,31 +43,23 @@ class KnownSettings(JobSettings):
 class Known:
     """What a catalogue knows of an RSO.
 
-    estimates: the table, of fits over window_hours
-    at_estimates: from `dataset.of_estimates`
-    gm: [m3/s2]
     others: tables of fits of the same tracks over other windows, by these [h], as learners ask for them
-    long_window_hours: of the mechanism's long arcs
-    bounds: on Cd, None for any
-    resonances: pairs (k, m)
     manoeuvres: those that any table tells of, each with the time since which it is known
-    epoch: UTC text that times count from
     histories: of mean elements, as learners ask for them, by the kind of their table
-    are_of_sets: whether estimates are fits to mean elements
     """
 
-    estimates: pd.DataFrame
-    at_estimates: pd.DataFrame
+    estimates: pd.DataFrame  # the table, of fits over window_hours
+    at_estimates: pd.DataFrame  # from `dataset.of_estimates`
     window_hours: float
-    gm: float
+    gm: float  # [m3/s2]
     others: Mapping[float, pd.DataFrame] = field(default_factory=dict)
-    long_window_hours: float = 0.0
-    bounds: tuple[float, float] | None = None
-    resonances: Sequence[tuple[int, int]] = ()
+    long_window_hours: float = 0.0  # of the mechanism's long arcs
+    bounds: tuple[float, float] | None = None  # on Cd, None for any
+    resonances: Sequence[tuple[int, int]] = ()  # pairs (k, m)
     manoeuvres: Sequence[Manoeuvre] = ()
-    epoch: str = ""
+    epoch: str = ""  # UTC text that times count from
     histories: Mapping[str, pd.DataFrame] = field(default_factory=dict)
-    are_of_sets: bool = False
+    are_of_sets: bool = False  # whether estimates are fits to mean elements
 
     @classmethod
     def read(cls, files: Any, settings: KnownSettings) -> Self:

@@ -62,11 +62,10 @@ def _once(make: _Method[Arguments]) -> _Method[Arguments]:
 class Part:
     """Ephemerides to be made side by side from `starts`, rows of the estimates, to the epochs of a grid.
 
-    flight: under the assumed model
     made: the tables so far
     """
 
-    flight: Flight
+    flight: Flight  # under the assumed model
     known: Known
     starts: pd.DataFrame
     grid: Grid

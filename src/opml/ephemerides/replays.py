@@ -104,16 +104,11 @@ def grid(judge: pd.DataFrame, *, max_days: float) -> Grid:
 
 @dataclass(frozen=True)
 class ReplaySeries:
-    """The mornings of one learner that are to be run again.
+    """The mornings of one learner that are to be run again."""
 
-    lessons: the learner as of a morning
-    starts: the estimates that its ephemerides start from, `morning_departures`
-    judge: rows i, j, t_j, t_known, DOUBT, SPREAD and a state (STATE), `at_starts`
-    """
-
-    lessons: Lessons
-    starts: pd.DataFrame
-    judge: pd.DataFrame
+    lessons: Lessons  # the learner as of a morning
+    starts: pd.DataFrame  # the estimates that its ephemerides start from, `morning_departures`
+    judge: pd.DataFrame  # rows i, j, t_j, t_known, DOUBT, SPREAD and a state (STATE), `at_starts`
 
 
 def build(

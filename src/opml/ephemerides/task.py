@@ -33,12 +33,9 @@ class TaskSettings(FlightSettings, KnownSettings):
 
 @dataclass(frozen=True)
 class Task:
-    """Ephemerides to be made from `starts`, rows of the estimates, to the epochs of a grid.
+    """Ephemerides to be made from `starts`, rows of the estimates, to the epochs of a grid."""
 
-    flight: under the assumed model
-    """
-
-    flight: Flight
+    flight: Flight  # under the assumed model
     known: Known
     starts: pd.DataFrame
     grid: Grid

@@ -6,11 +6,15 @@ from datetime import datetime, timedelta
 from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter
 
-MINUS = "\N{MINUS SIGN}"  # as axes write it
+MINUS = "\N{MINUS SIGN}"
+"""As axes write it."""
 
 
 def mark_dates(axes: Axes, epoch: str, *, what: str = "time") -> None:
-    """Give an axis of days since the epoch their dates; epoch: UTC, such as `2019-09-03T00:00:00`."""
+    """Give an axis of days since the epoch their dates.
+
+    epoch: UTC, such as `2019-09-03T00:00:00`
+    """
     start = datetime.fromisoformat(epoch)
 
     def date(day: float, _: int) -> str:

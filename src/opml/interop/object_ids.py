@@ -21,14 +21,12 @@ _UNKNOWN = ("", "UNKNOWN", "NONE", "N/A")
 class ObjectId:
     """An object, as a file names it.
 
-    name: many objects may share it
     designator: international, as 1998-067A, or whatever else the file has for one; '' where unknown
-    number: of the catalogue, 0 where unknown
     """
 
-    name: str
+    name: str  # many objects may share it
     designator: str = ""
-    number: int = 0
+    number: int = 0  # of the catalogue, 0 where unknown
 
     @classmethod
     def of(cls, name: str, *identifiers: str) -> "ObjectId":

@@ -52,27 +52,20 @@ _TERRESTRIAL = re.compile(r"ITRF[-_]?\d*", re.IGNORECASE)
 class Segment:
     """States of an object, with covariances at some of the times.
 
-    t: (n,) times of the states [s since the epoch]
-    states: (n, 6) in GCRF [m, m/s]
     covariance_t: (m,) times of the covariances [s since the epoch]
-    covariances: (m, 6, 6) [m, m/s]
-    covariance_frame: GCRF, or RSW of the states
-    remark: comment in the metadata
-    degree: of the Hermite interpolation of the states; 0 leaves it open
-    identity: what else than the name identifies the object
     known: when the newest was known that it is made from [s since the epoch]; None: its first state
     density: the part of the covariances that other objects share; None where unknown
     """
 
     name: str
-    t: np.ndarray
-    states: np.ndarray
+    t: np.ndarray  # (n,) times of the states [s since the epoch]
+    states: np.ndarray  # (n, 6) in GCRF [m, m/s]
     covariance_t: np.ndarray = field(default_factory=lambda: np.empty(0))
-    covariances: np.ndarray = field(default_factory=lambda: np.empty((0, 6, 6)))
-    covariance_frame: str = "GCRF"
-    remark: str = ""
-    degree: int = 0
-    identity: ObjectId = UNKNOWN
+    covariances: np.ndarray = field(default_factory=lambda: np.empty((0, 6, 6)))  # (m, 6, 6) [m, m/s]
+    covariance_frame: str = "GCRF"  # GCRF, or RSW of the states
+    remark: str = ""  # comment in the metadata
+    degree: int = 0  # of the Hermite interpolation of the states; 0 leaves it open
+    identity: ObjectId = UNKNOWN  # what else than the name identifies the object
     known: float | None = None
     density: DensityErrors | None = None
 

@@ -30,30 +30,19 @@ _NO_SUCH_TIME = (erfa.ErfaError, erfa.ErfaWarning, ValueError)
 
 @dataclass(frozen=True)
 class Arc:
-    """Nodes of an orbit, from a file or one of its segments.
-
-    frame: ITRF, GCRF or EME2000
-    realisation: name of the frame in the file
-    scale: time system of the file
-    t: (n,) [s since the run's epoch], ascending
-    positions: (n, 3) [m]
-    velocities: (n, 3) [m/s], not finite where absent
-    lines: (n,) line numbers of the nodes
-    identity: what else than the name identifies the satellite
-    burns: when the file has it manoeuvre [s since the run's epoch]
-    """
+    """Nodes of an orbit, from a file or one of its segments."""
 
     path: FilePath
     satellite: str
-    frame: str
-    realisation: str
-    scale: str
-    t: np.ndarray
-    positions: np.ndarray
-    velocities: np.ndarray
-    lines: np.ndarray
-    identity: ObjectId = UNKNOWN
-    burns: Sequence[float] = ()
+    frame: str  # ITRF, GCRF or EME2000
+    realisation: str  # name of the frame in the file
+    scale: str  # time system of the file
+    t: np.ndarray  # (n,) [s since the run's epoch], ascending
+    positions: np.ndarray  # (n, 3) [m]
+    velocities: np.ndarray  # (n, 3) [m/s], not finite where absent
+    lines: np.ndarray  # (n,) line numbers of the nodes
+    identity: ObjectId = UNKNOWN  # what else than the name identifies the satellite
+    burns: Sequence[float] = ()  # when the file has it manoeuvre [s since the run's epoch]
 
     def part(self, rows: np.ndarray) -> Self:
         """Return the arc of some rows (n,) alone."""

@@ -24,20 +24,13 @@ _Read = Callable[..., list[Arc]]
 
 @dataclass(frozen=True)
 class OrbitFiles:
-    """Files of a satellite's orbit over a run.
+    """Files of a satellite's orbit over a run."""
 
-    paths: of one format, in any order
-    epoch: of the run, UTC text
-    duration: of the run [s]
-    satellite: name or id in the files; None: the files have only one
-    positions_alone: whether velocities are passed over, as where they are in another unit
-    """
-
-    paths: Sequence[FilePath]
-    epoch: str
-    duration: float
-    satellite: str | None = None
-    positions_alone: bool = False
+    paths: Sequence[FilePath]  # of one format, in any order
+    epoch: str  # of the run, UTC text
+    duration: float  # of the run [s]
+    satellite: str | None = None  # name or id in the files; None: the files have only one
+    positions_alone: bool = False  # whether velocities are passed over, as where they are in another unit
 
 
 def check(files: OrbitFiles) -> None:

@@ -5,7 +5,7 @@ import logging
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import date
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -27,6 +27,8 @@ from opml.dynamics.kernels.surroundings import ForceModel
 from opml.dynamics.settings import ForceModelSettings, Integrator
 from opml.dynamics.shared_blocks import SharedBlocks
 from opml.element_sets.on_mornings import ImprovedHistory
+from opml.interop.element_sets import histories
+from opml.interop.element_sets.histories import History
 from opml.learning.models.learners import JobLearner
 from opml.mornings import days, measured
 from opml.mornings.calendar import Calendar
@@ -114,7 +116,8 @@ class Surroundings:
 
     The weather was seen until `seen_until` [s]. The models of fits and predictions stand with the parts of
     them that neighbours fly under, made once: arcs under one model fly together. Mean elements are improved
-    beside those of all objects of the run.
+    beside those of all objects of the run, whose
+    files are read once.
     """
 
     fits: tuple[ForceModel, ForceModel]
@@ -125,6 +128,7 @@ class Surroundings:
     stations: Sequence[Station]
     seen_until: float
     improved: ImprovedHistory | None
+    read_sets: Callable[..., History]
     propagate: Callable[..., Arcs]
 
     @classmethod
@@ -150,6 +154,7 @@ class Surroundings:
             settings.stations,
             _last_seen(read_table(fits["solar_activity"], "solar_activity")),
             _improved(settings.catalogue),
+            cache(histories.read),
             propagate,
         )
 
@@ -270,6 +275,7 @@ def _begin(
         surroundings.stations,
         surroundings.orientation,
         since=days.since(done, calendar, plan),
+        read_sets=surroundings.read_sets,
     )
     known = max(surroundings.seen_until, days.last_known(found.tracking))
     days.check_reached(calendar, settings.date, known)

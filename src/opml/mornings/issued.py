@@ -45,6 +45,12 @@ def choose_model(judged: pd.DataFrame, models: Sequence[str], *, now: float) -> 
 
     judged: rows of that table of all mornings
     """
+    model, replay = best_model(judged, models, now=now)
+    return Flown(model, replay, Sizes.learned(replay, now=now))
+
+
+def best_model(judged: pd.DataFrame, models: Sequence[str], *, now: float) -> tuple[str, pd.DataFrame]:
+    """Return the name of that model, and its rows; raise as `choose_model`."""
     past = judged[judged["model"].isin(models) & are_over(judged, now)]
     if past.empty:
         raise InputError("no ephemeris of an earlier morning was judged yet")
@@ -59,7 +65,7 @@ def choose_model(judged: pd.DataFrame, models: Sequence[str], *, now: float) -> 
         if over.get(name, 0) >= LEAST_ROWS
     }
     model = choose(replays, [], now=now, seed=0).chosen
-    return Flown(model, replays[model], Sizes.learned(replays[model], now=now))
+    return model, replays[model]
 
 
 def row(

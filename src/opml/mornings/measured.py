@@ -1,6 +1,6 @@
 """What was measured of an object, from its files: tracks, fixes or mean elements."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -13,6 +13,7 @@ from opml.catalog.fit.first.first_orbit import TimedState
 from opml.dynamics import shared_blocks
 from opml.interop import first_state, points_from_files, tdm
 from opml.interop.element_sets import burns_in_sets, histories, measured_sets
+from opml.interop.element_sets.histories import History
 from opml.interop.element_sets.measured_sets import HistoryTaking
 from opml.interop.object_ids import UNKNOWN, ObjectId, first_told
 from opml.interop.orbit_from_files import OrbitFiles
@@ -71,10 +72,12 @@ def read(
     orientation: pd.DataFrame,
     *,
     since: float,
+    read_sets: Callable[..., History] = histories.read,
 ) -> Found:
     """Return what was measured of an object.
 
-    since: earlier measurements of tracks are left out [s]
+    since: earlier measurements are left out, of fixes none [s]
+    read_sets: `histories.read`, or what reads the same files once for several objects
 
     Raises InputError, naming file and line, where a file is missing or damaged.
     """
@@ -91,13 +94,15 @@ def read(
         tracking = fixes.stretches(points, length=HOUR * taking.stretch_hours)
         identity, burns = points_from_files.beside(files)
         return Found(tracking, known + burns, identity)
-    return _of_elements(source, span, known)
+    asked = HistoryTaking.model_validate(source.taking)
+    history = read_sets(tuple(source.files), epoch=span.epoch, leave_out_damaged=asked.leave_out_damaged)
+    return _of_elements(history, asked, span, known, since=since)
 
 
-def _of_elements(source: MeasurementSource, span: Span, known: list[Manoeuvre]) -> Found:
+def _of_elements(
+    history: History, taking: HistoryTaking, span: Span, known: list[Manoeuvre], *, since: float
+) -> Found:
     """Return what mean elements measured; the manoeuvres are with those that they show, if asked for."""
-    taking = HistoryTaking.model_validate(source.taking)
-    history = histories.read(source.files, epoch=span.epoch, leave_out_damaged=taking.leave_out_damaged)
     ours = histories.of_object(history.sets, taking.number)
     sets, identity = measured_sets.of_run(ours, span.duration), history.objects[int(ours["number"].iloc[0])]
     known = burns_in_sets.manoeuvres_of(sets, known, epoch=span.epoch, find=taking.find_manoeuvres)
@@ -108,6 +113,7 @@ def _of_elements(source: MeasurementSource, span: Span, known: list[Manoeuvre]) 
         epoch=span.epoch,
         duration=span.duration,
         manoeuvres=known,
+        since=since,
     )
     tracking = fixes.of_sets(found.epochs, found.points, known=found.known)
     return Found(tracking, known, identity, Sgp4(sets, span.epoch))

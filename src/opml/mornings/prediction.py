@@ -1,9 +1,8 @@
 """Where an object will be by what measured it, points or tracks, and how surely: its mornings flown again.
 
 The mornings up to a date fit what was measured by then, under the forces and the weather that were known, and
-judge what they flew. The last one's ephemeris, of the model that left the least, is the prediction; its
-covariance is of that past. A past that judged too little has the formal covariance of the fit, with a usual
-error of drag and what the weather may do.
+judge what they flew. The last one's ephemeris, of the model that left the least, is the prediction. Its
+covariance has the usual sizes of errors, scaled by those of that past (`usual_sizes`).
 """
 
 import os
@@ -24,7 +23,7 @@ from opml.base.progress import Progress, counted, with_time_left
 from opml.base.section import JobSettings
 from opml.catalog.fit.estimation_settings import Estimation
 from opml.catalog.flight import Flight, near_part
-from opml.catalog.predict import covariance, spread
+from opml.catalog.predict import spread
 from opml.catalog.predict.spread import Weathers
 from opml.dynamics.forces import build, tabulated, with_outlooks
 from opml.dynamics.settings import ForceModelSettings, Integrator
@@ -38,21 +37,19 @@ from opml.interop import ccsds, measured_files, points_from_files, tdm
 from opml.interop.object_ids import ObjectId
 from opml.interop.orbit_from_files import OrbitFiles
 from opml.interop.predicted_orbit import STEP, PredictedOrbit
-from opml.learning.judge.error_sizes import Sizes
 from opml.learning.models.contract import ResolvedSettings
 from opml.learning.models.learners import JobLearner, arc_of
-from opml.mornings import issued, measured
+from opml.mornings import issued, judged, measured, usual_sizes
 from opml.mornings.issued import Flown
 from opml.mornings.judged import OLDEST, Verdict
 from opml.mornings.measured import MeasurementSource, Span
 from opml.mornings.morning import FlightModel, Left, MorningPlan, Watched, morning
-from opml.mornings.outcomes import UNPROVEN
 from opml.mornings.records import Records
 from opml.orbits.sheets import Rso, Station
 from opml.tables import STATE, STATE_COVARIANCES, symmetric_matrices
 
-MORNINGS = 9
-"""Mornings before the date that are flown again: twelve take half as long again, for sigmas 14 % smaller."""
+MORNINGS = 7
+"""Mornings before the date that are flown again."""
 
 STRETCH = 6.0
 """Length of a stretch of points [h], whose estimate is at its first."""
@@ -63,26 +60,14 @@ SIGMA = 10.0
 LONGEST = 7.0
 """Days that a prediction reaches at most."""
 
-USUAL = Sizes(
-    constant=np.array([5.0, 15.0, 5.0]),
-    rate=np.array([0.0, 30.0, 1.0]) / DAY,
-    drag=np.array([1.5, 1.5, 1.5]),
-    velocity=np.ones(3),
-    inflation=np.ones(5),
-    days=float("inf"),
-    reach=LONGEST * DAY,
-)
-"""Sizes of errors beside the formal ones, where an object has no past: drag within 15 % or so."""
-
 _EVERY = 120.0  # between points [s]: each is an end of a step
 _ANY = "2000-01-01T12:00:00"
 _SECONDS, _DAY = len("2016-09-28T12:09:45"), len("2016-09-28")
 _HISTORY = 5.0  # of measurements that the first morning fits [days]
 _AFTER = HOUR  # that paths reach beyond the end
 _LEAST_STRETCHES = 4.0
-_FORMAL = 50  # epochs to which the formal covariance is carried
 _NO_ELEMENTS = dict.fromkeys(("a", "e", "i", "argp", "raan", "mean_anomaly"), np.nan)
-_BASIS = "by the fit's own covariance, drag that is off by 15 %, and the weather that may come"
+_USUAL = "usual errors of such fits: their own covariance, density, and the weather that may come"
 
 
 @dataclass(frozen=True)
@@ -220,6 +205,8 @@ def predict(request: Request, settings: OrbitSettings, *, progress: Progress) ->
     """
     if not 0.0 < request.days <= LONGEST:
         raise InputError(f"predict: expected more than 0 and at most {LONGEST:g} days, got {request.days:g}")
+    if not 0.0 < request.area_to_mass < np.inf:
+        raise InputError(f"predict: expected an area to mass above 0 m2/kg, got {request.area_to_mass:g}")
     times = _Times.of(request)
     progress(f"weather and forces from {times.epoch[:_DAY]} on")
     watched = _watched(request, settings, times)
@@ -229,19 +216,20 @@ def predict(request: Request, settings: OrbitSettings, *, progress: Progress) ->
     for now in with_time_left(times.mornings.tolist(), "morning", progress):
         left = morning(judged_alone if now < times.date - OLDEST else watched, records, now=now)
         records = records.and_then(left.records, since=now - DAY * watched.plan.max_days)
-    if left.ephemeris is None and not records.paths:
+    if not records.paths:
         raise InputError(f"{request.files[0]}: expected what an orbit fits, got none: {left.verdict.reason}")
     flown = _flown(watched, left, records, now=times.date)
     t = flown.table["t"].to_numpy() - times.date
     if t[-1] < DAY * request.days:
         got = f"got one of {t[-1] / DAY:.1f}: {flown.verdict.reason}"
         raise InputError(f"{request.files[0]}: expected an orbit for {request.days:g} days, {got}")
+    past = flown.past.assign(lead=flown.past["duration"] / DAY, left=flown.past["e_y"])
     return FittedOrbit(
         watched.identity,
         _text(times.epoch, times.date),
         request.days,
-        _past(records.judged, flown.model),
-        flown.basis,
+        past[["morning", "lead", "left"]].reset_index(drop=True),
+        _basis(flown.past),
         flown.table.assign(t=t),
         settings.models[flown.model],
         flown.verdict,
@@ -326,51 +314,41 @@ def _flight_model(
 
 @dataclass(frozen=True)
 class _Flown:
-    """What the last morning flew: the table `corrected`, its model, and what its covariance rests on."""
+    """What the last morning flew: the table `corrected`, its model, and the rows of `judged` of that."""
 
     table: pd.DataFrame
     model: str
     verdict: Verdict
-    basis: str
+    past: pd.DataFrame
 
 
 def _flown(watched: Watched, left: Left, records: Records, *, now: float) -> _Flown:
-    """Return what the last morning flew; where nothing left, that of the first model that can be flown."""
-    if left.ephemeris is not None:
-        model = str(left.records.issued["model"].iloc[0])
-        return _Flown(left.ephemeris, model, left.verdict, _basis(records.judged, model))
-    paths, unproven = records.paths[-1].table, Verdict(UNPROVEN, left.verdict.reason)
-    for model in watched.plan.models:
-        with suppress(InputError):
-            flown = issued.choose_model(records.judged, [model], now=now)
-            table = issued.ephemeris(paths, flown, step=STEP)
-            return _Flown(table, model, unproven, _basis(records.judged, model))
-    flown = Flown(next(iter(watched.plan.models)), records.judged, USUAL)
-    table, formal = issued.ephemeris(paths, flown, step=STEP), _formal(watched, records, paths)
-    at = {name: np.interp(table["t"], formal["t_j"], formal[name]) for name in STATE_COVARIANCES}
-    whole = table.assign(**{name: table[name] + at[name] for name in at})
-    return _Flown(whole, flown.model, unproven, _BASIS)
+    """Return what the newest morning that could flew: the model that left the least, else the first."""
+    base, paths = watched.plan.base, records.paths[-1].table
+    known = records.rows_unaffected_by_burns(base, watched.known_by(now))
+    model = next(iter(watched.plan.models))
+    with suppress(InputError):
+        model, _ = issued.best_model(known, list(watched.plan.models), now=now)
+    formal = usual_sizes.formal_errors(records.estimates, records.paths, base=base)
+    past = usual_sizes.with_sigmas(known[known["model"] == model], formal)
+    sizes = usual_sizes.sizes(past, formal, start=records.paths[-1].start, now=now)
+    table = issued.ephemeris(paths, Flown(model, past, sizes), step=STEP)
+    return _Flown(table, model, _verdict(watched, left, records, past, now=now), past)
 
 
-def _basis(judged: pd.DataFrame, model: str) -> str:
-    """Return what covariances rest on that a model's past tells, in words."""
-    past = judged[judged["model"] == model]
+def _verdict(watched: Watched, left: Left, records: Records, past: pd.DataFrame, *, now: float) -> Verdict:
+    """Return the verdict on the last morning's ephemeris, by these sizes; its own where it has none."""
+    start = left.records.issued.rename(columns={"t_i": "t"})
+    if start["t"].isna().all():
+        return left.verdict
+    burns = [*watched.manoeuvres, *records.burns]
+    return judged.verdict(past, start, now=now, burns=burns, window=watched.plan.base * HOUR)
+
+
+def _basis(past: pd.DataFrame) -> str:
+    """Return what covariances rest on, in words."""
+    if past.empty:
+        return f"by the {_USUAL}"
     mornings, longest = past["morning"].nunique(), past["duration"].max() / DAY
     judged = f"{counted(len(past), 'prediction')} of {counted(mornings, 'morning')}"
-    return f"by {judged} before, up to {longest:.1f} days long"
-
-
-def _formal(watched: Watched, records: Records, paths: pd.DataFrame) -> pd.DataFrame:
-    """Return the formal covariance of the fit that paths start from, carried along them, at a few of them."""
-    sparse = paths.iloc[:: max(1, len(paths) // _FORMAL)]
-    started = records.estimates_over(watched.plan.base)
-    pairs = sparse.assign(j=range(len(sparse)))
-    carried = covariance.propagated(watched.model.predictions, started, pairs)
-    triangle = carried[:, *np.tril_indices(6)].T
-    return sparse[["t_j"]].assign(**dict(zip(STATE_COVARIANCES, triangle, strict=True)))
-
-
-def _past(judged: pd.DataFrame, model: str) -> pd.DataFrame:
-    """Return what a model's ephemerides were off by: morning, lead [days], left [m]."""
-    rows = judged[judged["model"] == model].reset_index(drop=True)
-    return rows[["morning"]].assign(lead=rows["duration"] / DAY, left=rows["e_y"])
+    return f"by {judged} before, up to {longest:.1f} days long, beside the {_USUAL}"

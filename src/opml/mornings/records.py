@@ -29,6 +29,15 @@ class Paths:
         return float(self.table["morning"].iloc[0])
 
     @property
+    def start(self) -> int:
+        """The track of the estimate that they start from."""
+        return int(self.table["i"].iloc[0])
+
+    def drag_after(self, duration: float) -> float:
+        """Return how far a tenth more drag takes them along the track after a duration [s]."""
+        return float(np.interp(duration, self.table["t_j"] - self.table["t_i"], self.table["drag_y"]))
+
+    @property
     def models(self) -> list[str]:
         """The names of their models."""
         return [name.removeprefix(_ALONG) for name in self.table if name.startswith(_ALONG)]

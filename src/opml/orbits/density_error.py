@@ -14,11 +14,10 @@ import numpy as np
 class DensityError:
     """An error of density at one time.
 
-    uncertainty: standard deviation, as a share of the density
     sensitivity: (6,) change of the state by a density twice as high, in RSW axes of the state [m, m/s]
     """
 
-    uncertainty: float
+    uncertainty: float  # standard deviation, as a share of the density
     sensitivity: np.ndarray
 
     @property
@@ -29,16 +28,11 @@ class DensityError:
 
 @dataclass(frozen=True, eq=False)
 class DensityErrors:
-    """An error of density over a time.
+    """An error of density over a time."""
 
-    uncertainty: as of DensityError
-    t: (n,) ascending [s]
-    sensitivities: (n, 6), each as of DensityError
-    """
-
-    uncertainty: float
-    t: np.ndarray
-    sensitivities: np.ndarray
+    uncertainty: float  # as of DensityError
+    t: np.ndarray  # (n,) ascending [s]
+    sensitivities: np.ndarray  # (n, 6), each as of DensityError
 
     def at(self, t: float) -> DensityError:
         """Return the error at a time [s], linear between those that are known."""

@@ -19,16 +19,11 @@ LISTED = "manoeuvre_timestamps"  # key of the times in a YAML file of manoeuvres
 
 @dataclass(frozen=True)
 class Manoeuvre:
-    """A manoeuvre.
+    """A manoeuvre."""
 
-    t: when it was [s]
-    known: since when it is known [s]; one that somebody named always was
-    anew: whether the windows of fits begin anew behind it, once it is known
-    """
-
-    t: float
-    known: float = -math.inf
-    anew: bool = False
+    t: float  # when it was [s]
+    known: float = -math.inf  # since when it is known [s]; one that somebody named always was
+    anew: bool = False  # whether the windows of fits begin anew behind it, once it is known
 
     @property
     def counts_from(self) -> float:

@@ -78,17 +78,14 @@ class Rso:
 
 @dataclass(frozen=True)
 class _Field:
-    """A sheet's column: the attribute it fills, its range in the sheet's unit, and the conversion to SI.
-
-    too_high: what may be the cause of a number above the range
-    """
+    """A sheet's column: the attribute it fills, its range in the sheet's unit, and the conversion to SI."""
 
     attribute: str
     low: float
     high: float
     to_si: Callable[[float], float] = float
     above_low: bool = False
-    too_high: str = ""
+    too_high: str = ""  # what may be the cause of a number above the range
 
     def parse(self, text: str, where: str) -> float:
         """Return the value in SI units. Raises InputError with where it stands and what was expected."""

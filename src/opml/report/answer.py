@@ -10,11 +10,10 @@ from opml.learning.judge import calibration
 from opml.learning.judge.error_sizes import LEVEL
 from opml.learning.judge.errors_by_duration import at_days
 from opml.learning.judge.model_choice import Mornings, summed
-from opml.report import absurd_fits, uncertainty
+from opml.report import absurd_fits, texts, uncertainty
 from opml.report.document import Block, Heading, Items, Paragraph, Picture, link_to
 from opml.report.mornings import TITLE as EVERY_MORNING
-from opml.report.mornings import Dataset
-from opml.report.on_the_sky import days_within
+from opml.report.mornings import Dataset, days_within
 from opml.report.skill import skill
 from opml.tables import ELLIPSOID
 
@@ -26,27 +25,20 @@ TURNED = "the orbit to turn, where the extra `explore` is installed"
 """What a page shows that is made with plotly alone."""
 
 FEWEST = 10  # predictions of a duration below which neither their median nor a share of them is told
-MORNINGS = 14  # mornings below which a selection each day is poor
+MORNINGS = 14  # mornings below which the selection is poor: `opml docs operations`
 
 _SPANS = {1.0: "a day", 7.0: "a week"}
 
 
 @dataclass(frozen=True)
 class Sources:
-    """What the answer of a dataset points at.
+    """What the answer of a dataset points at."""
 
-    files: corrected ephemerides by model, as CCSDS OEM
-    day: of the newest estimate that they start from
-    end: day on which the run ends
-    manoeuvres: which are known, in words, '' of a simulated RSO, which makes none
-    figures: links to figures by what they show
-    """
-
-    files: Mapping[str, str]
-    day: float
-    end: float
-    manoeuvres: str
-    figures: Mapping[str, str]
+    files: Mapping[str, str]  # corrected ephemerides by model, as CCSDS OEM
+    day: float  # of the newest estimate that they start from
+    end: float  # day on which the run ends
+    manoeuvres: str  # which are known, in words, '' of a simulated RSO, which makes none
+    figures: Mapping[str, str]  # links to figures by what they show
 
 
 def section(
@@ -80,7 +72,8 @@ def section(
             verdict = (
                 f"Use `{chosen}`: {_left(found, marks)} {_held(found, durations)} {_others(found, laws)}"
             )
-            items += [_file(source, chosen), _training(found, laws)]
+            file = texts.sentences("answer.file", path=source.files[chosen], day=source.day, end=source.end)
+            items += [file, _training(found, laws)]
         items += _to_watch(found, source, durations, (rso, stations) in absurd)
         figures = ", ".join(f"[{shows}]({path})" for shows, path in source.figures.items())
         yield Paragraph(f"**{rso}, {stations}.** {verdict}")
@@ -160,24 +153,10 @@ def _more(left: float, flown: float) -> str:
     return f"{abs(percent)} % {'more' if percent > 0 else 'less'} error" if percent else "the same error"
 
 
-def _file(source: Sources, chosen: str) -> str:
-    path = source.files[chosen]
-    return (
-        f"**File:** `snakemake -j2 --configfile FILE -- {path}`, with this study's settings as FILE, writes "
-        f"the ephemeris from the newest estimate before day {source.day:g}. It ends with the run, on day "
-        f"{source.end:g}."
-    )
-
-
 def _training(found: Mornings, laws: Collection[str]) -> str:
     names = [choice.chosen for choice in found.choices.values()]
     changes = sum(new != old for old, new in pairwise(names))
-    again = (
-        "**Train again** each morning, as was done here, with the new last day in the file's name."
-        if names[-1] in laws
-        else f"**Train again:** never, as `{names[-1]}` learns nothing. New tracks give a new file and "
-        "covariances each morning, under the new last day in its name."
-    )
+    again = texts.sentences(f"answer.{'again' if names[-1] in laws else 'never'}", name=names[-1])
     return f"{again} On {changes} of {len(names)} mornings the selected model changed."
 
 
@@ -198,7 +177,4 @@ def _to_watch(
             held = f"the 90 % ellipsoid contains {', '.join(misses)}"
             yield f"**Watch the covariance:** {held}. {link_to(uncertainty.TITLE)}"
     if source.manoeuvres:
-        yield (
-            f"**Watch for burns:** {source.manoeuvres}. An unreported one shows up as later estimates "
-            "that stay outside the 90 % band."
-        )
+        yield texts.sentences("answer.burns", manoeuvres=source.manoeuvres)

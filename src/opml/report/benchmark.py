@@ -7,29 +7,28 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from opml.base.errors import InputError
 from opml.base.files import FilePath, replacing
 from opml.benchmark import scores, suspicions, tasks
 from opml.benchmark.answers import read as read_answers
-from opml.benchmark.scores import AXES, LEVEL
+from opml.benchmark.scores import AXES, LEVEL, STORM
 from opml.report import texts
 from opml.report.document import Block, Heading, Items, Paragraph, as_it_is, html_page
 from opml.report.results import NO_VALUE, rounded_cell
 
 SUFFIXES = (".html", ".json", ".tsv")  # forms of a score
 
-_OF_HEIGHT = ("median", "p95", "crps", "inside")
+_OF_PART = ("median", "p95", "crps", "inside")
 
 
 @dataclass(frozen=True, eq=False)
 class Score:
     """What is told of answers.
 
-    scores, by_height: of `opml.benchmark.scores`
-    suspicions: a sentence each
-    about: tool, command and runtime_s, where they are told
+    scores, by_height, by_weather: of `opml.benchmark.scores`
     """
 
     task: str
@@ -38,8 +37,9 @@ class Score:
     digest: str
     scores: pd.DataFrame
     by_height: pd.DataFrame
-    suspicions: Sequence[str]
-    about: Mapping[str, Any]
+    by_weather: pd.DataFrame
+    suspicions: Sequence[str]  # a sentence each
+    about: Mapping[str, Any]  # tool, command and runtime_s, where they are told
 
     def values(self) -> dict[str, Any]:
         """Return all of it as JSON values."""
@@ -49,6 +49,7 @@ class Score:
             "answers_sha256": self.digest,
             "scores": _records(self.scores),
             "by_height": _records(self.by_height),
+            "by_weather": _records(self.by_weather),
             "suspicions": [*self.suspicions],
             "about": dict(self.about),
         }
@@ -86,9 +87,12 @@ def score(task: FilePath, answers: FilePath, truth: FilePath | None = None) -> S
 
     Raises InputError for files that cannot be read.
     """
-    asked = tasks.read(task)
-    true = tasks.read_truth(asked, truth)
-    told = read_answers(answers, asked)
+    frozen = tasks.read(task)
+    true = tasks.read_truth(frozen, truth)
+    told = read_answers(answers, frozen)
+    judged = np.isfinite(true).all(axis=1)  # a hidden question may have no later set
+    asked, told, true = frozen.among(judged), told.among(judged), true[judged]
+    weeks = tasks.read_weeks(frozen, truth)[judged]
     errors = scores.errors(asked, told, true)
     return Score(
         asked.name,
@@ -97,6 +101,7 @@ def score(task: FilePath, answers: FilePath, truth: FilePath | None = None) -> S
         told.digest,
         scores.scores(asked, errors),
         scores.by_height(errors),
+        scores.by_weather(errors.assign(highest_ap=weeks[told.is_answered])),
         suspicions.told(asked, told, errors, true),
         told.about,
     )
@@ -110,7 +115,11 @@ def text(score: Score) -> str:
     ]
     widths = [max(map(len, column)) for column in zip(header, *rows, strict=True)]
     table = ["  ".join(c.rjust(w) for c, w in zip(row, widths, strict=True)) for row in (header, *rows)]
-    return "\n".join([f"{score.task}, along the track: {score.tool}", *table, *score.suspicions])
+    weeks = [
+        f"{one.weeks} weeks, {one.lead} d: median {rounded_cell(one.median)} m of {one.answers} answers"
+        for one in score.by_weather.itertuples()
+    ]
+    return "\n".join([f"{score.task}, along the track: {score.tool}", *table, *weeks, *score.suspicions])
 
 
 def board_lines(score: Score) -> str:
@@ -132,7 +141,8 @@ def document(score: Score) -> list[Block]:
         found if score.suspicions else nothing,
         *texts.blocks("benchmark.scores", level=100 * LEVEL),
         *(block for name in AXES.values() for block in _axis_table(score.scores, name)),
-        *_height_table(score.by_height),
+        *_part_table("heights", score.by_height.assign(part=score.by_height["from"] / 1e3)),
+        *_part_table("weather", score.by_weather.assign(part=score.by_weather["weeks"])),
         Paragraph(f"Answers' SHA-256: `{score.digest}`"),
     ]
 
@@ -161,12 +171,14 @@ def _with_interval(row: "pd.Series[Any]", key: str) -> str:
     )
 
 
-def _height_table(table: pd.DataFrame) -> Iterator[Block]:
-    rows = []
-    for _, row in table.iterrows():
-        numbers = (row["from"] / 1e3, *(row[key] for key in ("lead", "answers", *_OF_HEIGHT)))
-        rows.append([rounded_cell(value) for value in numbers])
-    return texts.blocks("benchmark.heights", rows)
+def _part_table(piece: str, table: pd.DataFrame) -> Iterator[Block]:
+    keys = ("part", "lead", "answers", *_OF_PART)
+    rows = [[_cell(row[key]) for key in keys] for row in table.to_dict("records")]
+    return texts.blocks(f"benchmark.{piece}", rows, storm=STORM)
+
+
+def _cell(value: Any) -> str:
+    return value if isinstance(value, str) else rounded_cell(value)
 
 
 def _records(table: pd.DataFrame) -> list[dict[str, Any]]:
@@ -174,6 +186,8 @@ def _records(table: pd.DataFrame) -> list[dict[str, Any]]:
 
 
 def _plain(value: Any) -> Any:
+    if isinstance(value, str):
+        return value
     number = float(value)
     return (int(number) if number.is_integer() else number) if math.isfinite(number) else None
 

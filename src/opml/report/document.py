@@ -63,14 +63,11 @@ class Pictures:
 
 @dataclass(frozen=True)
 class Card:
-    """A small panel: a title, a line that says most, texts, and a row of marks.
-
-    kind: names its colour; marks: what is seen, what a pointer shows, and its kind, each.
-    """
+    """A small panel: a title, a line that says most, texts, and a row of marks."""
 
     title: str
     line: str
-    kind: str
+    kind: str  # names its colour; marks: what is seen, what a pointer shows, and its kind, each
     texts: Sequence[str]
     marks: Sequence[tuple[str, str, str]]
 

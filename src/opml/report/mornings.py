@@ -6,10 +6,10 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 import pandas as pd
 
-from opml.base.constants import DAY
-from opml.learning.judge.errors_by_duration import at_days
+from opml.base.constants import DAY, EARTH_GM, WGS84_A
+from opml.learning.judge.errors_by_duration import REACH_DAYS, at_days
 from opml.learning.judge.model_choice import CHOSEN, CONFIDENCE, Mornings, summed
-from opml.report import on_the_sky, texts
+from opml.report import texts
 from opml.report.document import Block
 from opml.report.results import NO_VALUE, length
 from opml.report.skill import NO_CORRECTION, skill_cell
@@ -17,6 +17,9 @@ from opml.report.skill import NO_CORRECTION, skill_cell
 Dataset = tuple[str, str]  # RSO and station set
 
 TITLE = "Every morning"
+
+BOUND = 1000.0  # along-track error [m] that a prediction's use is counted up to
+SHARE = 0.9  # share of the errors that sizes hold
 
 
 def section(
@@ -34,7 +37,7 @@ def section(
         told = {"rso": rso, "stations": stations, "verdict": _verdict(mornings, laws)}
         days = texts.across(f"{day:g} d" for day in marks)
         yield from texts.blocks("mornings.dataset", _rows(mornings, marks, laws), **told, days=days)
-        yield from on_the_sky.section(mornings.flown, marks)
+        yield from on_the_sky(mornings.flown, marks)
 
 
 def _verdict(mornings: Mornings, laws: Sequence[str]) -> str:
@@ -87,3 +90,33 @@ def _row(name: str, table: pd.DataFrame, marks: Sequence[float], least: float) -
         for day in marks
     ]
     return [name, *cells, skill_cell(summed(table), least)]
+
+
+def on_the_sky(flown: pd.DataFrame, marks: Sequence[float]) -> list[Block]:
+    """Return the along-track errors of a `replay` table as a station sees them; marks: durations [days].
+
+    Seconds too early or too late, and degrees in the sky of a station below the RSO, which flies at n r with
+    r = (GM / n^2)^(1/3) and n its mean motion.
+    """
+    rate = float(flown["rate"].median())
+    radius = float((EARTH_GM / rate**2) ** (1.0 / 3.0))
+    speed, height = rate * radius, radius - WGS84_A
+    rows = []
+    for day in marks:
+        near = (flown["duration"] / DAY - day).abs() <= REACH_DAYS
+        if near.any():
+            size = float(flown.loc[near, "e_y"].abs().quantile(SHARE))
+            angle = np.degrees(np.arctan2(size, height))
+            rows.append([f"{day:g} d", length(size), f"{size / speed:.2g}", f"{angle:.2g}"])
+    sizes = {"speed": speed / 1000.0, "height": height / 1000.0, "within": days_within(flown)}
+    return list(texts.blocks("mornings.sky", rows, **sizes))
+
+
+def days_within(flown: pd.DataFrame) -> str:
+    """Return in words for how long nine tenths of the errors of a `replay` table stay within BOUND."""
+    step = 2.0 * REACH_DAYS
+    number = np.round(flown["duration"] / DAY / step)
+    passed = flown["e_y"].abs().groupby(number).quantile(SHARE) > BOUND
+    if not passed.any():
+        return "90 % stay within 1 km for the whole prediction."
+    return f"90 % stay within 1 km for {max(float(passed.idxmax()) - 1.0, 0.0) * step:g} days."

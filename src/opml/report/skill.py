@@ -15,16 +15,11 @@ NO_CORRECTION = "no correction"  # the row of a table whose predictions stay as 
 
 @dataclass(frozen=True)
 class Reference:
-    """The best model without learning, as skill needs it.
+    """The best model without learning, as skill needs it."""
 
-    name: of the model, or NO_CORRECTION
-    left: summed size of the errors that it leaves
-    day: end of the past that it was chosen by, None where it is known in hindsight only
-    """
-
-    name: str
-    left: float
-    day: float | None
+    name: str  # of the model, or NO_CORRECTION
+    left: float  # summed size of the errors that it leaves
+    day: float | None  # end of the past that it was chosen by, None where it is known in hindsight only
 
     def __str__(self) -> str:
         """Return in words which model it is, and how that is known."""

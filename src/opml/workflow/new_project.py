@@ -42,7 +42,11 @@ def write(folder: FilePath, study: str = SIMULATED, beside: Sequence[Path] = ())
     if folder.is_file():
         raise InputError(f"{folder}: expected a folder, got a file")
     parts = sorted(PROJECT.iterdir())
-    for name in (*(part.name for part in (*parts, *beside)), STUDY):
+    beside = [one for one in beside if one.resolve() != (folder / one.name).resolve()]
+    names = [*(part.name for part in (*parts, *beside)), STUDY]
+    for name in names:
+        if names.count(name) > 1:
+            raise InputError(f"{name}: expected another name than that of a project's own file")
         if (folder / name).exists():
             raise InputError(f"{folder / name}: expected a folder without a project, got one that has this")
     for part in (*parts, *beside):

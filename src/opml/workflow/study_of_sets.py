@@ -10,7 +10,7 @@ import numpy as np
 
 from opml.base.errors import InputError
 from opml.base.files import FilePath
-from opml.interop.element_sets import mean_elements
+from opml.element_sets import catalogue
 from opml.interop.element_sets.element_set import elements_epoch
 
 LONGEST = 91  # days of sets that count at most, the newest
@@ -50,7 +50,7 @@ class StudyOfSets:
     @classmethod
     def of(cls, path: FilePath) -> "StudyOfSets":
         """Choose a study by a file of sets; raise InputError for several objects and for too few days."""
-        sets = mean_elements.read_sets(path, damaged=[])
+        sets = catalogue.readable(path)
         if len(numbers := sorted({one.number for one in sets})) != 1:
             got = ", ".join(map(str, numbers[:5]))
             raise InputError(f"{path}: expected sets of one object, got {len(numbers)}: {got}")

@@ -14,12 +14,14 @@ from itertools import pairwise
 import numpy as np
 import pandas as pd
 import pytest
+import sinking_histories
 from support import REPOSITORY, refusal
 
 from opml import cli
 from opml.base.errors import InputError
-from opml.benchmark import answers, baselines, recipes, tasks
+from opml.benchmark import answers, baselines, freezing, recipes, tasks
 from opml.environment import solar_activity
+from opml.environment.weather import Weather
 from opml.interop import oem
 from opml.interop.element_sets.teme import teme_to_gcrf
 from opml.report import benchmark
@@ -56,8 +58,18 @@ def edited_rows(path, folder, edit):
     return changed
 
 
-def suspicions(path):
-    return benchmark.score(tasks.SAMPLE, path).suspicions
+def suspicions(path, name=tasks.SAMPLE):
+    return benchmark.score(name, path).suspicions
+
+
+@pytest.fixture(scope="module", params=tasks.SAMPLES)
+def any_task(request):
+    return request.param, tasks.read(request.param)
+
+
+@pytest.fixture(scope="module")
+def any_truth(any_task):
+    return tasks.read_truth(any_task[1], None)
 
 
 # Scores
@@ -204,8 +216,9 @@ def test_a_line_that_is_cut_is_refused(sgp4, tmp_path):
 
 
 @pytest.mark.parametrize(("shift", "where"), [(37.0, "ahead of"), (-18.0, "behind")])
-def test_states_at_other_times_are_told(shift, where, task, truth, tmp_path):
-    told = suspicions(of_states(flown(truth, shift, task), task, tmp_path))
+def test_states_at_other_times_are_told(shift, where, any_task, any_truth, tmp_path):
+    name, task = any_task
+    told = suspicions(of_states(flown(any_truth, shift, task), task, tmp_path), name)
     (sentence,) = [one for one in told if one.startswith("time:")]
     assert f" s {where} their times" in sentence
     assert float(sentence.split()[3]) == pytest.approx(abs(shift), rel=0.02)
@@ -221,24 +234,34 @@ def test_answers_to_other_times_are_told(sgp4, tmp_path):
     )
 
 
-@pytest.mark.parametrize(
-    ("called", "name"), [("GCRF", "TEME states are called GCRF"), ("TEME", "GCRF states are called TEME")]
-)
-def test_states_of_another_frame_are_told(called, name, sgp4, task, truth, tmp_path):
-    if called == "TEME":
-        wrong = edited_rows(sgp4, tmp_path, lambda rows: [r | {"frame": "TEME"} for r in rows])
-    else:
-        time = tasks.seconds(task.questions["time"].tolist(), "")
-        turns = teme_to_gcrf(tasks.EPOCH, time)
-        near = truth + [30.0, 0.0, 20.0, 0.0, 0.0, 0.0]
-        of_date = np.hstack([np.einsum("nji,nj->ni", turns, near[:, k : k + 3]) for k in (0, 3)])
-        wrong = of_states(of_date, task, tmp_path)
-    assert any(one.startswith(f"frame: it seems that {name}") for one in suspicions(wrong))
+def test_states_of_gcrf_called_teme_are_told(sgp4, tmp_path):
+    wrong = edited_rows(sgp4, tmp_path, lambda rows: [r | {"frame": "TEME"} for r in rows])
+    assert any(
+        one.startswith("frame: it seems that GCRF states are called TEME") for one in suspicions(wrong)
+    )
 
 
-def test_copies_of_the_truth_are_told(task, truth, tmp_path):
-    told = suspicions(of_states(truth, task, tmp_path))
-    assert any(one.startswith("peeking: 48 answers are within 0.01 m of the truth") for one in told)
+def test_states_of_teme_called_gcrf_are_told(any_task, any_truth, tmp_path):
+    name, task = any_task
+    turns = teme_to_gcrf(tasks.EPOCH, tasks.seconds(task.questions["time"].tolist(), ""))
+    near = any_truth + [30.0, 0.0, 20.0, 0.0, 0.0, 0.0]
+    of_date = np.hstack([np.einsum("nji,nj->ni", turns, near[:, k : k + 3]) for k in (0, 3)])
+    told = suspicions(of_states(of_date, task, tmp_path), name)
+    assert any(one.startswith("frame: it seems that TEME states are called GCRF") for one in told)
+
+
+def test_truncated_answers_to_any_task_are_told(any_task, any_truth, tmp_path):
+    name, task = any_task
+    path = of_states(flown(any_truth, 0.0, task), task, tmp_path)
+    path.write_text("".join(path.read_text().splitlines(keepends=True)[:-2]))
+    assert any(one.startswith("truncated: 2 of ") for one in suspicions(path, name))
+
+
+def test_copies_of_the_truth_are_told(any_task, any_truth, tmp_path):
+    name, task = any_task
+    told = suspicions(of_states(any_truth, task, tmp_path), name)
+    peeking = f"peeking: {len(any_truth)} answers are within 0.01 m of the truth"
+    assert any(one.startswith(peeking) for one in told)
 
 
 def test_inputs_after_t_are_told(sgp4, tmp_path):
@@ -249,15 +272,15 @@ def test_inputs_after_t_are_told(sgp4, tmp_path):
     assert "tell of inputs that were known after t, the first for object 122" in told
 
 
-def test_errors_that_shrink_with_the_lead_are_told(task, truth, tmp_path):
-    size = 1000.0 / task.questions["lead"].to_numpy()
-    ahead = (
-        truth[:, 3:]
-        / np.linalg.norm(truth[:, 3:], axis=1)[:, None]
-        * (size * np.resize([1.0, -1.0, -1.0], len(size)))[:, None]
-    )
-    told = suspicions(of_states(truth + np.hstack([ahead, 0.0 * ahead]), task, tmp_path))
-    assert any(one.startswith("peeking: the median error along the track is 143 m at 7 d") for one in told)
+@pytest.mark.parametrize("power", [-1.0, 0.0], ids=["shrink", "stay"])
+def test_errors_that_do_not_grow_with_the_lead_are_told(power, any_task, any_truth, tmp_path):
+    name, task = any_task
+    size = 1000.0 * task.questions["lead"].to_numpy() ** power
+    ahead = any_truth[:, 3:] / np.linalg.norm(any_truth[:, 3:], axis=1)[:, None]
+    ahead *= (size * np.resize([1.0, -1.0, -1.0], len(size)))[:, None]
+    told = suspicions(of_states(any_truth + np.hstack([ahead, 0.0 * ahead]), task, tmp_path), name)
+    at_7 = f"peeking: the median error along the track is {1000.0 * 7.0**power:.0f} m at 7 d"
+    assert any(one.startswith(at_7) for one in told)
 
 
 def flown(truth, shift, task):
@@ -419,6 +442,11 @@ def test_ways_and_files_that_cannot_be_are_refused(way, file, told, tmp_path, ca
     tasks.read(tmp_path / "sample")
 
 
+def test_ways_of_sets_refuse_tracks(tmp_path, capsys):
+    assert cli.main(["answer", "SAMPLE-TRACKS", "sgp4", "-o", str(tmp_path / "a.csv")]) == 1
+    assert "sample-tracks: expected a task of element sets, got tracks" in capsys.readouterr().err
+
+
 # Tasks
 
 
@@ -484,17 +512,25 @@ def test_forecasts_are_those_issued_last(recipe, tmp_path):
     )
     early = recipe.evolve(first=date(2025, 12, 23), last=date(2025, 12, 23), groups=1)
     folder = tmp_path / "task"
-    recipes.make(early, sets, folder, tmp_path / "truth", weather="OBSERVED", forecasts=issued)
+    folders, known = freezing.Folders(folder, tmp_path / "truth"), freezing.WeatherSources(forecasts=issued)
+    recipes.make(early, sets, folders, known)
     text = (folder / "inputs/2025-12-23T060000/forecast.csv").read_text()
     assert text == "issued,valid,f107\n2025-12-20T03:00:00Z,2025-12-21,150\n"
-    given = {"weather": "OBSERVED", "forecasts": issued}
-    for made, changes, told in (
-        (early.evolve(digest="0" * 64), {}, "digest: expected 0000"),
-        (early, {"forecasts": tmp_path / "none.csv"}, "none.csv: expected comma-separated values"),
-        (early, {"weather": _until(tmp_path / "weather.csv", "2025-11-20")}, "measured up to 2025-12-23"),
+    for made, given, told in (
+        (early.evolve(digest="0" * 64), known, "digest: expected 0000"),
+        (
+            early,
+            freezing.WeatherSources(forecasts=tmp_path / "none.csv"),
+            "none.csv: expected comma-separated values",
+        ),
+        (
+            early,
+            freezing.WeatherSources(_until(tmp_path / "weather.csv", "2025-11-20")),
+            "measured up to 2025-12-23",
+        ),
     ):
         with pytest.raises(InputError, match=told):
-            recipes.make(made, sets, folder, tmp_path / "truth", **(given | changes))
+            recipes.make(made, sets, folders, given)
 
 
 def _until(path, day):
@@ -510,9 +546,84 @@ def test_a_task_takes_the_place_of_no_other_files(folder, recipe, tmp_path):
     (tmp_path / "sets").mkdir()
     (tmp_path / "sets" / "one.tle").write_text("whatever it holds\n")
     for task, truth in ((tmp_path / folder, tmp_path / "new"), (tmp_path / "new", tmp_path / folder)):
-        told = refusal(recipes.make, recipe, [tmp_path / "sets"], task, truth, weather="OBSERVED")
+        folders = freezing.Folders(task, truth)
+        told = refusal(recipes.make, recipe, [tmp_path / "sets"], folders, freezing.WeatherSources())
         assert "expected a new folder, an empty one" in told
     assert (tmp_path / "sets" / "one.tle").is_file()
+
+
+# Months whose truth comes later
+
+
+def test_a_hidden_month_is_asked_answered_and_scored(sgp4, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    sinking_histories.write(tmp_path / "all.tle", range(101, 133), 63)
+    text = (REPOSITORY / "benchmark" / "sample.yaml").read_text()
+    (tmp_path / "month.yaml").write_text(text.replace("name: sample", "name: month").replace(
+        "first: 2025-12-30\nlast: 2026-01-13", "first: 2026-01-06\nlast: 2026-01-06"
+    ))  # fmt: skip
+    lines = (tmp_path / "all.tle").read_text().splitlines()
+    pairs = [lines[k : k + 2] for k in range(0, len(lines), 2)]
+    known = [pair for pair in pairs if pair[0][18:32] < "26006.25"]
+    assert 0 < len(known) < len(pairs)
+    (tmp_path / "known.tle").write_text("\n".join(line for pair in known for line in pair) + "\n")
+    assert cli.main(["task", "month.yaml", "known.tle", "-o", "month"]) == 0
+    assert "month-truth is made by `opml truth` when it is over" in capsys.readouterr().out
+    assert json.loads((tmp_path / "month" / "task.json").read_text())["truth_sha256"] == "hidden"
+    assert cli.main(["answer", "month", "sgp4", "-o", "mine.csv"]) == 0
+    assert cli.main(["score", "month", "mine.csv"]) == 1
+    assert "expected the truth of month, got none" in capsys.readouterr().err
+    early = ["truth", "month", "known.tle", "-o", "month-truth"]
+    assert cli.main(early) == 1
+    assert "month: expected sets within half a day of what was asked, got none" in capsys.readouterr().err
+    assert cli.main(["truth", "month", "all.tle", "-o", "month-truth"]) == 0
+    counts = capsys.readouterr().out.split()
+    assert counts[-4] == counts[-2] != "0"  # the truth of n of n questions
+    assert cli.main(["score", "month", "mine.csv", "-o", "mine.json"]) == 0
+    rows = json.loads((tmp_path / "mine.json").read_text())["scores"]
+    judged = benchmark.score(tasks.SAMPLE, sgp4).scores
+    for row, same in zip(rows, judged.to_dict("records"), strict=True):
+        assert 0.2 < row["along_track_median"] / same["along_track_median"] < 5.0
+    # A question without a later set counts for nothing.
+    truth = (tmp_path / "month-truth" / "truth.csv").read_text().splitlines()
+    (tmp_path / "month-truth" / "truth.csv").write_text("\n".join(truth[:-1]) + "\n")
+    asked = benchmark.score("month", "mine.csv").scores["asked"]
+    assert asked.sum() == len(truth) - 2
+
+
+# Storms
+
+
+def test_storms_of_the_week_after_are_told_apart(sgp4, tmp_path):
+    truth = tmp_path / "truth"
+    shutil.copytree(SAMPLE.parent / "sample-truth", truth)
+    weeks = pd.read_csv(truth / "weeks.csv", dtype={"t": str})
+    assert weeks["t"].tolist() == sorted(set(tasks.read(tasks.SAMPLE).questions["t"]))
+    weeks["highest_ap"] = [29, 30, np.nan]
+    weeks.to_csv(truth / "weeks.csv", index=False)
+    score = benchmark.score(tasks.SAMPLE, sgp4, truth)
+    assert score.by_weather.groupby("weeks")["answers"].sum().to_dict() == {"quiet": 4, "stormy": 20}
+    assert "stormy weeks, 7 d: median " in benchmark.text(score)
+    row = score.by_weather.set_index(["weeks", "lead"]).loc["stormy", 7]
+    benchmark.write(tmp_path / "score.html", score)
+    assert "stormy" in (tmp_path / "score.html").read_text()
+    (truth / "weeks.csv").unlink()
+    bare = benchmark.score(tasks.SAMPLE, sgp4, truth)
+    assert bare.by_weather.empty
+    assert "weeks" not in benchmark.text(bare)
+    pd.testing.assert_frame_equal(bare.scores, score.scores)
+    assert row["median"] > 0.0
+
+
+def test_the_highest_ap_is_that_of_the_week_after(tmp_path):
+    weather = Weather(60000, np.full(20, 100.0), np.tile([2.0] * 8, 20))
+    weather.kp[8 * 12 : 8 * 13] = 5.0  # 2023-03-09: ap 48
+    folder = tmp_path / "truth"
+    folder.mkdir()
+    asked = [(1, f"2023-03-{day:02d}T06:00:00", 1, "") for day in (1, 2, 9, 10)]
+    freezing.write_truth(folder, asked, [np.zeros(6)] * len(asked), weather)
+    found = pd.read_csv(folder / "weeks.csv")["highest_ap"]
+    np.testing.assert_array_equal(found, [7.0, 48.0, 48.0, np.nan])  # the last week is not over
 
 
 @pytest.mark.parametrize(

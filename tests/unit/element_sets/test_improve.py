@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from support import refusal, refusals
 from opml import cli
 from opml.element_sets import catalogue, corrector, density, features, improve, pairs, ways
 from opml.element_sets import model as models
+from opml.element_sets.catalogue import modified_julian_day
 from opml.environment import solar_activity
 from opml.interop.element_sets import element_set, mean_elements
 from opml.tables import read_table
@@ -38,6 +40,19 @@ def model() -> models.CatalogueModel:
 @pytest.fixture(scope="module")
 def better(folder: Path, model: models.CatalogueModel) -> improve.Improved:
     return improve.improve(improve.read([folder], date=DATE, weather="OBSERVED"), model)
+
+
+def test_mornings_that_the_weather_does_not_reach_have_no_past(
+    folder: Path, model: models.CatalogueModel
+) -> None:
+    known = improve.read([folder], date=DATE, weather="OBSERVED")
+    today = modified_julian_day(DATE)
+    whole = improve.improve(known, model).past["morning"].min()
+    weather = known.weather.drop_before(int(today) - density.RUN_UP - 83 - 10)
+    short = improve.improve(replace(known, weather=weather), model)
+    assert whole < short.past["morning"].min() == today - 10
+    later = replace(known, weather=known.weather.drop_before(int(today) - density.RUN_UP - 82))
+    assert "expected measurements 82 days before" in refusal(improve.improve, later, model)
 
 
 def test_no_later_set_and_no_later_weather_touches_a_morning(

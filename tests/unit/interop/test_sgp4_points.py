@@ -48,6 +48,27 @@ def test_fits_to_sets_are_at_their_epochs_and_as_close_as_sgp4_is(assumed_model,
     assert estimates["weighted_rms"].between(0.001, 3.0).all()
 
 
+def taken(days, *, created=None, since=-np.inf):
+    """The `fixes` table of sets of ten days, of those since a day."""
+    sets = history(days, noise=100.0, created=created)
+    taking = measured_sets.Taking(SAMPLING.step, SAMPLING.reach)
+    kinds = {"epoch": EPOCH, "duration": 10 * DAY, "since": since * DAY}
+    found = measured_sets.measured(sets, taking, **kinds)
+    return fixes.of_sets(found.epochs, found.points, known=found.known)
+
+
+@pytest.mark.parametrize(("since", "first"), [(6.5, 7), (6.0, 6), (30.0, 9)])
+def test_earlier_sets_have_no_points_but_their_say_in_what_later_ones_are_worth(since, first):
+    """One of the earlier ones was made late, and those after it were known no sooner."""
+    days, created = np.arange(10.0), [*np.arange(3.0), 8.5, *np.arange(4.0, 10.0)]
+    whole = taken(days, created=created)
+    assert whole["track"].iloc[-1] == 8  # the first has no points within the run
+    expected = whole[whole["t_estimate"] >= first * DAY].drop(columns="track").reset_index(drop=True)
+    assert len(expected)
+    found = taken(days, created=created, since=since)
+    pd.testing.assert_frame_equal(found.drop(columns="track"), expected)
+
+
 def test_points_go_back_no_farther_than_sgp4():
     row = history([1.0], bstar=0.1).iloc[0]
     points = sgp4_points.before(row, row["t"], epoch=EPOCH, sampling=SetSampling(2000.0 * DAY, DAY))

@@ -10,7 +10,7 @@ from mornings import RATE, replays
 from support import paper_values, study_of
 
 from opml.learning.judge.model_choice import Mornings
-from opml.report import answer, document, on_the_sky
+from opml.report import answer, document, mornings
 from opml.report.answer import Sources
 from opml.report.document import Picture, Table
 from opml.study.own_study import OwnStudy
@@ -136,7 +136,7 @@ def test_lengths_have_two_digits(metres, words):
 
 def test_errors_are_seconds_and_degrees_to_a_station_below():
     rows = pd.DataFrame({"duration": [0.9 * DAY, 6.9 * DAY], "e_y": [70.0, -7000.0], "rate": RATE})
-    _, table = on_the_sky.section(rows, [1, 4, 7])
+    _, table = mornings.on_the_sky(rows, [1, 4, 7])
     assert isinstance(table, Table)
     (day, metres, seconds, degrees), week = table.rows
     radius = (3.986004415e14 / RATE**2) ** (1 / 3)
@@ -149,8 +149,8 @@ def test_errors_are_seconds_and_degrees_to_a_station_below():
 def test_days_within_a_kilometre_are_those_before_nine_tenths_pass_it():
     duration = np.repeat(np.arange(1, 15) * 0.5, 10) * DAY
     rows = pd.DataFrame({"duration": duration, "e_y": 300.0 * duration / DAY})
-    assert on_the_sky.days_within(rows) == "90 % stay within 1 km for 3 days."
-    assert "for the whole prediction" in on_the_sky.days_within(rows[rows["e_y"] < 900.0])
+    assert mornings.days_within(rows) == "90 % stay within 1 km for 3 days."
+    assert "for the whole prediction" in mornings.days_within(rows[rows["e_y"] < 900.0])
 
 
 def own_of(**changed):

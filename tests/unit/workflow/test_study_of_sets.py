@@ -37,6 +37,30 @@ def test_the_newest_days_of_a_long_history_count(tmp_path):
     assert (last.epochyr, round(last.epochdays)) == (26, 78)
 
 
+def test_the_sets_may_be_where_the_project_begins(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    sinking_histories.write(tmp_path / "sets.tle", [101], 30)
+    assert cli.main(["init", ".", "--elements", "sets.tle"]) == 0
+    assert len(mean_elements.read_sets(tmp_path / "sets.tle")) == 30
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("mine.yaml", "mine.yaml: expected another name than that of a project's own file"),
+        ("Snakefile", "Snakefile: expected another name than that of a project's own file"),
+        ("points.csv", "points.csv: line 2: expected line 1 of a TLE"),
+    ],
+)
+def test_files_that_make_no_project_are_refused(name, said, tmp_path, capsys):
+    sinking_histories.write(tmp_path / name, [101], 30)
+    if name == "points.csv":
+        (tmp_path / name).write_text("utc,x_m\n2026-02-10T00:00:00,1\n")
+    assert cli.main(["init", str(tmp_path / "new"), "--elements", str(tmp_path / name)]) == 1
+    assert said in capsys.readouterr().err
+    assert not (tmp_path / "new").exists()
+
+
 REFUSED = {
     "several objects": ([101, 102], 40, "expected sets of one object, got 2: 101, 102"),
     "few days": ([101], 10, "expected sets of 20 days or more, got those of 9"),

@@ -57,19 +57,13 @@ class MakeForecast(Protocol[S_in]):
 class ForecastMethod(Generic[S]):
     """A kind of forecast, declared by its module and listed in `methods.METHODS`.
 
-    kind: name in the settings
-    settings: section of its settings
-    fit: makes a forecast from the history
-    least_days: days of history that the settings require
     past_days: days of weather before the issue that a forecast starts from
-    files: the user's own files in the settings
-    repeatable: whether forecasts can be repeated on days of the history, to learn their errors
     """
 
-    kind: str
-    settings: type[S]
-    fit: MakeForecast[S]
-    least_days: Callable[[S], int] = lambda _: 0
+    kind: str  # name in the settings
+    settings: type[S]  # section of its settings
+    fit: MakeForecast[S]  # makes a forecast from the history
+    least_days: Callable[[S], int] = lambda _: 0  # days of history that the settings require
     past_days: Callable[[S], int] = lambda _: 1
-    files: Callable[[S], list[str]] = lambda _: []
-    repeatable: bool = True
+    files: Callable[[S], list[str]] = lambda _: []  # the user's own files in the settings
+    repeatable: bool = True  # whether forecasts can be repeated on days of the history, to learn their errors

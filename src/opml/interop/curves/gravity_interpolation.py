@@ -35,12 +35,11 @@ _LAST_SLOPE = np.array([-2.0, -1.0, 2.0, 1.0]) / 16.0
 class Bridges:
     """Polynomials between the nodes of an orbit.
 
-    t: (n,) times of the nodes [s]
     coefficients: (n - 1, degree + 1, 3) Chebyshev's, of positions in GCRF [m], from -1 at a node to 1 at the
         next one; not finite where an interval is not bridged
     """
 
-    t: np.ndarray
+    t: np.ndarray  # (n,) times of the nodes [s]
     coefficients: np.ndarray
 
     @property

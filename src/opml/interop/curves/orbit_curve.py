@@ -28,22 +28,14 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class OrbitCurve:
-    """An orbit in GCRF through ascending nodes.
+    """An orbit in GCRF through ascending nodes."""
 
-    t: (n,) times of the nodes [s]
-    states: (n, 6) of the nodes [m, m/s], not finite at a wrong node
-    bridges: the orbit between the nodes
-    breaks: of the orbit
-    misses: (m,) distances by which the curve through every second node misses the others [m]
-    left_out: numbers of positions and of velocities that do not fit
-    """
-
-    t: np.ndarray
-    states: np.ndarray
-    bridges: Bridges
-    breaks: list[orbit_breaks.Break]
-    misses: np.ndarray
-    left_out: tuple[int, int]
+    t: np.ndarray  # (n,) times of the nodes [s]
+    states: np.ndarray  # (n, 6) of the nodes [m, m/s], not finite at a wrong node
+    bridges: Bridges  # the orbit between the nodes
+    breaks: list[orbit_breaks.Break]  # of the orbit
+    misses: np.ndarray  # (m,) distances by which the curve through every second node misses the others [m]
+    left_out: tuple[int, int]  # numbers of positions and of velocities that do not fit
 
     def interpolate(self, t: np.ndarray) -> np.ndarray:
         """Return the states (m, 6) at times (m,) [s], not finite where unknown; at a node, its state."""

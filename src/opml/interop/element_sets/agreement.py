@@ -7,14 +7,17 @@ with none, as while an orbit is raised, a new past begins. No set changes how an
 """
 
 import logging
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
+from sgp4.api import Satrec
 
 from opml.interop import ccsds
-from opml.interop.element_sets.histories import states_of
+from opml.interop.element_sets import mean_elements
+from opml.interop.element_sets.histories import satellite
 from opml.interop.element_sets.sgp4_points import SetSampling
 from opml.orbits.elements import in_rsw
 from opml.orbits.manoeuvres import Manoeuvre, contain_any
@@ -30,14 +33,10 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class _Past:
-    """Disagreements of sets with those before them.
+    """Disagreements of sets with those before them."""
 
-    gaps: between the epochs of the two [s]
-    distances: root mean squares (3,) in RSW [m]
-    """
-
-    gaps: list[float] = field(default_factory=list)
-    distances: list[np.ndarray] = field(default_factory=list)
+    gaps: list[float] = field(default_factory=list)  # between the epochs of the two [s]
+    distances: list[np.ndarray] = field(default_factory=list)  # root mean squares (3,) in RSW [m]
 
     def add(self, gap: float, distance: np.ndarray) -> None:
         """Take a disagreement."""
@@ -81,9 +80,10 @@ def weighed(
     Sets that do not count are logged.
     """
     past, rows = _Past(), []
-    known: list[pd.Series] = []  # the newest set that counts, and those after it
-    for _, one in sets.iterrows():
-        if known and contain_any(known[0]["t"], np.array([one["t"]]), manoeuvres)[0]:
+    known: list[_Set] = []  # the newest set that counts, and those after it
+    for row in sets.to_dict("records"):
+        one = _Set(float(row["t"]), satellite(row, epoch=epoch))
+        if known and contain_any(np.array([known[0].t]), np.array([one.t]), manoeuvres)[0]:
             known = []
         if len(known) == _FEWEST:
             past, known = _Past(), []
@@ -92,23 +92,30 @@ def weighed(
         known = [one] if counts else [*known, one]
         rows.append([counts, *past.sigma])
         if not counts:
-            _log.warning("%s disagrees with those before it and is ignored: a burn?", place(one, epoch))
+            _log.warning("%s disagrees with those before it and is ignored: a burn?", place(row, epoch))
     return pd.DataFrame(rows, columns=["counts", *FIX_SIGMAS[:3]], index=sets.index)
 
 
-def _agree(past: _Past, earlier: pd.Series, later: pd.Series, epoch: str, sampling: SetSampling) -> bool:
+class _Set(NamedTuple):
+    """A set, made for SGP4 once."""
+
+    t: float
+    satellite: Satrec
+
+
+def _agree(past: _Past, earlier: _Set, later: _Set, epoch: str, sampling: SetSampling) -> bool:
     """Return whether two sets are as near each other as usual, and take it for the past if they are."""
-    t = sampling.times(later["t"])
-    states, others = (states_of(one, epoch=epoch, t=t) for one in (later, earlier))
+    t = sampling.times(later.t)
+    states, others = (mean_elements.states(one.satellite, epoch=epoch, t=t) for one in (later, earlier))
     distance = np.sqrt(np.mean(in_rsw(others - states, states)[:, :3] ** 2, axis=0))
-    gap = later["t"] - earlier["t"]
+    gap = later.t - earlier.t
     is_usual = past.is_usual(gap, distance, reach=sampling.reach)
     if is_usual:
         past.add(gap, distance)
     return is_usual
 
 
-def place(one: pd.Series, epoch: str) -> str:
+def place(one: Mapping[Any, Any] | pd.Series, epoch: str) -> str:
     """Return where a set is in its file, and of when it is, for a log."""
     (time,) = ccsds.utc_texts(epoch, np.array([one["t"]]))
     return f"{one['file']}: line {one['line']}: the set of {time}"

@@ -46,16 +46,11 @@ class KnownSet:
 
 @dataclass
 class _Past:
-    """Differences between sets that followed from each other.
+    """Differences between sets that followed from each other."""
 
-    gaps: between the epochs of two sets [s]
-    sizes: of the differences (2,) [m]
-    since: number of sets since the last burn
-    """
-
-    gaps: list[float] = field(default_factory=list)
-    sizes: list[np.ndarray] = field(default_factory=list)
-    since: int = _SETTLING
+    gaps: list[float] = field(default_factory=list)  # between the epochs of two sets [s]
+    sizes: list[np.ndarray] = field(default_factory=list)  # of the differences (2,) [m]
+    since: int = _SETTLING  # number of sets since the last burn
 
     def follows(self, earlier: KnownSet, later: KnownSet) -> bool:
         """Return whether a set follows from an earlier one; their difference counts from then on if so."""

@@ -37,21 +37,17 @@ class ElementSet:
     """A set of mean elements.
 
     path, line: where it is, a TLE by its line 1
-    place: number of sets before it in the file, damaged ones among them
-    number: catalogue number, 0 where the file has none
-    created: UTC text, '' where unknown
-    satellite: the elements, initialised; sgp4's own number is 0 beyond those of TLEs
     name, designator: of the object, as the file has them; '' where it has none
     """
 
     path: FilePath
     line: int
-    number: int
-    created: str
-    satellite: Satrec
+    number: int  # catalogue number, 0 where the file has none
+    created: str  # UTC text, '' where unknown
+    satellite: Satrec  # the elements, initialised; sgp4's own number is 0 beyond those of TLEs
     name: str = ""
     designator: str = ""
-    place: int = 0
+    place: int = 0  # number of sets before it in the file, damaged ones among them
 
 
 def satellite(epoch: str, elements: Sequence[float]) -> Satrec:

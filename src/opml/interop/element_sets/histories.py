@@ -14,6 +14,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -41,22 +42,14 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class History:
-    """Sets of mean elements of one object or several.
+    """Sets of mean elements of one object or several."""
 
-    sets: table `element_sets`, by object and epoch
-    doubles: number of sets that were there already
-    superseded: number of sets in whose place others of the same epoch came
-    out_of_order: number of sets that came after a later one of their object
-    damaged: errors of the sets that are left out
-    objects: what the newest set of each catalogue number shows about its object
-    """
-
-    sets: pd.DataFrame
-    doubles: int
-    superseded: int
-    out_of_order: int
-    damaged: Sequence[InputError]
-    objects: Mapping[int, ObjectId]
+    sets: pd.DataFrame  # table `element_sets`, by object and epoch
+    doubles: int  # number of sets that were there already
+    superseded: int  # number of sets in whose place others of the same epoch came
+    out_of_order: int  # number of sets that came after a later one of their object
+    damaged: Sequence[InputError]  # errors of the sets that are left out
+    objects: Mapping[int, ObjectId]  # what the newest set of each catalogue number shows about its object
 
 
 def read(paths: Iterable[FilePath], *, epoch: str, leave_out_damaged: bool = False) -> History:
@@ -146,7 +139,7 @@ def states_of(row: pd.Series, *, epoch: str, t: np.ndarray) -> np.ndarray:
     return mean_elements.states(satellite(row, epoch=epoch), epoch=epoch, t=t)
 
 
-def satellite(row: pd.Series, *, epoch: str) -> Satrec:
+def satellite(row: Mapping[Any, Any] | pd.Series, *, epoch: str) -> Satrec:
     """Return the satellite of a row of a table `element_sets` that SGP4 propagates."""
     (time,) = ccsds.utc_texts(epoch, np.array([row["t"]]))
     motion, *others = (float(row[name]) for name in ELEMENTS)

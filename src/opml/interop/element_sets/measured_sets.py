@@ -29,14 +29,13 @@ _log = logging.getLogger(__name__)
 class Taking:
     """How sets are taken for measurements.
 
-    step: between the points that stand for a set [s]
     reach: from the first of them to its epoch [s]; None: as long as it was fitted to, where the sets up to it
         tell
     sigmas: (3,) standard deviations of a set in RSW [m]; None: learned from the sets before it
     raster: points of sets end at its multiples, the next one behind each epoch [s]; None: at the epochs
     """
 
-    step: float
+    step: float  # between the points that stand for a set [s]
     reach: float | None = None
     sigmas: Sequence[float] | None = None
     raster: float | None = None
@@ -68,16 +67,11 @@ class HistoryTaking(JobSettings):
 
 @dataclass(frozen=True)
 class MeasuredSets:
-    """The sets of a run that count, in ascending order.
+    """The sets of a run that count, in ascending order."""
 
-    epochs: (sets,) of their last points [s]
-    known: (sets,) when they were made, NaN where not stated [s]
-    points: of each set: t, state in GCRF, standard deviations in RSW
-    """
-
-    epochs: np.ndarray
-    known: np.ndarray
-    points: list[pd.DataFrame]
+    epochs: np.ndarray  # (sets,) of their last points [s]
+    known: np.ndarray  # (sets,) when they and all before them were made, their epochs at the earliest [s]
+    points: list[pd.DataFrame]  # of each set: t, state in GCRF, standard deviations in RSW
 
 
 def of_run(sets: pd.DataFrame, duration: float) -> pd.DataFrame:
@@ -86,13 +80,20 @@ def of_run(sets: pd.DataFrame, duration: float) -> pd.DataFrame:
 
 
 def measured(
-    sets: pd.DataFrame, taking: Taking, *, epoch: str, duration: float, manoeuvres: Sequence[Manoeuvre] = ()
+    sets: pd.DataFrame,
+    taking: Taking,
+    *,
+    epoch: str,
+    duration: float,
+    manoeuvres: Sequence[Manoeuvre] = (),
+    since: float = -np.inf,
 ) -> MeasuredSets:
     """Return what the sets of one object measured within a run.
 
     sets: table `element_sets` of one object
     duration: of the run [s]
     manoeuvres: no points of a set lie before one that was before its epoch, and known by then
+    since: earlier sets tell how accurate later ones are, but have no points, unless all are earlier [s]
 
     Raises InputError where no set is left.
     """
@@ -102,13 +103,15 @@ def measured(
     if taking.sigmas is not None:
         worth[FIX_SIGMAS[:3]] = np.tile(taking.sigmas, (len(worth), 1))
     ends = taking.ends(sets["t"].to_numpy())
-    counting = worth["counts"].to_numpy() & (sets["t"].to_numpy() >= 0.0) & (ends <= duration)
+    counting = worth["counts"].to_numpy(bool) & (sets["t"].to_numpy() >= 0.0) & (ends <= duration)
     reaches = np.full(len(sets), usual.reach)
     if taking.reach is None:
         reaches[worth["counts"]] = _over_spans(sets[worth["counts"]], epoch, manoeuvres)
     kept, points = [], []
     weighed = sets.assign(**{name: worth[name].to_numpy() for name in FIX_SIGMAS[:3]})
-    for k in np.flatnonzero(counting):
+    made = np.where(counting, np.fmax(ends, sets["t_created"].to_numpy()), -np.inf)
+    asked = counting & (ends >= min(since, ends[counting].max(initial=-np.inf)))
+    for k in np.flatnonzero(asked):
         sampling = SetSampling(float(reaches[k]), taking.step)
         one, end = weighed.iloc[k], float(ends[k])
         found = _points(one, sampling, epoch=epoch, end=end, manoeuvres=manoeuvres)
@@ -118,7 +121,7 @@ def measured(
     if not kept:
         raise InputError(f"element sets: expected a set within the run that counts, got {len(sets)} others")
     _log.info("sets that count as measurements: %d", len(kept))
-    return MeasuredSets(ends[kept], sets["t_created"].to_numpy()[kept], points)
+    return MeasuredSets(ends[kept], np.maximum.accumulate(made)[kept], points)
 
 
 def _over_spans(sets: pd.DataFrame, epoch: str, manoeuvres: Sequence[Manoeuvre]) -> np.ndarray:

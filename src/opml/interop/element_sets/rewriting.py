@@ -49,17 +49,13 @@ _STANDARD = {
 
 @dataclass(frozen=True)
 class Better:
-    """A set of a file, by path, place and line as `ElementSet` has them, and what it gets.
-
-    motion: mean motion [rad/min]
-    bstar: B* [1/(6378.135 km)]
-    """
+    """A set of a file, by path, place and line as `ElementSet` has them, and what it gets."""
 
     path: str
     place: int
     line: int
-    motion: float
-    bstar: float
+    motion: float  # mean motion [rad/min]
+    bstar: float  # B* [1/(6378.135 km)]
 
 
 def check_suffix(path: FilePath) -> None:

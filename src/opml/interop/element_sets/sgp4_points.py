@@ -11,14 +11,10 @@ from opml.tables import STATE
 
 @dataclass(frozen=True)
 class SetSampling:
-    """Which points stand for a set of mean elements.
+    """Which points stand for a set of mean elements."""
 
-    reach: from the first point to the last [s]
-    step: between points [s]
-    """
-
-    reach: float
-    step: float
+    reach: float  # from the first point to the last [s]
+    step: float  # between points [s]
 
     def times(self, end: float) -> np.ndarray:
         """Return the times (n,) of the points of a set up to its last one, `end` [s]."""

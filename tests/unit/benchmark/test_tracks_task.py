@@ -1,0 +1,121 @@
+"""The benchmark's tasks of tracks: what their inputs hold, and what the baselines make of them."""
+
+import csv
+import runpy
+import sys
+
+import numpy as np
+import pandas as pd
+import pytest
+from support import REPOSITORY, refusal
+
+from opml.base import epochs
+from opml.benchmark import recipes, tasks
+from opml.benchmark.freezing import Folders, WeatherSources
+from opml.interop import tdm
+from opml.report import benchmark
+
+SAMPLE = REPOSITORY / "src" / "opml" / "data" / "benchmark" / "sample-tracks"
+NAME = "SAMPLE-TRACKS"
+
+
+@pytest.fixture(scope="module")
+def task():
+    return tasks.read(NAME)
+
+
+def answered(folder, *ways):
+    """Run the script of baselines; the paths of its answers, by way."""
+    script = REPOSITORY / "benchmark" / "track_fits.py"
+    before, sys.argv = sys.argv, [str(script), NAME, str(folder), *ways]
+    try:
+        runpy.run_path(str(script), run_name="__main__")
+    finally:
+        sys.argv = before
+    return {way: folder / f"sample-tracks_{way}.csv" for way in ways}
+
+
+@pytest.fixture(scope="module")
+def fits(tmp_path_factory):
+    return answered(tmp_path_factory.mktemp("answers"), "last", "svr", "trees", "sgp4")
+
+
+def test_inputs_hold_nothing_of_later(task):
+    for (t, number), _ in task.questions.groupby(["t", "object"]):
+        measured = tdm.measurements([task.inputs(t) / f"{number}.tdm"], epoch=t)["t"]
+        assert -2.0 * 86400.0 <= measured.min() < measured.max() <= 0.0
+        for name, days in (("weather.csv", "DATE"), ("earth_orientation.csv", "mjd")):
+            last = list(csv.reader((task.inputs(t) / name).open()))[-1][0]
+            day = np.datetime64(last) if days == "DATE" else np.datetime64("1858-11-17") + int(last)
+            assert day <= np.datetime64(t[:10])
+
+
+def test_noise_is_the_sheet_s(task):
+    truth = pd.read_csv(SAMPLE.parent / "sample-tracks-truth" / "truth.csv")
+    assert np.isfinite(truth[[*tasks.STATE]]).all(axis=None)
+    assert set(truth["object"]) == {1, 2}
+    stations = (task.inputs(task.questions["t"].iloc[0]) / "stations.tsv").read_text()
+    assert stations == (REPOSITORY / "config" / "stations.tsv").read_text()
+
+
+def test_questions_are_whole_days_after_t(task):
+    for one in task.questions.itertuples():
+        assert epochs.seconds_between(one.t, one.time) == 86400.0 * one.lead
+
+
+@pytest.mark.slow
+def test_the_tracks_are_what_their_recipe_makes(tmp_path):
+    make = runpy.run_path(str(REPOSITORY / "tests" / "reference" / "benchmark_sample.py"))["make_tracks"]
+    assert make(tmp_path) == 12
+    for path in SAMPLE.rglob("*.tdm"):
+        ours, theirs = (
+            tdm.measurements([one], epoch="2016-09-28T00:00:00")
+            for one in (path, tmp_path / "sample-tracks" / path.relative_to(SAMPLE))
+        )
+        np.testing.assert_allclose(ours["range"], theirs["range"], rtol=0.0, atol=0.11)
+
+
+@pytest.mark.slow
+def test_baselines_answer_with_sigmas(fits):
+    medians = {}
+    for way, path in fits.items():
+        score = benchmark.score(NAME, path)
+        assert score.suspicions == []
+        row = score.scores.set_index("lead")
+        assert row["answered"].tolist() == [100.0] * 4
+        assert np.isfinite(row[["along_track_crps", "along_track_log_score"]]).all(axis=None)
+        medians[way] = row["along_track_median"]
+    assert (medians["last"] < 100e3).all()
+    assert not np.allclose(medians["last"], medians["svr"])
+
+
+@pytest.mark.slow
+def test_more_forces_predict_better(fits, tmp_path):
+    (path,) = answered(tmp_path, "fit").values()
+    last, full = (
+        benchmark.score(NAME, one).scores["along_track_median"].iloc[0] for one in (fits["last"], path)
+    )
+    assert full < 0.3 * last
+
+
+def test_what_no_file_answers_is_refused(tmp_path):
+    recipe = recipes.read(REPOSITORY / "benchmark" / "sample-tracks.yaml")
+    folders = Folders(tmp_path / "task", tmp_path / "truth")
+    told = refusal(recipes.make, recipe, [tmp_path / "other.oem"], folders, WeatherSources())
+    assert "sample-tracks: 1: expected files as iss.oem, got none" in told
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("files:", "filse:", "wrong.yaml: objects.1.files: expected a value, got none"),
+        ("seed:", "seeds:", "wrong.yaml: seed: expected a value, got none"),
+        ("mornings: 1", "mornings: -1", "wrong.yaml: objects.1.mornings: "),
+    ],
+)
+def test_misspelt_recipes_are_refused(old, new, told, tmp_path):
+    text = (REPOSITORY / "benchmark" / "sample-tracks.yaml").read_text()
+    wrong = tmp_path / "wrong.yaml"
+    wrong.write_text(text.replace(old, new, 1))
+    assert told in refusal(recipes.read, wrong)

@@ -1,0 +1,33 @@
+"""Texts of reports: their pieces are those that the code names, and become blocks."""
+
+import re
+from importlib.resources import files
+
+from support import REPOSITORY
+
+from opml.report import texts
+from opml.report.document import Heading, Paragraph, Table
+
+REPORTS = REPOSITORY / "src" / "opml" / "report"
+
+
+def test_each_piece_is_named_by_the_module_of_its_file_and_nothing_else_is():
+    there = {
+        f"{path.stem}.{name}"
+        for path in (files("opml") / "data" / "reports").iterdir()
+        for name in re.findall(r"^<!-- (\w+) -->$", path.read_text(encoding="utf-8"), re.MULTILINE)
+    }
+    code = {path.stem: path.read_text(encoding="utf-8") for path in REPORTS.glob("*.py")}
+    named = {f"{stem}.{name}" for stem in code for name in re.findall(rf'"{stem}\.(\w+)"', code[stem])}
+    assert named <= there
+    assert all(re.search(rf"\b{piece.split('.')[1]}\b", code[piece.split(".")[0]]) for piece in there - named)
+
+
+def test_a_piece_is_headings_paragraphs_and_tables():
+    told = {"title": "T", "verdict": "v", "rso": "a", "stations": "b", "days": texts.across(["1 d", "2 d"])}
+    (heading, _) = texts.blocks("mornings.section", title="T", confidence=95.0)
+    (paragraph, table) = texts.blocks("mornings.dataset", [["x"]], **told)
+    assert (heading, paragraph) == (Heading("T"), Paragraph("**a, b.** v"))
+    assert table == Table(["model", "1 d", "2 d", "skill, %"], [["x"]])
+    (_, _, empty) = texts.blocks("reproduction.kernel_scales", columns=texts.across([]))
+    assert empty.header == ["s"]
