@@ -16,6 +16,8 @@ lend_cache()  # before the kernels look for theirs
 from support import ASSUMED_BODIES, environment, force_model, rsos, stations  # noqa: E402
 from unchanged import pytest_fixture_setup, shared_values_stay  # noqa: E402, F401
 
+from opml.catalog.flight import Flight  # noqa: E402
+
 # As in a job; there are as many processes of tests as cores.
 threadpoolctl.threadpool_limits(1, user_api="blas")
 
@@ -55,6 +57,12 @@ def kepler_model(assumed_model):
 def iss():
     """The paper's RSO."""
     return rsos()["iss"]
+
+
+@pytest.fixture(scope="session")
+def flight(assumed_model, iss):
+    """The paper's RSO under the assumed model."""
+    return Flight(assumed_model, iss)
 
 
 @pytest.fixture(scope="session")

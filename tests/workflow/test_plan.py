@@ -194,7 +194,7 @@ def test_tracks_that_were_measured_need_no_truth(project):
     done = project.snakemake(
         "-n", "results/oracle/mine/eglin.parquet", "--configfile", "mine.yaml", check=False
     )
-    assert "opml: truth of 'mine': expected an RSO without measurements of its own" in done.stdout
+    assert "opml: truth of 'mine': expected an RSO without own measurements" in done.stdout
 
 
 def test_fixes_need_no_truth_and_no_station(project):

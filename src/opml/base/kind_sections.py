@@ -35,14 +35,10 @@ class _KindAlone(KindSection):
 
 @dataclass(frozen=True)
 class OfItsKind:
-    """Mark of a mapping whose keys are those of its kind.
+    """Mark of a mapping whose keys are those of its kind."""
 
-    name: of the definition in the JSON schema
-    sections: the section of each kind, for the kinds that there are when settings are checked
-    """
-
-    name: str
-    sections: Callable[[], Mapping[str, type[KindSection]]]
+    name: str  # of the definition in the JSON schema
+    sections: Callable[[], Mapping[str, type[KindSection]]]  # by kind, when settings are checked
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Handler) -> TypeSchema:
         return {"type": "function-plain", "function": {"type": "no-info", "function": self.validated}}

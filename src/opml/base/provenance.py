@@ -62,7 +62,8 @@ def code_digest(*modules: str) -> str:
     """
     reached = closure(*modules)
     digest = hashlib.sha256()
-    for path in sorted({_path(module) for module in reached} | _data_files(reached)):
+    data = {path for module in reached for path in _named_data(module)}
+    for path in sorted({_path(module) for module in reached} | data):
         digest.update(path.relative_to(_PACKAGE).as_posix().encode() + b"\0")
         digest.update(_content_digest(path))
     return digest.hexdigest()
@@ -81,7 +82,6 @@ def closure(*modules: str) -> set[str]:
 
 @cache
 def _path(module: str) -> Path:
-    """Return the source of a module or package; ValueError where there is none."""
     base = _PACKAGE.joinpath(*module.split(".")[1:])
     for path in (base / "__init__.py", base.with_suffix(".py")):
         if path.is_file():
@@ -111,7 +111,6 @@ def _needed(module: str) -> frozenset[str]:
 
 
 def _imports(path: Path, *, package: str) -> set[str]:
-    """Return the modules of opml that a source file imports, with their parents."""
     modules: set[str] = set()
     for node in _nodes(path):
         if isinstance(node, ast.Import):
@@ -135,14 +134,9 @@ def _imported_from(node: ast.ImportFrom, package: str) -> Iterator[str]:
         yield f"{base}.{alias.name}"
 
 
-def _data_files(modules: set[str]) -> set[Path]:
-    return {path for module in modules for path in _named_data(module)}
-
-
 # The workflow asks for the digests of some forty scripts at each start of a job; all share most modules.
 @cache
 def _named_data(module: str) -> frozenset[Path]:
-    """Return the data files that a module names, in quotation marks."""
     text = _text(_path(module))
     return frozenset(path for name, path in _data().items() if f'"{name}"' in text or f"'{name}'" in text)
 

@@ -85,6 +85,11 @@ def setting(
     return Field(default, description=meaning, alias=alias, json_schema_extra=extra or None)
 
 
+def absent(meaning: str, **more: Any) -> Any:
+    """Declare a setting of a type `Absent`, which is None where a file leaves it out; more: as `setting`."""
+    return setting(meaning, default=None, **more)
+
+
 @dataclass(frozen=True)
 class Placeholder:
     """Mark of names that a user gives: the word that stands for them in documentation, as in `<rso>`."""

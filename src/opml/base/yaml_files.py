@@ -36,16 +36,12 @@ class _Loader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[mi
         return super().construct_mapping(node, deep)
 
 
-def _resolve_decimals_alone() -> None:
-    """Let texts be numbers of the loader that are written in tens, with all their digits."""
-    tags = {"tag:yaml.org,2002:int": _INTEGER, "tag:yaml.org,2002:float": _FLOAT}
-    _Loader.yaml_implicit_resolvers = {
-        first: [(tag, tags.get(tag, pattern)) for tag, pattern in resolvers]
-        for first, resolvers in _Loader.yaml_implicit_resolvers.items()
-    }
-
-
-_resolve_decimals_alone()
+# Texts are numbers of the loader that are written in tens, with all their digits.
+_TAGS = {"tag:yaml.org,2002:int": _INTEGER, "tag:yaml.org,2002:float": _FLOAT}
+_Loader.yaml_implicit_resolvers = {
+    first: [(tag, _TAGS.get(tag, pattern)) for tag, pattern in resolvers]
+    for first, resolvers in _Loader.yaml_implicit_resolvers.items()
+}
 
 
 def read_yaml(path: FilePath) -> Any:

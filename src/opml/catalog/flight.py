@@ -114,7 +114,6 @@ class Flight:
         """Propagate arcs, each with its own drag coefficient.
 
         epochs: (n,) times [s], ascending or descending
-        states: (arcs, 6) GCRF [m, m/s]
         cd: (arcs,) or one for all
         first, last: (arcs,) index of the epoch at which an arc begins and ends
         outlook: (arcs,) as in `ensemble.Departures`

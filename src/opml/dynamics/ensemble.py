@@ -27,19 +27,14 @@ from opml.dynamics.settings import Integrator
 
 @dataclass(frozen=True)
 class Departures:
-    """Arcs as they begin, and how far they go.
+    """Arcs as they begin, and how far they go."""
 
-    states: (arcs, 6) GCRF [m, m/s]; first, last: (arcs,) index of the epoch at which an arc begins and ends,
-    first <= last; ballistic: (arcs,) Cd A/m, reflection: (arcs,) Cr A/m [m2/kg]; outlook: (arcs,) index of
-    the model's outlook that each flies under, -1 for the model's activity; None: the newest as it begins.
-    """
-
-    states: ArrayLike
-    first: ArrayLike
-    last: ArrayLike
-    ballistic: ArrayLike
-    reflection: ArrayLike
-    outlook: np.ndarray | None = None
+    states: ArrayLike  # (arcs, 6) GCRF [m, m/s]
+    first: ArrayLike  # (arcs,) index of the epoch at which an arc begins
+    last: ArrayLike  # (arcs,) index of that at which it ends, first or later
+    ballistic: ArrayLike  # (arcs,) Cd A/m [m2/kg]
+    reflection: ArrayLike  # (arcs,) Cr A/m [m2/kg]
+    outlook: np.ndarray | None = None  # (arcs,) index, -1: the model's activity; None: the newest it knows
 
     def __len__(self) -> int:
         """Return the number of the arcs."""
@@ -53,15 +48,11 @@ class Departures:
 
 @dataclass(frozen=True)
 class Arcs:
-    """States of propagated arcs: arc k passes its epochs in states[start[k]:start[k + 1]].
+    """States of propagated arcs: arc k passes its epochs in states[start[k]:start[k + 1]]."""
 
-    states: (total, 6) GCRF [m, m/s], not finite past an arc's retirement; start: (arcs + 1,);
-    status: (arcs,) an index into REASONS.
-    """
-
-    states: np.ndarray
-    start: np.ndarray
-    status: np.ndarray
+    states: np.ndarray  # (total, 6) GCRF [m, m/s], not finite past an arc's retirement
+    start: np.ndarray  # (arcs + 1,)
+    status: np.ndarray  # (arcs,) an index into REASONS
 
     def path(self, arc: int) -> np.ndarray:
         """Return the states (epochs, 6) of one arc, from the epoch after its first to its last."""
@@ -136,18 +127,14 @@ class _Grid:
 
 @dataclass(frozen=True)
 class _Ensemble:
-    """Arcs on their grid: how they begin, where they join and leave it, and what has become of them.
+    """Arcs on their grid: how they begin, where they join and leave it, and what has become of them."""
 
-    states: (arcs, 6); coefficients: (2, arcs) ballistic and reflection; join, leave: (arcs,); arcs: filled as
-    blocks of them fly.
-    """
-
-    states: np.ndarray
-    coefficients: np.ndarray
-    join: np.ndarray
-    leave: np.ndarray
+    states: np.ndarray  # (arcs, 6)
+    coefficients: np.ndarray  # (2, arcs) ballistic and reflection
+    join: np.ndarray  # (arcs,)
+    leave: np.ndarray  # (arcs,)
     grid: _Grid
-    arcs: Arcs
+    arcs: Arcs  # filled as blocks of them fly
     integrator: Integrator
 
     def fly(self, members: np.ndarray, model: ForceModel, kind: np.ndarray) -> None:

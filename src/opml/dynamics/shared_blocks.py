@@ -51,7 +51,6 @@ class SharedBlocks:
     """Callers whose arcs share blocks."""
 
     def __init__(self) -> None:
-        """Begin without callers."""
         self._turn = Condition()
         self._under_way = 0
         self._waiting: list[_Request] = []
@@ -127,7 +126,6 @@ def _fly(requests: Sequence[_Request]) -> None:
 
 
 def _flown(requests: Sequence[_Request]) -> Arcs:
-    """Return the arcs of requests, at all epochs of the raster."""
     one = requests[0]
     raster = _raster(requests)
     places = [np.abs(request.epochs - raster[0]) for request in requests]

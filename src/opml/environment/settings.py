@@ -2,7 +2,7 @@
 
 from typing import Literal
 
-from opml.base.section import Section, setting
+from opml.base.section import Section, absent, setting
 from opml.base.setting_types import Absent, Text
 
 
@@ -18,24 +18,21 @@ class EnvironmentSettings(Section):
     solar_activity: Text = setting(
         "`MSAFE`, `OBSERVED` or a file of either kind", unit="name or path", see="#solar-activity"
     )
-    true_solar_activity: Absent[Text] = setting(
-        "activity of the truth, if it is not `solar_activity`", unit="name or path", default=None
+    true_solar_activity: Absent[Text] = absent(
+        "activity of the truth, if it is not `solar_activity`", unit="name or path"
     )
     percentile: Literal[95, 50, 5] = setting("column of an MSAFE bulletin")
-    knowledge: Absent[Literal["monthly", "hindcast", "forecast"]] = setting(
+    knowledge: Absent[Literal["monthly", "hindcast", "forecast"]] = absent(
         "what the assumed model knows of the weather: `monthly` figures, the weather up to t_j (`hindcast`),"
         " or up to t_i and a `forecast`; by default `solar_activity` as given",
         see="weather.md",
-        default=None,
     )
-    forecast: Absent[str] = setting(
+    forecast: Absent[str] = absent(
         "forecast of `knowledge: forecast`, about which the futures of an ensemble lie",
         unit="name under `forecasts`",
         see="weather.md#ensembles",
-        default=None,
     )
-    issue_hours: Absent[Literal[1, 3, 6, 12, 24]] = setting(
+    issue_hours: Absent[Literal[1, 3, 6, 12, 24]] = absent(
         "time between the issues of forecasts, counted from 00:00 UTC; predictions fly under the newest one",
         unit="h",
-        default=None,
     )

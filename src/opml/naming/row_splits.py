@@ -44,7 +44,6 @@ class Split:
     standardisation: str = "training"  # rows that standardise the variables: training or own
 
     def __str__(self) -> str:
-        """Return the split's name."""
         match self.kind:
             case "random" | "grouped":
                 return f"{self.kind}-{number(self.percent)}"

@@ -116,10 +116,9 @@ class Beyond:
             budget=self.budget,
             budget_split=tuple(self.entry["budget"]["split"]),
             published=self.published_p_ml(self.splits) | self.published_p_ml(self.transfers),
-            learners={name: naming.parse_learner(name, self.study.learners) for name in self._learners},
+            learners={
+                name: naming.parse_learner(name, self.study.learners)
+                for name in [*self.entry["learners"], *self.entry["budget"]["learners"]]
+            },
             level=self.study.settings.run.intervals.level,
         )
-
-    @property
-    def _learners(self) -> list[str]:
-        return list(dict.fromkeys([*self.entry["learners"], *self.entry["budget"]["learners"]]))

@@ -50,7 +50,10 @@ def load_settings(source: Source) -> CheckedSettings:
     for path in (results, *results.parents):
         if path.is_file():
             raise source.wrong(("results",), f"expected a folder, got a file at {path}")
-    _check_sheets(source)
+    for kind, path in source.values["sheets"].items():
+        # The package's own settings alone name the package's own sheets.
+        if source.origin(("sheets", kind)) != str(PACKAGED) and not Path(path).exists():
+            raise source.wrong(("sheets", kind), f"{path}: no such file")
     settings = with_sheets(source.values, source)
     misfit = _misfit(source, settings)
     learners.check(run.learners, variables=run.learning.variables, resonances=run.mechanism.resonances)
@@ -93,7 +96,10 @@ def check_study(source: Source, settings: Settings, *, last_day: float | None = 
     for key, kind, value in _parts(settings.asked):
         with source.naming(("study", *key)):
             checks.get(kind, bool)(value)
-    _check_seen(source, settings)
+    for name, experiment in Paper(Study(settings)).evaluations.items():
+        if experiment.test == "seen" and experiment.target != experiment.rso:
+            key = ("study", "evaluations", name, "test")
+            raise source.wrong(key, "expected another split, as seen rows are the RSO's own")
     _check_references(source, settings)
     study = Study(settings)
     for rso in study.rsos:
@@ -147,13 +153,6 @@ def _misfit(source: Source, settings: Settings) -> str:
         check_study(source, settings, last_day=math.inf)
         return f'{error}; "study: {{}}" in a file, or --config study={{}}, asks for no study'
     return ""
-
-
-def _check_sheets(source: Source) -> None:
-    """Raise InputError where a sheet is missing; the package's own settings alone name the package's own."""
-    for kind, path in source.values["sheets"].items():
-        if source.origin(("sheets", kind)) != str(PACKAGED) and not Path(path).exists():
-            raise source.wrong(("sheets", kind), f"{path}: no such file")
 
 
 def _check_order(source: Source) -> None:
@@ -264,13 +263,6 @@ def _check_starts(source: Source, settings: Settings) -> None:
                         epochs.parse(time)
 
 
-def _check_seen(source: Source, settings: Settings) -> None:
-    for name, experiment in Paper(Study(settings)).evaluations.items():
-        if experiment.test == "seen" and experiment.target != experiment.rso:
-            key = ("study", "evaluations", name, "test")
-            raise source.wrong(key, "expected another split, as seen rows are the RSO's own")
-
-
 def _check_stations(source: Source, study: Study) -> None:
     """Raise InputError where stations stand beside RSOs that others measured, or fixes beside others."""
     for rso in study.rsos:
@@ -294,7 +286,6 @@ def _check_variables(source: Source, study: Study) -> None:
 
 
 def _check_references(source: Source, settings: Settings) -> None:
-    """Hold names of entries against the entries that there are."""
     asked = settings.asked
     for key, known in (
         (("individual", "evaluation"), asked.get("evaluations", {})),
@@ -368,7 +359,9 @@ class _Checks:
             "test": self._test,
             "tests": _each(self._test),
             "split": self._pair,
-            "splits": self._pairs,
+            "splits": lambda pairs: _each(self._pair)(
+                list(pairs.values()) if isinstance(pairs, Mapping) else pairs
+            ),
             "window_day": lambda day: self._days([0, day]),
             "zoom_days": self._days,
             "span_days": self._days,
@@ -403,10 +396,6 @@ class _Checks:
         if not isinstance(pair, str):
             self._train(pair[0])
             self._test(pair[1])
-
-    def _pairs(self, pairs: Mapping[str, Sequence[str]] | Sequence[Sequence[str]]) -> None:
-        for pair in pairs.values() if isinstance(pairs, Mapping) else pairs:
-            self._pair(pair)
 
     def _days(self, days: Sequence[float]) -> None:
         first, last = days

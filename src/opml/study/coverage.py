@@ -74,7 +74,6 @@ def _check_atmosphere(run: RunSettings, ends: np.ndarray) -> None:
 
 
 def _check_tides(name: str, model: ForceModelSettings, tide_system: str) -> None:
-    """Raise InputError where a force model is to have tides that the gravity field does not allow."""
     if model.solid_tides:
         try:
             gravity_field.check_tide_system(tide_system)

@@ -38,7 +38,6 @@ def check_learners(source: Source, study: Study) -> None:
 
 
 def _learners_named(asked: Mapping[str, Any]) -> Iterator[tuple[Key, Sequence[str]]]:
-    """Yield key and names of the learners of a study of one's own."""
     yield ("study", "learners"), asked.get("learners", [])
     yield ("study", "replayed"), asked.get("replayed", [])
     yield ("study", "rolling", "learners"), asked.get("rolling", {}).get("learners", [])

@@ -65,13 +65,10 @@ class Study:
     def station_sets(self) -> list[str]:
         """The station sets that the study is about."""
         named = self.settings.asked.get("station_sets") or [self.entry("defaults").get("stations")]
-        return [stations or self._usual_stations for stations in named]
-
-    @property
-    def _usual_stations(self) -> str:
-        """All stations together, or the name in their place where none of the sheet measured the RSOs."""
+        # All stations together, or the name in their place where none of the sheet measured the RSOs.
         in_place = filter(None, map(self.in_place_of_stations, self.rsos))
-        return next(in_place, "-".join(self.settings.stations))
+        usual = next(in_place, "-".join(self.settings.stations))
+        return [stations or usual for stations in named]
 
     def in_place_of_stations(self, rso: str) -> str:
         """Return the name in the place of stations, '' where those of the sheet measure an RSO."""

@@ -161,25 +161,20 @@ class OwnStudy:
         train, _ = self.splits[self.shown_split]
         if naming.parse_train(naming.strip_seed(train, naming.SPLIT)).kind != "days":
             return []
+        last = float(self.study.settings.run.duration_days) - 3.0  # two more mornings have to be over then
         return self.study.settings.asked.get("replayed") or [
             name
             for name in (*REPLAYED, *REPLAYED_OF_ELEMENTS)
-            if name in self.learners and self._first_day(name) <= self._last_day
+            if name in self.learners and self._first_day(name) <= last
         ]
 
     @cached_property
     def replayed(self) -> dict[tuple[str, str, str], dict[str, str]]:
         """Parts of the replays' names, by RSO, station set and model."""
+        train, label = self.splits[self.shown_split][0], naming.LABELS[self.study.label]
+        shared = {"window": "", "reading": "", "label": label, "train": train}
         return {
-            (rso, stations, learner): {
-                "rso": rso,
-                "stations": stations,
-                "window": "",
-                "reading": "",
-                "label": naming.LABELS[self.study.label],
-                "train": self.splits[self.shown_split][0],
-                "learner": learner,
-            }
+            (rso, stations, learner): {"rso": rso, "stations": stations, **shared, "learner": learner}
             for rso, stations in self.datasets
             for learner in self.replayed_models
         }
@@ -197,11 +192,6 @@ class OwnStudy:
         hours = max(self.study.settings.run.estimation.window_hours, longest)
         return float(first + hours / 24.0)
 
-    @property
-    def _last_day(self) -> float:
-        """The last day that a model may begin on, as two more mornings have to be over before the run is."""
-        return float(self.study.settings.run.duration_days) - 3.0
-
     def mornings(self, rso: str, stations: str) -> dict[str, dict[str, str]]:
         """Return the parts of the names of a dataset's replays, by model."""
         replayed = self.replayed.items()
@@ -217,16 +207,9 @@ class OwnStudy:
     def fits(self) -> dict[tuple[str, str], Experiment]:
         """The experiments that test the fits' own covariances, by RSO and station set."""
         train, test = self.splits[self.shown_split]
+        fit = {"learner": UNCORRECTED, "component": CORRECTED, "train": train, "test": test}
         return {
-            (rso, stations): self.study.experiment(
-                {},
-                rso=rso,
-                stations=stations,
-                learner=UNCORRECTED,
-                component=CORRECTED,
-                train=train,
-                test=test,
-            )
+            (rso, stations): self.study.experiment(fit, rso=rso, stations=stations)
             for rso, stations in self.datasets
             if self.mornings(rso, stations)
         }
@@ -313,7 +296,6 @@ class OwnStudy:
         )
 
     def _manoeuvres(self, rso: str) -> str:
-        """Return in words which manoeuvres of an RSO are known, '' where it is simulated."""
         settings = self.study.settings
         kind = settings.kind_of(rso)
         taking = settings.taking(kind, rso) if kind else None

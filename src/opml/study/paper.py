@@ -157,21 +157,20 @@ class Paper:
     @cached_property
     def headlines(self) -> list[Headline]:
         """The paper's numbers with the experiments that ours are compared with."""
-        return [self._headline(*number) for number in self._numbers]
-
-    def _headline(self, name: str, experiment: Experiment, published: float) -> Headline:
-        return Headline(
-            name=name,
-            experiment=experiment,
-            published=published,
-            over_splits=self.study.split_spread(experiment),
-            over_noise=self.study.noise_spread(experiment),
-            fixed=self._fix_scale(experiment),
-            alternatives=self._alternatives(name, experiment),
-        )
+        return [
+            Headline(
+                name=name,
+                experiment=experiment,
+                published=published,
+                over_splits=self.study.split_spread(experiment),
+                over_noise=self.study.noise_spread(experiment),
+                fixed=self._fix_scale(experiment),
+                alternatives=self._alternatives(name, experiment),
+            )
+            for name, experiment, published in self._numbers
+        ]
 
     def _fix_scale(self, experiment: Experiment) -> Experiment:
-        """Return an experiment with the learner whose kernel scale is one fixed number."""
         return replace(experiment, learner=self.study.entry("reproduction")["fixed"])
 
     def _alternatives(self, name: str, experiment: Experiment) -> list[tuple[str, Experiment]]:
@@ -205,7 +204,6 @@ class Paper:
         }
 
     def _apply_reading(self, entry: Mapping[str, Any], experiment: Experiment) -> Experiment:
-        """Return an experiment under another reading of what the paper leaves open."""
         read, previous = experiment, self.study.cleaning.previous
         if "learner" in entry:
             read = replace(read, learner=entry["learner"])
@@ -266,49 +264,30 @@ class Paper:
     @cached_property
     def claims(self) -> list[Claim]:
         """What the paper says in words, entry by entry, with the experiments that it is about."""
+        limits = ("limit", "share", "start")
         return [
-            *self._evaluation_claims(),
-            *self._partition_claims(),
-            *self._grid_claims(),
-            *self._curve_claims(),
-            *self._individual_claims(),
+            Claim(
+                claim["says"], claim["holds"], points, **{key: claim[key] for key in limits if key in claim}
+            )
+            for claim, points in self._claimed()
         ]
 
-    def _evaluation_claims(self) -> Iterator[Claim]:
+    def _claimed(self) -> Iterator[tuple[Mapping[str, Any], Mapping[str, Experiment]]]:
+        """Yield what the paper says of each entry, and the experiments that it is about by their names."""
         for name, entry in self.study.entry("evaluations").items():
             for claim in entry.get("claims", []):
-                names = [*claim.get("beside", []), name]
-                yield self._claim(claim, {point: self.evaluations[point] for point in names})
-
-    def _partition_claims(self) -> Iterator[Claim]:
+                yield claim, {point: self.evaluations[point] for point in [*claim.get("beside", []), name]}
         partition = self.study.entry("partition")
-        points = {f"{ratio} %": self.partition(ratio) for ratio in partition.get("ratios", [])}
         for claim in partition.get("claims", []):
-            yield self._claim(claim, points)
-
-    def _grid_claims(self) -> Iterator[Claim]:
+            yield claim, {f"{ratio} %": self.partition(ratio) for ratio in partition.get("ratios", [])}
         for name, entry in self.study.entry("grids").items():
             for claim in entry.get("claims", []):
-                yield self._claim(claim, self.grids[name])
-
-    def _curve_claims(self) -> Iterator[Claim]:
+                yield claim, self.grids[name]
         for name, entry in self.study.entry("curves").items():
+            unit, first = {"inclination": "deg", "semi_major_axis": "km"}[name], self.curves[name].first
             for claim in entry.get("claims", []):
-                yield self._curve_claim(name, claim)
-
-    def _individual_claims(self) -> Iterator[Claim]:
-        entry = self.study.entry("individual")
-        for claim in entry.get("claims", []):
-            yield self._claim(claim, {entry["evaluation"]: self.individual})
-
-    def _curve_claim(self, name: str, claim: Mapping[str, Any]) -> Claim:
-        unit = {"inclination": "deg", "semi_major_axis": "km"}[name]
-        first = self.curves[name].first
-        points = {
-            f"{value:g} {unit}": first[value] for value in sorted(first) if value > claim.get("beyond", -1e9)
-        }
-        return self._claim(claim, points)
-
-    def _claim(self, claim: Mapping[str, Any], points: Mapping[str, Experiment]) -> Claim:
-        limits = {key: claim[key] for key in ("limit", "share", "start") if key in claim}
-        return Claim(claim["says"], claim["holds"], points, **limits)
+                values = (value for value in sorted(first) if value > claim.get("beyond", -1e9))
+                yield claim, {f"{value:g} {unit}": first[value] for value in values}
+        individual = self.study.entry("individual")
+        for claim in individual.get("claims", []):
+            yield claim, {individual["evaluation"]: self.individual}

@@ -1,12 +1,11 @@
 """Which RSOs fly together: the truths of one job, side by side in the lanes of the kernels."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 from opml import naming
 from opml.base.constants import LANES
 from opml.base.errors import InputError
-from opml.naming import Experiment
 from opml.orbits import sheets
 from opml.study.beyond import Beyond
 from opml.study.experiments import Study
@@ -23,13 +22,12 @@ def named_rsos(paper: Paper, beyond: Beyond, own_study: OwnStudy) -> list[str]:
         *(own_study.experiments.values() if own_study.is_asked else []),
     ]
     pools = beyond.study.entry("pools")
-    rsos = (rso for experiment in experiments for rso in (*_trained_on(experiment, pools), experiment.target))
+    rsos: list[str] = []
+    for experiment in experiments:
+        is_pool = naming.WITHOUT in experiment.rso
+        rsos += naming.parse_pool(experiment.rso, pools) if is_pool else [experiment.rso]
+        rsos.append(experiment.target)
     return list(dict.fromkeys(rsos))
-
-
-def _trained_on(experiment: Experiment, pools: Mapping[str, Sequence[str]]) -> Sequence[str]:
-    rso = experiment.rso
-    return naming.parse_pool(rso, pools) if naming.WITHOUT in rso else [rso]
 
 
 def groups(study: Study, rsos: Iterable[str], *, results: Path) -> list[tuple[str, ...]]:

@@ -53,9 +53,7 @@ _SENSITIVITIES = (
     real("cd_mean", "1", "running mean of the drag coefficients estimated up to t_i"),
     *state_columns(PREDICTED, "change of the prediction per unit of Cd, state at t_i held", prefix="s_"),
     *state_columns(
-        PREDICTED,
-        "change per unit of Cd, state at t_i moved with Cd along the fit's covariance",
-        prefix="v_",
+        PREDICTED, "change per unit of Cd, state at t_i moved with Cd along the fit's covariance", prefix="v_"
     ),
     *state_columns(PREDICTED, "prediction minus the one repeated with cd_mean", prefix="r_"),
 )
@@ -246,11 +244,7 @@ CATALOG_SCHEMAS = (
             text("reason", "why there is no label (its numbers are NaN then), else empty"),
         ),
     ),
-    Schema(
-        "sensitivities",
-        "a pair of an estimate i and a later track start j",
-        (*PAIR, *_SENSITIVITIES),
-    ),
+    Schema("sensitivities", "a pair of an estimate i and a later track start j", (*PAIR, *_SENSITIVITIES)),
     Schema(
         "oracle",
         "a pair of an estimate i and a later track start j",

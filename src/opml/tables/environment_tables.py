@@ -47,11 +47,7 @@ ENVIRONMENT_SCHEMAS = (
             ),
         ),
     ),
-    Schema(
-        "solar_activity",
-        "a node of the environment's time grid",
-        (TIME, *_ACTIVITY),
-    ),
+    Schema("solar_activity", "a node of the environment's time grid", (TIME, *_ACTIVITY)),
     Schema(
         OUTLOOKS,
         "a node of the environment's time grid as it was forecast at a time of issue before",

@@ -42,9 +42,7 @@ REPLAY_COLUMNS = (
     *(real(name, "m", "standard deviation of that state, 0 of a truth", _KNOWN_STATE) for name in DOUBT),
     *SPREAD_COLUMNS,
     *state_columns(
-        "RSW of the ephemeris",
-        "standard deviation stated that morning; NaN without a past",
-        prefix="sigma_",
+        "RSW of the ephemeris", "standard deviation stated that morning; NaN without a past", prefix="sigma_"
     ),
 )
 

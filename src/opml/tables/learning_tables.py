@@ -90,11 +90,7 @@ LEARNING_SCHEMAS = (
         "a pair of an estimate i and a later track start j, before cleaning, with a catalogue's errors",
         (*_DATASET, *LABEL_COLUMNS, *LABELLED, *_KEPT),
     ),
-    Schema(
-        "evaluation",
-        "a pair of an estimate i and a later track start j",
-        _EVALUATION,
-    ),
+    Schema("evaluation", "a pair of an estimate i and a later track start j", _EVALUATION),
     Schema(
         "rolling",
         "a pair of an estimate i and a later track start j",

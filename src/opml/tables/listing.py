@@ -7,7 +7,6 @@ from typing import TextIO
 import pandas as pd
 
 from opml.base.files import FilePath
-from opml.tables.columns import Column
 from opml.tables.parquet import read_metadata, read_schema, read_table
 
 FIRST_ROWS = 3
@@ -28,7 +27,10 @@ def head(path: FilePath) -> str:
     frame = read_table(path, schema)
     first = frame.head(FIRST_ROWS)
     cells = [
-        [column.name, column.unit or "-", *map(_cell, first[column.name]), _meaning(column)]
+        [
+            *(column.name, column.unit or "-", *map(_cell, first[column.name])),
+            f"{column.meaning} ({column.frame})" if column.frame else column.meaning,
+        ]
         for column in schema.columns
     ]
     numbers = [f"row {number}" for number in range(len(first))]
@@ -65,10 +67,6 @@ def _as_text(value: object) -> object:
 
 def _cell(value: object) -> str:
     return f"{value:.6g}" if isinstance(value, float) else str(value) or "-"
-
-
-def _meaning(column: Column) -> str:
-    return f"{column.meaning} ({column.frame})" if column.frame else column.meaning
 
 
 def _plain(value: object) -> str:

@@ -4,16 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from opml.tables.catalog_tables import CATALOG_SCHEMAS
-from opml.tables.columns import (
-    PREDICTED,
-    SINCE,
-    SPREAD_COLUMNS,
-    Schema,
-    count,
-    real,
-    state_columns,
-    text,
-)
+from opml.tables.columns import PREDICTED, SINCE, SPREAD_COLUMNS, Schema, count, real, state_columns, text
 from opml.tables.ephemeris_tables import ALIKE, REPLAY_COLUMNS
 
 SIZES = {

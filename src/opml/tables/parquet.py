@@ -188,7 +188,6 @@ def _check_footer(path: FilePath) -> _Seal | None:
 
 
 def _check_pages(path: FilePath, seal: _Seal) -> None:
-    """Raise InputError where the pages of a file do not match its seal."""
     with open(path, "rb") as file:
         start, _ = _footer(file)
         if _digest_to(file, _end_of_pages(start)) != seal.pages:
@@ -200,7 +199,6 @@ def _end_of_pages(footer: int) -> int:
 
 
 def _digest_to(file: BinaryIO, end: int) -> bytes:
-    """Return the digest of the bytes of a file before a place."""
     digest = hashlib.sha256()
     file.seek(0)
     while chunk := file.read(min(_CHUNK_BYTES, end - file.tell())):

@@ -129,7 +129,6 @@ def _add_run(crate: Any, workflow: Any, inputs: list[Any], outputs: list[Any]) -
 
 
 def _add_packages(crate: Any) -> list[Any]:
-    """Add the package and all that is installed beside it; return their entities."""
     installed = {distribution.name: distribution.version for distribution in distributions()}
     return [
         crate.add(
@@ -166,7 +165,6 @@ def _place(path: Path) -> str:
 
 
 def _files(folder: Path) -> Iterator[Path]:
-    """Yield all files below a folder in the order of their names, but hidden and compiled ones."""
     for path in sorted(folder.rglob("*")):
         if path.is_file() and not any(part.startswith((".", "__")) for part in path.parts):
             yield path
@@ -184,6 +182,5 @@ def _relative(path: Path, folder: Path) -> str:
 
 
 def _time(paths: Sequence[Path], extreme: Callable[[Iterable[float]], float]) -> str:
-    """Return the first (min) or last (max) time at which files were written, in UTC."""
     seconds = extreme(path.stat().st_mtime for path in paths)
     return datetime.fromtimestamp(seconds, UTC).isoformat("T", "seconds")

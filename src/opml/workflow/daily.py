@@ -123,7 +123,6 @@ def check_dates(call: Call, epoch: str, duration_days: float, *, today: date) ->
 
 
 def _snakemake(call: Call, pages: Sequence[str]) -> int:
-    """Run the workflow for some pages; return its exit code."""
     how = ["-n"] if call.dry else ["--quiet", "all"]
     settings = ["--configfile", *call.configfiles] if call.configfiles else []
     command = [sys.executable, "-m", "snakemake", *call.where, *how, *settings, "--", *pages]

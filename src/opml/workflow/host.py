@@ -21,7 +21,6 @@ def lend_cache() -> None:
 
 
 def _can_be_written(folder: Path) -> bool:
-    """Return whether files can be made in a folder, which may be made for them."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
         tempfile.TemporaryFile(dir=folder).close()

@@ -199,7 +199,6 @@ class Inputs:
         return self.plan.product(f"improved_history/{wildcards.rso}").table
 
     def _is_asked(self, kind: str, wildcards: Wildcards) -> bool:
-        """Return whether learners ask for a kind of table beside the dataset."""
         asked = map(_tables_asked, self.params.learners(wildcards).values())
         return any(kind in dict(tables) for tables in asked)
 
@@ -240,7 +239,6 @@ class Inputs:
         return self._estimates(pattern, wildcards, self.plan.window(hours))
 
     def _estimates(self, pattern: _Pattern, wildcards: Wildcards, window: str) -> str:
-        """Return the path of a file of estimates of the wildcards' RSO and stations."""
         return path_of(pattern, rso=wildcards.rso, stations=wildcards.stations, window=window)
 
     @_input_function

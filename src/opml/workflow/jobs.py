@@ -131,7 +131,6 @@ def progress(share: float) -> None:
 
 
 def _open_log(paths: Any) -> list[logging.Handler]:
-    """Send progress and warnings to the rule's log, errors to stderr as well."""
     screen = logging.StreamHandler(sys.stderr)
     screen.setLevel(logging.ERROR)
     screen.setFormatter(logging.Formatter("opml: %(message)s"))

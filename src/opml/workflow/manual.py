@@ -50,7 +50,6 @@ def _names() -> list[str]:
 
 
 def _parts(name: str) -> list[str]:
-    """Return the name of a page, and of those that it is divided into."""
     return [name, *sorted(f"{name}/{path.stem}" for path in MANUAL.glob(f"{name}/*.md"))]
 
 

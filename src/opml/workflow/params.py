@@ -143,6 +143,9 @@ class Params:
         """
         parts = dict(wildcards.items())
         names = [parts["learner"]] if "learner" in parts else self.plan.own_study.replayed_models
+        return self._resolved(names, parts)
+
+    def _resolved(self, names: Iterable[str], parts: Mapping[str, str]) -> dict[str, ResolvedSettings]:
         return {
             name: learners.resolved(
                 naming.parse_learner(name, self.plan.study.learners),
@@ -164,7 +167,6 @@ class Params:
         return self._measured(wildcards.rso)["taking"]
 
     def _measured(self, rso: str) -> dict[str, Any]:
-        """Return how an RSO was measured, in which files, and how they are taken."""
         settings = self.plan.settings
         kind = settings.kind_of(rso)
         if kind is None:
@@ -189,11 +191,7 @@ class Params:
 
     def training(self, wildcards: Wildcards) -> dict[str, Any]:
         """Return the params of all jobs that split a dataset: epoch, split, seed and span."""
-        return {
-            "epoch": self.run.epoch,
-            **self.split(wildcards),
-            "span_days": self.plan.study.span_days,
-        }
+        return {"epoch": self.run.epoch, **self.split(wildcards), "span_days": self.plan.study.span_days}
 
     def experiment(self, wildcards: Wildcards) -> dict[str, str]:
         """Return the experiment in the columns of `metrics`."""
@@ -225,14 +223,6 @@ class Params:
     def mornings_of(self, wildcards: Wildcards) -> dict[str, Any]:
         """Return the params of the mornings of the wildcard `batch`, up to the wildcard `date`."""
         day = self.plan.settings.day
-        resolved = {
-            name: learners.resolved(
-                naming.parse_learner(name, self.plan.study.learners),
-                component=components.CORRECTED,
-                variables=self.run.learning.variables,
-            )
-            for name in day.models
-        }
         return {
             **self.assumed_model,
             "duration_days": self.run.duration_days,
@@ -244,7 +234,7 @@ class Params:
             "estimation": _given(self.run.estimation),
             "max_days": self.run.prediction.max_days,
             "step_s": self.run.ephemeris.step_s,
-            "models": {name: settings.of_job() for name, settings in resolved.items()},
+            "models": {name: settings.of_job() for name, settings in self._resolved(day.models, {}).items()},
             # Models that a user names are flown at any height.
             "fits_above": 0.0 if "models" in day.model_fields_set else FITS_ABOVE,
             "catalogue": {"files": self.element_files, "weather": self.measured_weather},
@@ -269,7 +259,6 @@ class Params:
         return {"epoch": self.run.epoch, "hour": day.hour, "date": wildcards.date, **watched}
 
     def _watched(self, rso: str) -> dict[str, Any]:
-        """Return what is known of an RSO that is watched, and where its measurements are."""
         settings = self.plan.settings
         return {
             "rso": self.rso_named(rso),
@@ -304,11 +293,7 @@ class Params:
         return {
             "known_until_days": self.train_days(wildcards)[1],
             "from": self.run.ephemeris.start,
-            "grid": [
-                self.run.ephemeris.step_s,
-                self.run.prediction.max_days,
-                self.run.duration_days,
-            ],
+            "grid": [self.run.ephemeris.step_s, self.run.prediction.max_days, self.run.duration_days],
         }
 
     def check_from_newest(self, _: Wildcards) -> None:
@@ -402,10 +387,8 @@ class Params:
 
 
 def _given(section: Section) -> dict[str, Any]:
-    """Return what was given of a section, as plain values."""
     return section.model_dump(exclude_unset=True, by_alias=True)
 
 
 def _seasons(test: SeasonSettings) -> dict[str, list[str]]:
-    """Return the dates of a catalogue's test that are learned from, and those that judge."""
     return {"train": list(test.train), "test": list(test.test)}

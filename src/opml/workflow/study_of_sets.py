@@ -11,7 +11,7 @@ import numpy as np
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.element_sets import catalogue
-from opml.interop.element_sets.element_set import ElementSet, elements_epoch
+from opml.interop.element_sets.element_set import elements_epoch
 
 LONGEST = 91  # days of sets that count at most, the newest
 FEWEST = 20  # least days of sets
@@ -54,7 +54,8 @@ class StudyOfSets:
         if len(numbers := sorted({one.number for one in sets})) != 1:
             got = ", ".join(map(str, numbers[:5]))
             raise InputError(f"{path}: expected sets of one object, got {len(numbers)}: {got}")
-        begin, end = (np.datetime64(f(map(_epoch, sets)), "s") for f in (min, max))
+        epochs_of_sets = [str(elements_epoch(one.satellite)) for one in sets]
+        begin, end = (np.datetime64(f(epochs_of_sets), "s") for f in (min, max))
         days = min(LONGEST, int((end - begin) / np.timedelta64(1, "D")))
         if days < FEWEST:
             raise InputError(f"{path}: expected sets of {FEWEST} days or more, got those of {days}")
@@ -81,7 +82,3 @@ class StudyOfSets:
             f"{self.file}: its last {self.days} days of sets, from {self.first} on; area to mass "
             f"{self.area_to_mass:.3g} m2/kg by their B*"
         )
-
-
-def _epoch(one: ElementSet) -> str:
-    return str(elements_epoch(one.satellite))

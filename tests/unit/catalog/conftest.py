@@ -28,6 +28,12 @@ def known_flight(assumed_model, iss):
     return Flight(assumed_model, iss)
 
 
+@pytest.fixture(scope="module")
+def rows(orbit, earth_orientation, three_stations):
+    """Tracks of three radars of a module's orbit."""
+    return tracking.simulate(orbit, earth_orientation, three_stations, rso="iss", seed=1)
+
+
 @pytest.fixture(scope="session")
 def known_orbit(known_flight):
     """A day of it."""

@@ -45,11 +45,6 @@ def orbit(assumed_model, iss):
 
 
 @pytest.fixture(scope="module")
-def rows(orbit, earth_orientation, three_stations):
-    return tracking.simulate(orbit, earth_orientation, three_stations, rso="iss", seed=1)
-
-
-@pytest.fixture(scope="module")
 def fitted(assumed_model, orbit, earth_orientation, three_stations, iss):
     """The table of estimates of rows of that orbit, with settings."""
 

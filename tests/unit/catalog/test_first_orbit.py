@@ -30,16 +30,6 @@ def orbit(truth_model, iss):
 
 
 @pytest.fixture(scope="module")
-def rows(orbit, earth_orientation, three_stations):
-    return tracking.simulate(orbit, earth_orientation, three_stations, rso="iss", seed=1)
-
-
-@pytest.fixture(scope="module")
-def flight(assumed_model, iss):
-    return Flight(assumed_model, iss)
-
-
-@pytest.fixture(scope="module")
 def measured(rows, earth_orientation, three_stations):
     return Measured(rows, earth_orientation, three_stations)
 

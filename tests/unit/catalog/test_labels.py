@@ -9,7 +9,7 @@ from opml.base.constants import DAY, HOUR
 from opml.catalog.fit import estimation, sightings, start_states
 from opml.catalog.flight import Flight
 from opml.catalog.predict import labels, other_windows, prediction, sensitivity
-from opml.catalog.simulate import tracking, truth
+from opml.catalog.simulate import truth
 from opml.learning.data import dataset, splits
 from opml.learning.data.cleaning import Cleaning
 from opml.learning.models import learners
@@ -117,11 +117,6 @@ def test_equal_weights_change_nothing_and_useless_rows_no_model(name):
 @pytest.fixture(scope="module")
 def orbit(truth_model, iss):
     return truth.simulate(Flight(truth_model, iss), duration=1.7 * DAY, step=20.0)
-
-
-@pytest.fixture(scope="module")
-def rows(orbit, earth_orientation, three_stations):
-    return tracking.simulate(orbit, earth_orientation, three_stations, rso="iss", seed=1)
 
 
 @pytest.fixture(scope="module")

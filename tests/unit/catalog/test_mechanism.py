@@ -66,12 +66,7 @@ def test_the_long_arcs_difference_is_in_rsw_of_the_prediction():
 
 
 @pytest.mark.parametrize(
-    "without",
-    [
-        {"converged": [True, False, True, True]},
-        {"long_cd": (2.1, 5.0, 2.3, 2.4)},
-        {"drop": (3, 4)},
-    ],
+    "without", [{"converged": [True, False, True, True]}, {"long_cd": (2.1, 5.0, 2.3, 2.4)}, {"drop": (3, 4)}]
 )
 def test_the_short_arc_stands_in_for_a_long_one_that_is_of_no_use(without):
     table, whole = build(**without), build()

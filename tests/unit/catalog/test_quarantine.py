@@ -13,7 +13,6 @@ from opml.catalog.associate import quarantine
 from opml.catalog.associate.innovations import ReferenceOrbit
 from opml.catalog.fit import sequential, sightings
 from opml.catalog.fit.least_squares import Method
-from opml.catalog.flight import Flight
 from opml.catalog.simulate import tracking, truth
 from opml.catalog.simulate.observing import QUANTITIES, sigmas, wrapped
 from opml.orbits.elements import rsw_rotation
@@ -23,11 +22,6 @@ WATCHING = SETTINGS.evolve(suspect_sigma=6.0)
 BURN_AT = 0.8 * DAY
 CHANGE = np.array([0.0, 0.2, 0.0])
 LENGTH = 1.4 * DAY
-
-
-@pytest.fixture(scope="module")
-def flight(assumed_model, iss):
-    return Flight(assumed_model, iss)
 
 
 @pytest.fixture(scope="module")

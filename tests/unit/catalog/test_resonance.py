@@ -76,11 +76,7 @@ def field(*, order):
     table = gravity_field.table(read, EPOCH)
     kept = (table["n"] <= 20) | (table["m"] == order)
     surroundings = Environment(
-        EPOCH,
-        **environment(),
-        gravity_field=table[kept & (table["n"] <= 40)],
-        gm=read.gm,
-        radius=read.radius,
+        EPOCH, **environment(), gravity_field=table[kept & (table["n"] <= 40)], gm=read.gm, radius=read.radius
     )
     return forces.build(
         surroundings, ForceModelSettings(degree=40, order=40, third_bodies=list(ASSUMED_BODIES))

@@ -11,7 +11,6 @@ from opml.base.constants import DAY, HOUR
 from opml.catalog.fit.estimation import Run
 from opml.catalog.fit.sequential import Filtering, Leg, Noise, filter_all
 from opml.catalog.fit.sightings import Measured
-from opml.catalog.flight import Flight
 from opml.catalog.simulate import tracking, truth
 from opml.tables import PARAMETER_COVARIANCES, PARAMETERS, STATE
 
@@ -83,11 +82,6 @@ def blown(flight, *, gust, seed, duration):
     states = np.concatenate(pieces)
     t = STEP * np.arange(len(states))
     return pd.DataFrame({"t": t, **dict(zip(STATE, states.T, strict=True))})
-
-
-@pytest.fixture(scope="module")
-def flight(assumed_model, iss):
-    return Flight(assumed_model, iss)
 
 
 @pytest.fixture(scope="module")

@@ -100,11 +100,6 @@ def estimates(gm, cd, ahead=0.0):
 
 
 @pytest.fixture(scope="module")
-def flight(assumed_model, iss):
-    return Flight(assumed_model, iss)
-
-
-@pytest.fixture(scope="module")
 def known(assumed_model):
     gm, own = assumed_model.gm, estimates(assumed_model.gm, CD)
     at_estimates = pd.DataFrame(

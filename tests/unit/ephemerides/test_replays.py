@@ -57,11 +57,6 @@ def tables(truth_model, assumed_model, iss, earth_orientation, three_stations):
     return {"known": known, "predictions": predictions, "rows": rows}
 
 
-@pytest.fixture(scope="module")
-def flight(assumed_model, iss):
-    return Flight(assumed_model, iss)
-
-
 def series_of(flight, tables, learner=LAW, rows=None):
     """What is to be replayed of a learner."""
     known, predictions = tables["known"], tables["predictions"]

@@ -373,10 +373,7 @@ def test_a_description_of_someone_elses_is_refused_or_harmless(tmp_path, models,
         assert line or key != "kind"
 
 
-@pytest.mark.parametrize(
-    ("column", "value"),
-    [("left", 0), ("left", -1), ("right", 10**9), ("feature", 4)],
-)
+@pytest.mark.parametrize(("column", "value"), [("left", 0), ("left", -1), ("right", 10**9), ("feature", 4)])
 def test_a_tree_whose_branches_lead_nowhere_is_refused(tmp_path, models, column, value):
     table, described = models["boosting"].to_table()
     table.loc[0, column] = value

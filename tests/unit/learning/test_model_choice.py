@@ -76,9 +76,7 @@ def replayed(errors):
     table = stated(errors, 400.0)
     law = scaled(table, 0.6)
     return Mornings.from_replays(
-        {"fit48": scaled(table, 2.0), "running": table, "law": law[law["t_i"] >= 5.0 * DAY]},
-        ["law"],
-        seed=1,
+        {"fit48": scaled(table, 2.0), "running": table, "law": law[law["t_i"] >= 5.0 * DAY]}, ["law"], seed=1
     )
 
 

@@ -93,10 +93,7 @@ def test_document_tells_every_model_split_and_interval(values):
         for one in beyond.intervals.values()
     ]
     blocks = report.document(
-        beyond.report,
-        metrics(beyond.every),
-        pd.DataFrame(coverage),
-        {"eglin": 5.0, "eglin-clear-kaena": 6.5},
+        beyond.report, metrics(beyond.every), pd.DataFrame(coverage), {"eglin": 5.0, "eglin-clear-kaena": 6.5}
     )
     text = document.markdown(blocks)
     assert "| `mechanism` | 90.0 (89.0 to 92.0) | 90.0 (89.0 to 92.0)" in text

@@ -551,11 +551,7 @@ def test_manoeuvres_may_stand_in_a_file_and_be_found(tmp_path):
     ("path", "content", "expected"),
     [
         ("none.yaml", BURNS, "none.yaml: no such file"),
-        (
-            "burns.yaml",
-            "name: mine",
-            "burns.yaml: expected a list of times, or one under manoeuvre_",
-        ),
+        ("burns.yaml", "name: mine", "burns.yaml: expected a list of times, or one under manoeuvre_"),
         ("burns.yaml", BURNS.replace("01:00:00", "noon"), "burns.yaml: entry 1: expected a time like 2016"),
         ("{a}.yaml", BURNS, "expected a path without braces"),
     ],

@@ -194,22 +194,14 @@ def test_the_forecast_is_the_named_one_or_persistence():
     ("wildcard", "right", "wrong"),
     [
         ("rso", ["iss", "iss_i50_a+50"], ["mir", "iss_i050", "inclinations-without-iss", "*", "../../evil"]),
-        (
-            "stations",
-            ["eglin", "kaena-eglin", "eglin_noise43"],
-            ["oz", "eglin_noise42", "eglin_noise1.5"],
-        ),
+        ("stations", ["eglin", "kaena-eglin", "eglin_noise43"], ["oz", "eglin_noise42", "eglin_noise1.5"]),
         ("window", ["", "_w24", "_w24_tol1_cd0.5_light", "_true"], ["_w12", "_w0", "_b12", "_light_cd1"]),
         ("window", ["_filter"], ["_w24_filter", "_filter_light"]),
         ("arc", ["_l48", "_lfilter"], ["", "_l48_m30", "_l48filter"]),
         ("memory", ["_m30"], ["", "_l48"]),
         ("reading", ["", "_track"], ["_kept"]),
         ("label", ["", "_later", "_smoothed"], ["_early"]),
-        (
-            "train",
-            ["random-80", "days-0-30_split43"],
-            ["random-80_split42", "rest", "random--5"],
-        ),
+        ("train", ["random-80", "days-0-30_split43"], ["random-80_split42", "rest", "random--5"]),
         ("test", ["rest", "days-30-40-unseen", "rest-zscore"], ["random-80", "rest-together"]),
         ("learner", ["svr", "svr_s2"], ["svr_s2.0", "svr_s0", "mechanism_s2"]),
         ("component", ["e_y", "e_vz"], ["e_w"]),
@@ -497,12 +489,7 @@ TRUTH, TRACKING = Pattern("truth/{rso}.parquet"), Pattern("tracking/{rso}/{stati
         ("flown", "truth/flown.parquet", "truth/flown.parquet", "truth/flown.parquet"),
         ("mine", [], "tracking/mine/eglin.parquet", "tracking/mine/eglin.parquet"),
         ("placed", [], "tracking/placed/eglin.parquet", "tracking/placed/eglin.parquet"),
-        (
-            "judged",
-            "truth/judged.parquet",
-            "tracking/judged/eglin.parquet",
-            "tracking/judged/eglin.parquet",
-        ),
+        ("judged", "truth/judged.parquet", "tracking/judged/eglin.parquet", "tracking/judged/eglin.parquet"),
     ],
 )
 def test_measured_tracks_and_fixes_stand_for_the_truth(rso, truth, truth_or, manoeuvres):

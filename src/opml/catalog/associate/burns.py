@@ -27,17 +27,12 @@ _ALIKE = 9.0  # how much q may be above the least at times that are as good
 
 @dataclass(frozen=True)
 class Burn:
-    """A burn that tracks show.
+    """A burn that tracks show."""
 
-    t: [s]
-    velocity, sigma: (3,) what it changed, and its standard deviation, in RSW [m/s]
-    apart: how far the two orbits are from each other then, in standard deviations
-    """
-
-    t: float
-    velocity: np.ndarray
-    sigma: np.ndarray
-    apart: float
+    t: float  # [s]
+    velocity: np.ndarray  # (3,) what it changed, in RSW [m/s]
+    sigma: np.ndarray  # (3,) standard deviation of that
+    apart: float  # how far the two orbits are from each other then, in standard deviations
 
 
 def burn_between(

@@ -35,16 +35,12 @@ LEAST = 5  # fewest tracks that show how far is usual
 
 @dataclass(frozen=True)
 class ReferenceOrbit:
-    """What tracks are predicted from.
+    """What tracks are predicted from."""
 
-    track, at: of its estimate, and the number of its epoch among the run's
-    parameters, covariance: (7,) and (7, 7)
-    """
-
-    track: int
-    at: int
-    parameters: np.ndarray
-    covariance: np.ndarray
+    track: int  # of its estimate
+    at: int  # number of its epoch among the run's
+    parameters: np.ndarray  # (7,)
+    covariance: np.ndarray  # (7, 7)
 
     @classmethod
     def of_estimate(cls, estimate: Estimate, cd: float) -> Self | None:
@@ -82,12 +78,9 @@ def farthest(run: Run, orbit: ReferenceOrbit, track: int) -> float:
 
 @dataclass
 class Usual:
-    """How far tracks of an object are from their predictions.
+    """How far tracks of an object are from their predictions."""
 
-    past: largest innovations of the tracks that were the object's
-    """
-
-    past: list[float] = field(default_factory=list)
+    past: list[float] = field(default_factory=list)  # largest innovations of the object's own tracks
 
     @property
     def scale(self) -> float:

@@ -58,7 +58,6 @@ class Watch:
     """
 
     def __init__(self, run: Run, method: Method) -> None:
-        """Take a run, and how its parameters are fitted."""
         self.foreign: set[int] = set()
         self.burns: list[tuple[int, Burn]] = []
         self._run, self._method = run, method
@@ -120,7 +119,6 @@ class Watch:
         return [*self._known[-1:], *older[-1:]]
 
     def _are_far(self, away: Sequence[float]) -> bool:
-        """Whether a track is far from where it was predicted."""
         scales = [usual.scale for usual in self._usual]
         return any(one > self._limit * scale for one, scale in zip(away, scales, strict=False))
 
@@ -173,7 +171,6 @@ class Watch:
         return bool(pulls.max() <= _WORST * max(1.0, float(np.median(self._sizes[-_LATELY:]))))
 
     def _refuse(self, tracks: Sequence[int]) -> None:
-        """Take tracks that were held back for those of another object."""
         for track in tracks:
             _log.info("track %d at %.0f s is of another object", track, self._time(track))
         self.foreign.update(tracks)
@@ -211,7 +208,6 @@ class Watch:
         return None
 
     def _orbit(self, tracks: Sequence[int], before: ReferenceOrbit) -> Estimate | None:
-        """Return the orbit that tracks lie on, with the Cd of an estimate before, if any."""
         window = self._run.measured.of_tracks(tracks[-1], tracks)
         start = self._run.starts.propagate(before.at, before.parameters, np.array([window.at]))[0]
         method = replace(self._method, free=self._method.free & (np.arange(7) != _CD))

@@ -19,18 +19,12 @@ APRIORI_SIGMA = 0.5  # uncertainty of the sheet's Cd, as a part of it
 
 @dataclass(frozen=True)
 class Apriori:
-    """What fits take for measured beside their tracks.
+    """What fits take for measured beside their tracks."""
 
-    cd: the RSO's own
-    cd_sigma: its standard deviation; None where nothing is known
-    gm: [m3/s2]
-    eccentricity_sigma: standard deviation of the eccentricity about 0; None where nothing is known
-    """
-
-    cd: float
-    cd_sigma: float | None
-    gm: float
-    eccentricity_sigma: float | None = None
+    cd: float  # the RSO's own
+    cd_sigma: float | None  # its standard deviation; None where nothing is known
+    gm: float  # [m3/s2]
+    eccentricity_sigma: float | None = None  # of the eccentricity about 0; None where nothing is known
 
     def added_to(self, evaluation: Evaluation, trial: np.ndarray) -> Evaluation:
         """Return an evaluation at a trial (7,) with a residual more for each number that is known."""

@@ -13,14 +13,11 @@ from opml.tables import PARAMETER_COVARIANCES, PARAMETERS
 
 @dataclass(frozen=True)
 class Estimate:
-    """One track's estimate under way.
-
-    kept: (numbers,) bool, which of the window's measured numbers count; None: all of them
-    """
+    """One track's estimate under way."""
 
     window: Window
     fit: Fit
-    kept: np.ndarray | None = None
+    kept: np.ndarray | None = None  # (numbers,) bool, which measured numbers count; None: all of them
 
     @property
     def solution(self) -> Solution:
@@ -30,7 +27,8 @@ class Estimate:
     def row(self, measured: Measurements, *, tells_rejected: bool) -> dict[str, Any]:
         """Return the estimate as a row of the table, with how many numbers do not count where asked for."""
         window, fit = self.window, self.fit
-        rms = np.sqrt(fit.cost / self._count(measured)) if np.isfinite(fit.cost) else np.nan
+        count = measured.count(window.rows) if self.kept is None else int(np.count_nonzero(self.kept))
+        rms = np.sqrt(fit.cost / count) if np.isfinite(fit.cost) else np.nan
         return {
             "track": window.track,
             "t": measured.epochs[window.at],
@@ -44,12 +42,6 @@ class Estimate:
             "weighted_rms": rms,
             **(self._rejected(measured) if tells_rejected else {}),
         }
-
-    def _count(self, measured: Measurements) -> int:
-        """Return how many numbers the estimate is made of."""
-        if self.kept is None:
-            return measured.count(self.window.rows)
-        return int(np.count_nonzero(self.kept))
 
     def _rejected(self, measured: Measurements) -> dict[str, int]:
         """Return how many numbers of the window and of the track do not count."""

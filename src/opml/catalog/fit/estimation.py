@@ -41,17 +41,13 @@ NO_START = "no orbit to start from"  # why a fit did not begin
 
 @dataclass(frozen=True)
 class Run:
-    """All that the windows of a run share.
-
-    flight: under the assumed model
-    eccentricity_sigma: standard deviation of the eccentricity about 0; None where nothing is known beforehand
-    """
+    """All that the windows of a run share."""
 
     measured: Measurements
     flight: Flight
     starts: Starts
     settings: Estimation
-    eccentricity_sigma: float | None = None
+    eccentricity_sigma: float | None = None  # of the eccentricity about 0; None where nothing is known
 
     @classmethod
     def of_starts(
@@ -101,10 +97,7 @@ class Run:
         return self.measured.window(track, self._window, after, without=without)
 
     def fit_windows(
-        self,
-        windows: Sequence[Window],
-        candidates: Iterable[np.ndarray],
-        methods: Sequence[Method],
+        self, windows: Sequence[Window], candidates: Iterable[np.ndarray], methods: Sequence[Method]
     ) -> list[Estimate]:
         """Return estimates over `windows`, each from the best start that its arc can be propagated from.
 
@@ -212,7 +205,6 @@ def estimate_all(
 ) -> pd.DataFrame:
     """Return the `estimates` table: one row per track, converged or with the reason why not.
 
-    flight: under the assumed model
     starts: the table, a state at each track's start for fits where no estimate is at hand
     """
     return with_noise(flight, starts, measured, settings=settings)[0]
@@ -266,8 +258,6 @@ def estimate_over_windows(
 
     Their arcs are propagated side by side, as fast as the longest.
 
-    flight: under the assumed model
-    starts: the table
     settings: of all windows but their length
     earlier: by the length of each window [h], rows of tracks before that fits over it may start from
 
@@ -280,11 +270,8 @@ def estimate_over_windows(
         for run, window, rows in zip(runs, windows, earlier.values(), strict=True)
     ]
     methods = [run.method(run.free_parameters()) for run in runs]
-    estimates = runs[0].fit_windows(windows, _side_by_side(candidates), methods)
+    # The starts (windows, 7) of all windows, not finite where one has no more.
+    starts = map(np.concatenate, zip_longest(*candidates, fillvalue=np.full((1, 7), np.nan)))
+    estimates = runs[0].fit_windows(windows, starts, methods)
     rows = [run.row(estimate) for run, estimate in zip(runs, estimates, strict=True)]
     return pd.DataFrame(rows).assign(window_hours=list(earlier))
-
-
-def _side_by_side(candidates: Sequence[Iterator[np.ndarray]]) -> Iterator[np.ndarray]:
-    """Yield the starts (windows, 7) of all windows, not finite where one has no more."""
-    return map(np.concatenate, zip_longest(*candidates, fillvalue=np.full((1, 7), np.nan)))

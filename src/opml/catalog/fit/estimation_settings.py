@@ -5,7 +5,7 @@ from typing import Annotated
 from annotated_types import Ge
 from pydantic import Strict
 
-from opml.base.section import Section, setting
+from opml.base.section import Section, absent, setting
 from opml.base.setting_types import Absent, Expected, Positive
 
 
@@ -26,8 +26,8 @@ class EstimationSettings(Section):
     least_drag_m: Positive = setting(
         "shift of a window's end per unit of Cd below which Cd is held at the RSO's own value", unit="m"
     )
-    cd_sigma: Absent[Positive] = setting(
-        "standard deviation of Cd about the RSO's own value, where that is known beforehand", default=None
+    cd_sigma: Absent[Positive] = absent(
+        "standard deviation of Cd about the RSO's own value, where that is known beforehand"
     )
     light_time: bool = setting(
         "whether fits read measurements as received at their time, after the light's way; simulated ones are"
@@ -35,29 +35,25 @@ class EstimationSettings(Section):
         see="physics.md#light-time",
         default=False,
     )
-    reject_sigma: Absent[Positive] = setting(
-        "residuals beyond so many standard deviations are outliers, left out by fits; by default none are",
-        default=None,
+    reject_sigma: Absent[Positive] = absent(
+        "residuals beyond so many standard deviations are outliers, left out by fits; by default none are"
     )
-    bias_sigma: Absent[Positive] = setting(
+    bias_sigma: Absent[Positive] = absent(
         "standard deviation of a constant error of each station's observable, in a fit's window, in sigmas of"
-        " its noise; by default there is none",
-        default=None,
+        " its noise; by default there is none"
     )
-    suspect_sigma: Absent[Positive] = setting(
+    suspect_sigma: Absent[Positive] = absent(
         "tracks so many standard deviations from their prediction are held back from fits, and show burns;"
         " by default none are",
         see="tracks.md#burns",
-        default=None,
     )
 
 
 class Estimation(EstimationSettings):
     """How the fits of one job are made."""
 
-    cd_bounds: Annotated[tuple[float, float] | None, Strict(False)] = setting(
-        "Cd of an estimate that others may start from; None where its formal uncertainty decides",
-        default=None,
+    cd_bounds: Annotated[tuple[float, float] | None, Strict(False)] = absent(
+        "Cd of an estimate that others may start from; None where its formal uncertainty decides"
     )
     after_hours: float = setting(
         "tracks that begin up to so long after the estimate are used, too", unit="h", default=0.0

@@ -70,20 +70,16 @@ class Fixes(Measurements):
         paths, sigmas = at_rows[..., : self.numbers], self.sigmas[rows]
         residual = _in_axes(axes, self.values[rows] - paths[0]) / sigmas
         shifts = _in_axes(axes, paths[1:] - paths[0])
-        shifts[..., 0] += _bend(shifts, np.linalg.norm(paths[0][:, :3], axis=1))
+        # Circles fall below their tangents.
+        radius = np.linalg.norm(paths[0][:, :3], axis=1)
+        shifts[..., 0] += np.sum(shifts[..., 1:3] ** 2, axis=-1) / (2.0 * radius)
         weighted = shifts / sigmas / NUDGES[:, None, None]
         return Evaluation(residual.ravel(), weighted.reshape(len(NUDGES), -1).T)
 
 
 def _in_axes(axes: np.ndarray, vectors: np.ndarray) -> np.ndarray:
-    """Return vectors (..., n, 3) or pairs of them (..., n, 6) in axes (n, 3, 3)."""
     parts = vectors.reshape(*vectors.shape[:-1], -1, 3)
     return np.einsum("nij,...nkj->...nki", axes, parts).reshape(vectors.shape)
-
-
-def _bend(shifts: np.ndarray, radius: np.ndarray) -> np.ndarray:
-    """Return how far circles (n,) fall behind their tangents at shifts (..., n, 3 or 6) in RSW."""
-    return np.sum(shifts[..., 1:3] ** 2, axis=-1) / (2.0 * radius)
 
 
 MEASUREMENTS: dict[str, Callable[[pd.DataFrame, pd.DataFrame, Sequence[Station]], Measurements]] = {

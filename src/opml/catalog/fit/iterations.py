@@ -31,17 +31,12 @@ standard deviation.
 
 @dataclass(frozen=True)
 class Iterations:
-    """What the iterations of several fits share.
-
-    epochs: of the run [s]
-    windows: of the fits
-    evaluation: of a fit, by its number, from states (8, epochs, 6) of a trial and its neighbours
-    """
+    """What the iterations of several fits share."""
 
     flight: Flight
-    epochs: np.ndarray
-    windows: Sequence[Window]
-    evaluation: Callable[[int, np.ndarray], Evaluation]
+    epochs: np.ndarray  # of the run [s]
+    windows: Sequence[Window]  # of the fits
+    evaluation: Callable[[int, np.ndarray], Evaluation]  # of a fit's trial, from states (8, epochs, 6)
 
     def run(self, fits: Sequence[Fit], *, most: int) -> None:
         """Iterate the fits until they end, or after so many iterations."""
@@ -93,7 +88,6 @@ class _Flown:
 
 
 def _is_running(fit: Fit) -> bool:
-    """Return whether a fit goes on, at a trial that can be propagated."""
     while fit.running and np.linalg.norm(fit.trial[3:6]) > FASTEST:
         fit.reject(TOO_FAST)
     return fit.running

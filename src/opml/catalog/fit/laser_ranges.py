@@ -29,13 +29,10 @@ _STATION = [f"{axis}_station" for axis in "xyz"]
 
 @dataclass(frozen=True)
 class Sites:
-    """Where laser stations are: tables of `interop.sinex`.
+    """Where laser stations are: tables of `interop.sinex`."""
 
-    coordinates: of `read_coordinates`; eccentricities: of `read_eccentricities`
-    """
-
-    coordinates: pd.DataFrame
-    eccentricities: pd.DataFrame
+    coordinates: pd.DataFrame  # of `read_coordinates`
+    eccentricities: pd.DataFrame  # of `read_eccentricities`
 
     def position(self, station: str, system: str, date: pd.Timestamp) -> np.ndarray:
         """Return the position (3,) in ITRF [m] that a station's ranges count from at a date.
@@ -58,7 +55,6 @@ class Sites:
 
 
 def _valid(rows: pd.DataFrame, date: pd.Timestamp) -> pd.Series | None:
-    """Return the row whose span holds a date, if any."""
     begun = rows["begin"].isna() | (rows["begin"] <= date)
     found = rows[begun & (rows["end"].isna() | (rows["end"] >= date))]
     return None if found.empty else found.iloc[-1]
@@ -106,7 +102,6 @@ class LaserRanges(Measured):
     """The ranges of a table `laser_ranges`; the estimate of a pass is at its start."""
 
     def __init__(self, ranges: pd.DataFrame, earth_orientation: pd.DataFrame) -> None:
-        """Take the tables of ranges and Earth orientation."""
         track, t = ranges["track"].to_numpy(), ranges["t"].to_numpy()
         Measurements.__init__(self, track, t, t[np.searchsorted(track, track)])
         position, there_and_back = ranges[_STATION].to_numpy(), np.ones(len(t), bool)

@@ -95,7 +95,6 @@ class Fit:
     """
 
     def __init__(self, start: np.ndarray, method: Method) -> None:
-        """Take the parameters (n,) to start from."""
         self.method = method
         self.best = self.trial = start
         self.cost = np.inf

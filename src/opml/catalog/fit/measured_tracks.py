@@ -64,7 +64,6 @@ def check(
     """Raise InputError, naming file and line, where no tracks can be made of measurements.
 
     stations: all that there are, by name
-    epoch: UTC text
     duration: of the run [s]
 
     The reasons are an unknown station, a time outside of the run, a station that measured twice at a time or
@@ -83,7 +82,6 @@ def check(
 
 
 def _checked(measurements: pd.DataFrame, stations: Mapping[str, Station]) -> pd.DataFrame:
-    """Return the measurements of known stations, by the sheet's names; raise InputError for a wrong one."""
     table = measurements.assign(station=_keys(measurements["station"]))
     table = table[table["station"].isin(stations)].reset_index(drop=True)
     if not table.empty:
@@ -204,7 +202,6 @@ def _check_degrees(table: pd.DataFrame) -> None:
 
 
 def _check_limits(table: pd.DataFrame, stations: Mapping[str, Station]) -> None:
-    """Raise InputError for the first measurement of what its station cannot see."""
     for name, rows in table.groupby("station", sort=False):
         for limit in _limits(stations[str(name)]):
             _check_within(rows, limit)
@@ -231,7 +228,6 @@ def _limits(station: Station) -> tuple[_Limit, _Limit]:
 
 
 def _check_within(rows: pd.DataFrame, limit: _Limit) -> None:
-    """Raise InputError for the first row of one station beyond a limit."""
     margin = BEYOND_LIMITS * limit.sigma
     measured = rows[rows[limit.quantity].notna()]
     beyond = measured[~measured[limit.quantity].between(limit.low - margin, limit.high + margin)]
@@ -306,6 +302,5 @@ def _numbered(table: pd.DataFrame) -> np.ndarray:
 
 
 def _wrong(rows: pd.DataFrame, expected: str, got: str) -> InputError:
-    """Return the error of the first row."""
     row = rows.iloc[0]
     return InputError(f"{row['path']}: line {row['line']}: expected {expected}, got {got}")

@@ -55,14 +55,10 @@ def _all_beside(path: np.ndarray, arcs: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Around:
-    """The arcs of a trial and its neighbours, through the epochs of a window.
+    """The arcs of a trial and its neighbours, through the epochs of a window."""
 
-    states: (8, epochs, 6) GCRF [m, m/s], those of the trial first
-    near: (epochs, 6) the trial's own under the part of the field that neighbours are propagated with
-    """
-
-    states: np.ndarray
-    near: np.ndarray
+    states: np.ndarray  # (8, epochs, 6) GCRF [m, m/s], those of the trial first
+    near: np.ndarray  # (epochs, 6) the trial's own under the part of the field that neighbours fly under
 
     def moved(self, near: np.ndarray) -> np.ndarray:
         """Return the states (8, epochs, 6) of another trial near by; near: as that of this one."""

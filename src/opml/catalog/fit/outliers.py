@@ -65,7 +65,6 @@ def are_no_outliers(measured: Measurements, window: Window, weighted: np.ndarray
 
 
 def _have_same_numbers(one: Estimate, other: Estimate) -> bool:
-    """Return whether the same measured numbers count in two estimates of a window."""
     if one.kept is None or other.kept is None:
         return one.kept is other.kept
     return bool(np.array_equal(one.kept, other.kept))

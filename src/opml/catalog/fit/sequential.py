@@ -52,16 +52,11 @@ _CONVERGED = 1e-3
 
 @dataclass(frozen=True)
 class Noise:
-    """What a filter takes to be unknown of the forces.
+    """What a filter takes to be unknown of the forces."""
 
-    walk: change of Cd in a day that lasts, as a part of the sheet's
-    gust: error of the mean over a day of the Cd that does not last, as a part of the sheet's
-    kick: error of the other forces, as change of the velocity radially and across the orbit in a day [m/s]
-    """
-
-    walk: float
-    gust: float
-    kick: float
+    walk: float  # change of Cd in a day that lasts, as a part of the sheet's
+    gust: float  # error of the mean over a day of the Cd that does not last, as a part of the sheet's
+    kick: float  # error of other forces: change of velocity radially and across the orbit in a day [m/s]
 
 
 BANK = tuple(
@@ -79,22 +74,14 @@ class LostError(Exception):
 
 @dataclass(frozen=True)
 class Leg:
-    """An arc from one track's start to the next, and how arcs beside it part from it.
+    """An arc from one track's start to the next, and how arcs beside it part from it."""
 
-    cd: of the arc
-    steps: (n,) lengths [s]
-    path: (n + 1, 6) GCRF [m, m/s] at the ends of the steps
-    transitions: (n, 6, 7) partial derivatives by the state before each step, and by Cd within it
-    seen: (epochs, 6) states at the next track's epochs
-    to_seen: (epochs, 6, 6) their partial derivatives by the state at the track's start
-    """
-
-    cd: float
-    steps: np.ndarray
-    path: np.ndarray
-    transitions: np.ndarray
-    seen: np.ndarray
-    to_seen: np.ndarray
+    cd: float  # of the arc
+    steps: np.ndarray  # (n,) lengths [s]
+    path: np.ndarray  # (n + 1, 6) GCRF [m, m/s] at the ends of the steps
+    transitions: np.ndarray  # (n, 6, 7) derivatives by the state before each step, and by Cd within it
+    seen: np.ndarray  # (epochs, 6) states at the next track's epochs
+    to_seen: np.ndarray  # (epochs, 6, 6) their derivatives by the state at the track's start
 
     @classmethod
     def fly(cls, flight: Flight, parameters: np.ndarray, begin: float, seen: np.ndarray) -> Self:
@@ -136,18 +123,13 @@ def _divided(later: np.ndarray, earlier: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Meeting:
-    """A state and Cd after the measurements of a track.
+    """A state and Cd after the measurements of a track."""
 
-    mean: (7,); root: (7, 7) of the covariance
-    chi2: of the innovations; evidence: their ln likelihood, but for a constant of the track
-    passes: how often the measurements were met
-    """
-
-    mean: np.ndarray
-    root: np.ndarray
-    chi2: float
-    evidence: float
-    passes: int
+    mean: np.ndarray  # (7,)
+    root: np.ndarray  # (7, 7) of the covariance
+    chi2: float  # of the innovations
+    evidence: float  # their ln likelihood, but for a constant of the track
+    passes: int  # how often the measurements were met
 
 
 def meet(evaluate: Callable[[np.ndarray], Evaluation], mean: np.ndarray, root: np.ndarray) -> Meeting:
@@ -174,19 +156,13 @@ def meet(evaluate: Callable[[np.ndarray], Evaluation], mean: np.ndarray, root: n
 
 @dataclass(frozen=True)
 class Filters:
-    """Filters of one bank at the start of a track.
+    """Filters of one bank at the start of a track."""
 
-    t: [s]
-    meetings: of the last track, by filter
-    scores: (filters,) ln likelihood of all innovations so far, but for a constant
-    tracks, measurements: number of those in the estimates
-    """
-
-    t: float
-    meetings: Sequence[Meeting]
-    scores: np.ndarray
-    tracks: int
-    measurements: int
+    t: float  # [s]
+    meetings: Sequence[Meeting]  # of the last track, by filter
+    scores: np.ndarray  # (filters,) ln likelihood of all innovations so far, but for a constant
+    tracks: int  # number of those in the estimates
+    measurements: int  # likewise
 
     @classmethod
     def begin(cls, estimate: pd.Series, size: int) -> Self:
@@ -284,7 +260,6 @@ class Filtering:
 
 
 def _covariance(estimate: pd.Series) -> np.ndarray:
-    """Return the covariance (7, 7) of an estimate."""
     return symmetric_matrices(estimate.to_frame().T, PARAMETER_COVARIANCES)[0]
 
 
@@ -298,7 +273,6 @@ def filter_all(
 ) -> pd.DataFrame:
     """Return the `estimates` table of the filters: one row per track, with all measurements up to its own.
 
-    flight: under the assumed model
     estimates: the table of batch fits of the same tracks, which the filters begin from
     light_time: as in `Estimation`
     bank: a noise for each filter
@@ -331,7 +305,6 @@ def filter_all(
 
 
 def _next_or_lost(run: Filtering, filters: Filters, track: int) -> Filters | None:
-    """Return the filters at the next track; None where their arc does not reach it."""
     try:
         return run.next(filters, track)
     except LostError:

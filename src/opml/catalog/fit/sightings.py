@@ -9,15 +9,7 @@ import pandas as pd
 from opml.catalog.fit.least_squares import Evaluation
 from opml.catalog.fit.measurements import Measurements, Rows, Window
 from opml.catalog.fit.neighbour_arcs import NUDGES
-from opml.catalog.simulate.observing import (
-    ANGLES,
-    OBSERVABLES,
-    Stands,
-    difference,
-    place,
-    predicted,
-    sigmas,
-)
+from opml.catalog.simulate.observing import ANGLES, OBSERVABLES, Stands, difference, place, predicted, sigmas
 from opml.orbits.sheets import Station
 
 
@@ -27,7 +19,6 @@ class Measured(Measurements):
     def __init__(
         self, tracking: pd.DataFrame, earth_orientation: pd.DataFrame, stations: Sequence[Station]
     ) -> None:
-        """Take the tables of tracking and Earth orientation, and the stations that measured."""
         track, t = tracking["track"].to_numpy(), tracking["t"].to_numpy()
         super().__init__(track, t, t[np.searchsorted(track, track)])
         order = {station.name: k for k, station in enumerate(stations)}

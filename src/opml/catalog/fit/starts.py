@@ -40,19 +40,13 @@ def solutions(estimates: pd.DataFrame, at: np.ndarray) -> list[Solution]:
 
 @dataclass(frozen=True)
 class Starts:
-    """What the fits of a run may start from.
-
-    flight: under the assumed model
-    states: (tracks, 6) GCRF at the tracks' starts
-    ages: (tracks,) how long before each start its orbit was known [s]
-    cd_bounds: Cd of an estimate that others may start from; None where its formal uncertainty decides
-    """
+    """What the fits of a run may start from."""
 
     measured: Measurements
     flight: Flight
-    states: np.ndarray
-    ages: np.ndarray
-    cd_bounds: tuple[float, float] | None
+    states: np.ndarray  # (tracks, 6) GCRF at the tracks' starts
+    ages: np.ndarray  # (tracks,) how long before each start its orbit was known [s]
+    cd_bounds: tuple[float, float] | None  # Cd to start others from; None where its uncertainty decides
 
     def in_turn(
         self, windows: Sequence[Window], usable: StartParameters | None, spare: StartParameters | None

@@ -27,9 +27,6 @@ def of_positions(predictions: pd.DataFrame, carried: np.ndarray) -> pd.DataFrame
 def propagated(flight: Flight, estimates: pd.DataFrame, predictions: pd.DataFrame) -> np.ndarray:
     """Return formal covariances (n, 6, 6) of predictions in RSW of the predicted state [m, m/s].
 
-    flight: under the assumed model
-    estimates, predictions: the tables
-
     The fit's covariance P of state and Cd becomes F P F', with F the differences of seven arcs that begin
     beside the estimate's, one per parameter. It is not finite where a neighbour does not reach.
     """

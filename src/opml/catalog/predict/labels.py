@@ -27,9 +27,9 @@ def build(
     uncertainty of the estimate in that frame. A pair without a prediction or without an estimate that
     converged has the reason.
     """
-    at_end = with_sigmas(_states_of_fits(estimates)).assign(
-        t_known=_known_at(estimates, tracking, after=after)
-    )
+    failed = estimates["reason"].to_numpy() != ""  # states of failed fits may be no orbits at all
+    fitted = estimates.assign(**{name: estimates[name].mask(failed) for name in STATE})
+    at_end = with_sigmas(fitted).assign(t_known=_known_at(estimates, tracking, after=after))
     later = at_end.set_index("track").reindex(predictions["j"]).reset_index(drop=True)
     error = in_rsw(predictions[STATE].to_numpy() - later[STATE].to_numpy(), later[STATE].to_numpy())
     table = later.assign(
@@ -52,12 +52,6 @@ def _known_at(estimates: pd.DataFrame, tracking: pd.DataFrame, *, after: float) 
     return np.asarray(tracks["known"].to_numpy()[newest])
 
 
-def _states_of_fits(estimates: pd.DataFrame) -> pd.DataFrame:
-    """Return the estimates without the states of fits that failed, which may be no orbits at all."""
-    failed = estimates["reason"].to_numpy() != ""
-    return estimates.assign(**{name: estimates[name].mask(failed) for name in STATE})
-
-
 def with_sigmas(estimates: pd.DataFrame) -> pd.DataFrame:
     """Return the estimates with their formal standard deviations in RSW [m, m/s]."""
     rotation = rsw_rotation(estimates[STATE].to_numpy())
@@ -70,7 +64,6 @@ def with_sigmas(estimates: pd.DataFrame) -> pd.DataFrame:
 
 
 def _reasons(unpredicted: np.ndarray, later: pd.DataFrame) -> np.ndarray:
-    """Return why each pair (n,) has no label, empty where it has one."""
     failed = np.where(
         later["reason"].isin([""]), "", f"{NO_LATER_ESTIMATE}: " + later["reason"].fillna("none")
     )

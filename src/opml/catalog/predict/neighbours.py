@@ -12,16 +12,11 @@ from opml.tables import STATE
 
 @dataclass(frozen=True)
 class Neighbours:
-    """Arcs that begin near the estimates of predictions.
+    """Arcs that begin near the estimates of predictions."""
 
-    flight: of the neighbours
-    predictions: the table
-    origin: (n, 6) what arcs of the same estimates reach in that flight [m, m/s], None where the predictions
-    """
-
-    flight: Flight
+    flight: Flight  # of the neighbours
     predictions: pd.DataFrame
-    origin: np.ndarray | None
+    origin: np.ndarray | None  # (n, 6) where the estimates' own arcs come then; None: the predictions
 
     @classmethod
     def beside(cls, flight: Flight, predictions: pd.DataFrame, started: pd.DataFrame) -> Self:
@@ -44,7 +39,6 @@ class Neighbours:
     def fly(self, states: np.ndarray, cd: np.ndarray) -> np.ndarray:
         """Return the states (n, 6) in GCRF [m, m/s] of neighbours at t_j.
 
-        states: (arcs, 6) GCRF [m, m/s]
         cd: (arcs,)
         """
         flown, _ = self.flight.fly_pairs(self.predictions, states, cd=cd)

@@ -52,7 +52,6 @@ def build_arcs(
 ) -> pd.DataFrame:
     """Return the `arcs` table: one row per pair of `predictions`, in their order.
 
-    flight: under the assumed model
     arc_estimates, arc_predictions: of the same tracks, estimated over another window, or over the same
 
     In RSW of the predicted state [m, m/s]: l_arc_* is the prediction less that of the arc; v_arc_* how the
@@ -97,10 +96,7 @@ def build_past(
 def build_held(
     flight: Flight, predictions: pd.DataFrame, *, arc_estimates: pd.DataFrame, memory_days: float
 ) -> pd.DataFrame:
-    """Return the `held` table of `held_beside`, whose arcs are propagated here.
-
-    flight: under the assumed model
-    """
+    """Return the `held` table of `held_beside`, whose arcs are propagated here."""
     departing = with_held_cd(
         arc_estimates, np.unique(predictions["i"]), apriori=flight.rso.cd, memory_days=memory_days
     )
@@ -143,7 +139,6 @@ def held_beside(
 
 
 def _nudged(flight: Flight, estimates: pd.DataFrame, predictions: pd.DataFrame) -> pd.DataFrame:
-    """Return the arcs' predictions with Cd nudged."""
     first = np.searchsorted(estimates["track"], np.unique(predictions["i"]))
     started = estimates.iloc[first]
     states, cd = started[STATE].to_numpy(), started["cd"].to_numpy()
@@ -167,7 +162,6 @@ def _at_pairs(states: pd.DataFrame, predictions: pd.DataFrame) -> np.ndarray:
 
 
 def _by_pair(estimates: pd.DataFrame, predictions: pd.DataFrame) -> pd.DataFrame:
-    """Return the estimate that each pair of the predictions starts from."""
     return estimates.set_index("track").loc[predictions["i"]]
 
 

@@ -18,7 +18,6 @@ def predict_all(
 ) -> pd.DataFrame:
     """Return the `predictions` table: every pair of an estimate t_i and a later track start t_j.
 
-    flight: under the assumed model
     truth: the table; None where there is none, as of measured tracks: true states and errors are NaN then
     max_days: t_j is at most so long after t_i
 

@@ -64,7 +64,6 @@ class _Course:
     """Time about t_i on an even grid s [s]: from where a fit's window begins to the longest prediction."""
 
     def __init__(self, *, window: float, reach: float) -> None:
-        """Take the length of the window and of the longest prediction [s]."""
         self._origin = int(np.ceil(window / PHASE_STEP))
         self._s = PHASE_STEP * np.arange(-self._origin, int(np.ceil(reach / PHASE_STEP)) + 1)
         self._in_window = self._s <= 0.0

@@ -15,16 +15,10 @@ CD_NUDGE = 0.01  # change of Cd between neighbouring arcs: small against Cd, lar
 
 
 def sensitivities(
-    flight: Flight,
-    estimates: pd.DataFrame,
-    predictions: pd.DataFrame,
-    *,
-    bounds: tuple[float, float] | None,
+    flight: Flight, estimates: pd.DataFrame, predictions: pd.DataFrame, *, bounds: tuple[float, float] | None
 ) -> pd.DataFrame:
     """Return the `sensitivities` table: for each pair of the predictions, in RSW of the predicted state.
 
-    flight: under the assumed model
-    estimates, predictions: the tables
     bounds: on the Cd that the running mean takes; None where it takes any
 
     s_*: change of the predicted state per unit of Cd, the estimated state held. v_*: the same where the state

@@ -28,7 +28,6 @@ def sample(
 ) -> pd.DataFrame:
     """Return the `ensemble` table: each pair of `predictions` under each of the `futures`.
 
-    flight: under the assumed model
     futures: the table, whose newest issue at t_i holds for an arc
     estimates: what the predictions start from
     window: of the estimates [s]

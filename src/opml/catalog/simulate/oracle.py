@@ -54,6 +54,5 @@ def build(
 
 
 def _semi_major_axis(estimates: pd.DataFrame, tracks: pd.Series, gm: float) -> np.ndarray:
-    """Return the osculating semi-major axis [m] of the estimates at `tracks`."""
     states = estimates.set_index("track").loc[tracks, STATE].to_numpy()
     return coe_from_cartesian(states, gm)[:, 0]

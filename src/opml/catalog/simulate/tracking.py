@@ -69,7 +69,6 @@ def simulate(
 
 
 def _is_seen(station: Station, positions: np.ndarray) -> np.ndarray:
-    """Return whether a station sees positions (n, 3) in ITRF [m]: (n,)."""
     _, elevation, distance = observe(positions, *site(station)).T
     high = (elevation >= station.min_elevation) & (elevation <= station.max_elevation)
     return np.asarray(high & (distance <= station.max_range))

@@ -61,8 +61,14 @@ def simulate_together(
         progress=flight.progress,
     )
     for k, rso in enumerate(rsos):
-        _check_lasting(rso, t, arcs.path(k), REASONS[arcs.status[k]])
-    return [_table(t, np.vstack([start, arcs.path(k)])) for k, start in enumerate(starts)]
+        if reason := REASONS[arcs.status[k]]:
+            flown = np.isfinite(arcs.path(k)[:, 0]).sum() * t[1] / DAY
+            raise InputError(
+                f"{rso.name}: expected an orbit that lasts {t[-1] / DAY:g} days, "
+                f"but it {reason} after {flown:.2f} days"
+            )
+    states = (np.vstack([start, arcs.path(k)]) for k, start in enumerate(starts))
+    return [pd.DataFrame({"t": t, **dict(zip(STATE, path.T, strict=True))}) for path in states]
 
 
 def interpolate(truth: pd.DataFrame, t: np.ndarray) -> np.ndarray:
@@ -78,17 +84,3 @@ def interpolate(truth: pd.DataFrame, t: np.ndarray) -> np.ndarray:
     is_gap = grid[after] - grid[after - 1] > _GAP * np.diff(grid).min()
     found: np.ndarray = np.hstack([path(t), path(t, 1)])
     return np.where(is_gap[:, None], np.nan, found)
-
-
-def _check_lasting(rso: Rso, t: np.ndarray, path: np.ndarray, reason: str) -> None:
-    """Raise InputError where an arc was retired for a `reason`; path: its states after t[0]."""
-    if reason:
-        flown = np.isfinite(path[:, 0]).sum() * t[1] / DAY
-        raise InputError(
-            f"{rso.name}: expected an orbit that lasts {t[-1] / DAY:g} days, "
-            f"but it {reason} after {flown:.2f} days"
-        )
-
-
-def _table(t: np.ndarray, states: np.ndarray) -> pd.DataFrame:
-    return pd.DataFrame({"t": t, **dict(zip(STATE, states.T, strict=True))})

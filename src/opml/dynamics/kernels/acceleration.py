@@ -24,9 +24,7 @@ def acceleration(x, y, z, vx, vy, vz, ballistic, reflection, kind, model, values
     ballistic: Cd times area over mass [m2/kg]
     reflection: Cr times area over mass [m2/kg]
     kind: of the model's activity that an arc flies under
-    model: the force model
     values, factors: from `surroundings.look_up` at the same time
-    scratch: (SCRATCH_ROWS, WIDTH)
     """
     r = values[ROTATION : ROTATION + 9]
     r2 = x * x + y * y + z * z
@@ -66,7 +64,6 @@ def density(px, py, pz, inverse_r, kind, model, values, factors, scratch):
     """Return geodetic altitude [m] and density [kg/m3], by the model's table, without one by DTM2000.
 
     px, py, pz: position in ITRF [m]
-    inverse_r: inverse distance from the geocentre [1/m]
     kind, model, values, factors, scratch: as in `acceleration`
     """
     altitude, sin_lat, cos_lat, sin_lon, cos_lon = geodetic(px, py, pz, inverse_r)

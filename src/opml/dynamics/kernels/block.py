@@ -61,11 +61,9 @@ def advance(
 ):
     """Fly the lanes of a block along the grid, each from where it joins to where it leaves.
 
-    model: the force model
     times: (n,) of the grid [s], ascending or descending
     wanted: (n,) whether to put out the states at each time
     state: (6, WIDTH) GCRF [m, m/s], at the lanes' first times; takes those at their last times
-    coefficients: (3, WIDTH) Cd A/m and Cr A/m [m2/kg], kind of activity
     join: (WIDTH,) indices of the lanes' first times
     leave: (WIDTH,) indices of the lanes' last times; a lane that leaves where it joins stays idle
     offsets: (WIDTH,) first rows of the lanes in `out`
@@ -137,7 +135,6 @@ def _repeat_in_smaller_steps(lane, t, h, state, model, coefficients, tolerance, 
     """Repeat a step of the grid for one lane in smaller steps, and return the lane's status.
 
     lane: index of the lane
-    t, h: beginning and length of the step [s]
     state, coefficients: of all lanes, as in `advance`
     model, tolerance, min_step, work: as in `advance`
 

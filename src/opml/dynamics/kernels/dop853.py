@@ -18,10 +18,7 @@ def derivative(state, row, model, coefficients, values, factors, scratch, slopes
     """Write the rates of states to slopes, and return the geodetic altitude [m].
 
     state, row: rows row to row + 5 are position [m] and velocity [m/s] in GCRF
-    model: the force model
-    coefficients: (3, WIDTH) Cd A/m and Cr A/m [m2/kg], kind of activity
     values, factors: surroundings at the time of the states
-    scratch: (SCRATCH_ROWS, WIDTH)
     slopes, target: rows target to target + 6 take velocity, acceleration and illumination
     """
     x, y, z = load(state, row), load(state, row + 1), load(state, row + 2)
@@ -44,13 +41,8 @@ def derivative(state, row, model, coefficients, values, factors, scratch, slopes
 def step(t, h, state, new, model, coefficients, values, factors, scratch, slopes):
     """Advance states from t to t + h, and return the geodetic altitude [m] at the end.
 
-    t, h: beginning and length of the step [s]
-    state: (6, WIDTH) at the beginning, GCRF [m, m/s]
     new: (6, WIDTH) takes the states at the end
-    model: the force model
-    coefficients: (3, WIDTH) Cd A/m and Cr A/m [m2/kg], kind of activity
     values, factors: take the surroundings at the end
-    scratch: (SCRATCH_ROWS, WIDTH)
     slopes: (91, WIDTH), rates of the stages; the first seven rows hold those at the beginning, the last seven
         take those at the end
     """
@@ -80,7 +72,6 @@ def step(t, h, state, new, model, coefficients, values, factors, scratch, slopes
 def error(h, new, slopes, tolerance, gm):
     """Return the estimated error of a step relative to its tolerance; below 1 the step is good.
 
-    h: length of the step [s]
     new: (6, WIDTH) states at the end, GCRF [m, m/s]
     slopes: rates of the stages and of the end
     tolerance: of each position component [m]

@@ -209,8 +209,6 @@ def density(altitude, sin_lat, cos_lat, sin_lon, cos_lon, sin_time, cos_time, a,
     """Return the density [kg/m3]; below 120 km that at 120 km.
 
     altitude: geodetic [m]
-    sin_lat, cos_lat: of the geodetic latitude
-    sin_lon, cos_lon: of the longitude, eastwards
     sin_time, cos_time: of the local solar time as an angle, 0 at midnight
     a: from `coefficients`
     factors: from `reduce_to_date`

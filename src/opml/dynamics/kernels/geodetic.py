@@ -13,9 +13,6 @@ _ON_AXIS = 1e-3  # distance from the polar axis [m] below which the longitude co
 def geodetic(x, y, z, inverse_r):
     """Return altitude [m], sine and cosine of the latitude, sine and cosine of the longitude.
 
-    x, y, z: position in ITRF [m]
-    inverse_r: inverse distance from the geocentre [1/m]
-
     One iteration of Bowring's parametric latitude with his better start is good to a tenth of a micrometre in
     altitude for every orbit around the Earth (Bowring 1985, Survey Review 28, 202-206).
     """

@@ -77,8 +77,6 @@ def _sums(c, s, n, m):
 def gravity(x, y, z, inverse_r, weights, columns, degree, gm, radius):
     """Return the acceleration [m/s2] without the central term, in the frame of the field (ITRF).
 
-    x, y, z: position [m]
-    inverse_r: inverse distance from the geocentre [1/m]
     weights: from `weights`
     columns: number of orders in the weights
     degree: highest degree of a harmonic in the weights

@@ -13,7 +13,6 @@ _CLEARANCE = 0.006  # tangent of an angle larger than the Sun's angular radius (
 def radiation_pressure(x, y, z, sun, illumination, coefficient):
     """Return the acceleration [m/s2] away from the Sun, in the frame of the position (GCRF).
 
-    x, y, z: position [m]
     sun: geocentric position of the Sun [m]
     illumination: part of the Sun's disc in sight
     coefficient: Cr times area over mass [m2/kg] (paper, sec. Truth Dynamic Models)
@@ -28,7 +27,6 @@ def radiation_pressure(x, y, z, sun, illumination, coefficient):
 def illumination(x, y, z, r2, sun, scratch):
     """Return the part of the Sun's disc in sight, 0 to 1.
 
-    x, y, z: position in ITRF [m]
     r2: squared distance from the geocentre [m2]
     sun: position of the Sun in ITRF [m]
     scratch: four rows of lanes

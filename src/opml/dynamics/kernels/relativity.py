@@ -11,7 +11,6 @@ def relativity(x, y, z, vx, vy, vz, inverse_r, gm, axis, precession):
     """Return the sum of the three terms in GCRF [m/s2].
 
     x to vz: position [m] and velocity [m/s] in GCRF
-    inverse_r: inverse distance from the geocentre [1/m]
     gm: the Earth's [m3/s2]
     axis: unit vector of the Earth's axis in GCRF
     precession: as in `de_sitter`

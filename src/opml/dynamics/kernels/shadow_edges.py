@@ -56,11 +56,7 @@ _CUBIC = np.linalg.inv(np.vander(_PLACES, increasing=True))
 def count_light(t, h, state, new, model, coefficients, values, slopes, scratch):
     """Correct the end of a step for edges of the shadow within it.
 
-    t, h: beginning and length of the step [s]
-    state: (6, WIDTH) at the beginning, GCRF [m, m/s]
     new: (6, WIDTH) at the end; takes the correction
-    model: the force model
-    coefficients: (3, WIDTH) Cd A/m and Cr A/m [m2/kg], kind of activity
     values: surroundings at the end
     slopes: rates of the stages, RATES rows each
     scratch: eight rows of lanes
@@ -156,7 +152,6 @@ def _on_the_way(place, k, lane, h, state, new, slopes):
 
 @compiled
 def _turned(values, x, y, z):
-    """Return a vector in GCRF rotated to ITRF."""
     r = values[ROTATION : ROTATION + 9]
     return (
         r[0] * x + r[1] * y + r[2] * z,

@@ -23,8 +23,6 @@ def density(altitude, sin_lat, cos_lat, sin_lon, cos_lon, table, node, part, clo
     """Return the density [kg/m3]: that of the lowest altitude below the table, and 0 above the table.
 
     altitude: geodetic [m]
-    sin_lat, cos_lat: of the geodetic latitude
-    sin_lon, cos_lon: of the longitude, eastwards
     table: logarithms (nodes, local times, latitudes, altitudes)
     node, part: the node before the time, and the part of a step since
     clock: UTC as a part of the day

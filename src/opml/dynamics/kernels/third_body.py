@@ -7,7 +7,6 @@ from opml.dynamics.kernels.lanes import compiled, splat, sqrt
 def third_bodies(x, y, z, bodies, gms, count):
     """Return the acceleration [m/s2] by `count` point masses, in the frame of the positions (GCRF).
 
-    x, y, z: position [m]
     bodies: geocentric positions [m], three numbers a body
     gms: gravitational parameters [m3/s2]
 

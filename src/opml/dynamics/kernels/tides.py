@@ -95,8 +95,6 @@ def add(values: np.ndarray, first: int, tides: Tides, weights: np.ndarray) -> No
     """Write the weights with tides.
 
     values: changes of the coefficients from index `first` on
-    tides: those of the model
-    weights: of the model
     """
     for k in range(tides.places.shape[0]):
         r, part = tides.places[k, 0], tides.places[k, 1]

@@ -11,7 +11,7 @@ from typing import Literal
 import numpy as np
 
 from opml.base.errors import InputError
-from opml.base.section import Section, setting
+from opml.base.section import Section, absent, setting
 from opml.base.setting_types import Absent, Days, Positive
 from opml.orbits.manoeuvres import Manoeuvre, contain_any
 
@@ -21,16 +21,10 @@ Previous = Literal["kept_estimate", "track"]
 class Cleaning(Section):
     """Rows that are dropped; none by default."""
 
-    cd_min: Absent[float] = setting(
-        "least drag coefficient of an estimate that is used; any by default", default=None
-    )
-    cd_max: Absent[float] = setting(
-        "largest drag coefficient of an estimate that is used; any by default", default=None
-    )
-    fence: Absent[Positive] = setting(
-        "Tukey's fences on e_y, from the quartiles; none by default", unit="IQR", default=None
-    )
-    fence_days: Absent[Days] = setting("window of t_j whose rows set the fences", default=None)
+    cd_min: Absent[float] = absent("least drag coefficient of an estimate that is used; any by default")
+    cd_max: Absent[float] = absent("largest drag coefficient of an estimate that is used; any by default")
+    fence: Absent[Positive] = absent("Tukey's fences on e_y, from the quartiles; none by default", unit="IQR")
+    fence_days: Absent[Days] = absent("window of t_j whose rows set the fences")
     previous: Previous = setting(
         "t_b is that of the previous `kept_estimate`, or of the previous `track`", default="kept_estimate"
     )

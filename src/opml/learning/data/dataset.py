@@ -177,7 +177,9 @@ def of_estimates(
     table["d_cd"] = table["cd_b"] - estimates["cd"].where(converged)
 
     coe = coe_from_cartesian(states, gm)
-    predicted = _predicted_states(predictions, pd.MultiIndex.from_arrays([table["b"], table.index]))
+    pairs = pd.MultiIndex.from_arrays([table["b"], table.index])
+    made = predictions[predictions["reason"] == ""].set_index(["i", "j"])[STATE]
+    predicted = made.reindex(pairs).to_numpy(dtype=float)  # NaN without a prediction from t_b to t_i
     difference = coe_from_cartesian(predicted, gm) - coe
     difference[:, 2:] = wrap_half_turn(difference[:, 2:])
     relative = in_rsw(predicted - states, states)
@@ -230,12 +232,6 @@ def _previous(tracks: np.ndarray, usable: np.ndarray, setting: str) -> np.ndarra
     return np.where(before >= 0, tracks[before], NO_PREVIOUS)
 
 
-def _predicted_states(predictions: pd.DataFrame, pairs: pd.MultiIndex) -> np.ndarray:
-    """Return predicted states (n, 6) at t_i from t_b of the pairs (b, i), NaN without such a prediction."""
-    made = predictions[predictions["reason"] == ""]
-    return made.set_index(["i", "j"])[STATE].reindex(pairs).to_numpy(dtype=float)
-
-
 def _highest_measurements(tracking: pd.DataFrame, tracks: pd.Index) -> pd.DataFrame:
     """Return the measurement with the highest elevation of each track, by any radar; NaN without one."""
     if missing := set(tracks) - set(tracking["track"]):
@@ -248,7 +244,6 @@ def _highest_measurements(tracking: pd.DataFrame, tracks: pd.Index) -> pd.DataFr
 
 
 def _reasons(rows: pd.DataFrame, cleaning: Cleaning) -> pd.Series:
-    """Return why each row is dropped, '' where it is kept."""
     failed = rows["prediction_reason"]
     reason = pd.Series("", index=rows.index, dtype="str")
     # From the last reason to the first, so that the first overwrites.
@@ -265,7 +260,6 @@ def _reasons(rows: pd.DataFrame, cleaning: Cleaning) -> pd.Series:
 
 
 def _outside_fences(rows: pd.DataFrame, kept: np.ndarray, cleaning: Cleaning) -> np.ndarray:
-    """Return which of the rows kept so far (n,) lie outside Tukey's fences on e_y."""
     if cleaning.fence is None or not kept.any():
         return np.zeros(len(rows), dtype=bool)
     days, e_y = cleaning.fence_days, rows["e_y"].to_numpy()

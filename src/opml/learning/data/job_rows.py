@@ -54,5 +54,4 @@ def read_with_training(files: Any, settings: RowsSettings) -> tuple[pd.DataFrame
 
 
 def _trained(table: pd.DataFrame, settings: RowsSettings) -> np.ndarray:
-    """Return which rows (bool, n) of a dataset a job trains on."""
     return splits.training_rows(table, settings.train, span_days=settings.span_days, seed=settings.seed)

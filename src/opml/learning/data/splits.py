@@ -71,7 +71,9 @@ def training_rows(dataset: pd.DataFrame, name: str, *, span_days: Sequence[float
         case "random":
             rows = _random_share(candidates, percent=split.percent, seed=seed)
         case "grouped":
-            rows = _grouped_share(candidates, dataset["i"].to_numpy(), percent=split.percent, seed=seed)
+            groups = dataset["i"].to_numpy()
+            order = derive(seed, "split", "grouped").permutation(np.unique(groups[candidates]))
+            rows = candidates & np.isin(groups, order[: round(len(order) * split.percent / 100.0)])
         case _:
             rows = candidates
     return _check_not_empty(rows, f"training split '{name}'")
@@ -97,7 +99,9 @@ def test_rows(
     if split.unseen:
         rows &= in_days(dataset["t_i"].to_numpy(), window)
     if split.fence is not None and math.isfinite(split.fence) and rows.any():
-        rows &= _within_own_fences(dataset["e_y"].to_numpy(), rows, fence=split.fence)
+        e_y = dataset["e_y"].to_numpy()
+        lower, upper = tukey_fences(e_y[rows], fence=split.fence)
+        rows &= (e_y >= lower) & (e_y <= upper)
     return _check_not_empty(rows, f"test split '{name}'")
 
 
@@ -109,16 +113,6 @@ def _random_share(candidates: np.ndarray, *, percent: float, seed: int) -> np.nd
     rows = np.zeros(len(candidates), dtype=bool)
     rows[order[: round(len(order) * percent / 100.0)]] = True
     return rows
-
-
-def _grouped_share(candidates: np.ndarray, group: np.ndarray, *, percent: float, seed: int) -> np.ndarray:
-    order = derive(seed, "split", "grouped").permutation(np.unique(group[candidates]))
-    return candidates & np.isin(group, order[: round(len(order) * percent / 100.0)])
-
-
-def _within_own_fences(e_y: np.ndarray, rows: np.ndarray, *, fence: float) -> np.ndarray:
-    lower, upper = tukey_fences(e_y[rows], fence=fence)
-    return (e_y >= lower) & (e_y <= upper)
 
 
 def _check_not_empty(rows: np.ndarray, what: str) -> np.ndarray:

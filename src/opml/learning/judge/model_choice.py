@@ -121,18 +121,12 @@ CHOSEN = "selected each day"  # what the models that were flown are called besid
 
 @dataclass(frozen=True)
 class Mornings:
-    """Replays of several models on the same predictions, and of the models that the past would have chosen.
+    """Replays of several models on the same predictions, and of those that the past would have chosen."""
 
-    tables: rows of the `replay` table of each model, of the same pairs in the same order
-    flown: rows of the models that were chosen
-    choices: by morning [s]
-    earlier: number of predictions that began before all models could be flown, which count nowhere
-    """
-
-    tables: Mapping[str, pd.DataFrame]
-    flown: pd.DataFrame
-    choices: Mapping[float, Choice]
-    earlier: int
+    tables: Mapping[str, pd.DataFrame]  # `replay` rows of each model, of the same pairs in the same order
+    flown: pd.DataFrame  # rows of the models that were chosen
+    choices: Mapping[float, Choice]  # by morning [s]
+    earlier: int  # predictions from before all models could be flown, which count nowhere
 
     @property
     def last_choice(self) -> str:
@@ -166,7 +160,9 @@ class Mornings:
             name: table.set_index(["i", "j"]).loc[pairs].reset_index() for name, table in replays.items()
         }
         longest = max(replays.values(), key=len)
-        return cls(tables, _flown(tables, choices), choices, int((longest["morning"] < min(choices)).sum()))
+        chosen = ((now, tables[choice.chosen]) for now, choice in choices.items())
+        flown = pd.concat([table[table["morning"] == now] for now, table in chosen], ignore_index=True)
+        return cls(tables, flown, choices, int((longest["morning"] < min(choices)).sum()))
 
     def against_truth(self, truth: pd.DataFrame, labelled: pd.DataFrame) -> Self:
         """Return the same mornings, and choices, with errors against the truth in the place of labels.
@@ -199,7 +195,6 @@ def summed(replay: pd.DataFrame) -> float:
 
 
 def _shared_pairs(replays: Mapping[str, pd.DataFrame], mornings: Sequence[float]) -> pd.MultiIndex:
-    """Return the pairs (i, j) of these mornings that every model has."""
     of_model = [
         pd.MultiIndex.from_frame(table.loc[table["morning"].isin(mornings), ["i", "j"]])
         for table in replays.values()
@@ -208,9 +203,3 @@ def _shared_pairs(replays: Mapping[str, pd.DataFrame], mornings: Sequence[float]
     for pairs in of_model[1:]:
         shared = shared[shared.isin(pairs)]
     return shared
-
-
-def _flown(tables: Mapping[str, pd.DataFrame], choices: Mapping[float, Choice]) -> pd.DataFrame:
-    """Return the rows of each morning of the model that it chose."""
-    chosen = ((now, tables[choice.chosen]) for now, choice in choices.items())
-    return pd.concat([table[table["morning"] == now] for now, table in chosen], ignore_index=True)

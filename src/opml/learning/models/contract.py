@@ -46,16 +46,11 @@ class ArcSettings(LearnerSettings):
 
 @dataclass(frozen=True)
 class ResolvedSettings:
-    """Settings of a learner for one error component.
+    """Settings of a learner for one error component."""
 
-    own: those of its kind
-    variables: columns of a dataset that it learns from
-    parts: of a stack, each resolved, by their names
-    """
-
-    own: LearnerSettings
-    variables: list[str]
-    parts: Mapping[str, "ResolvedSettings"] = field(default_factory=dict)
+    own: LearnerSettings  # those of its kind
+    variables: list[str]  # columns of a dataset that it learns from
+    parts: Mapping[str, "ResolvedSettings"] = field(default_factory=dict)  # of a stack
 
     def of_job(self) -> dict[str, Any]:
         """Return them as JSON values, which `learners.of_job` takes."""
@@ -157,26 +152,14 @@ def hours_to_fill(window_hours: float) -> float:
 
 @dataclass(frozen=True)
 class Learner(Generic[S]):
-    """A kind of learner, declared by the module of its model and named once, in `learners.LEARNERS`.
+    """A kind of learner, declared by the module of its model and named once, in `learners.LEARNERS`."""
 
-    kind: its name in the settings
-    description: what it is, in words, for the table of models
-    settings: section of its settings
-    table: returns the schema of a model's table from the metadata beside it; `table_of` makes a plain one
-    fit: trains a model, None for a stack, whose parts are trained in turn; raises InputError for rows that it
-        cannot learn from
-    load: makes the model again from its table and metadata, bit for bit
-    resolve: finds the variables to learn from
-    learns: whether it takes anything from the errors that it is trained on
-    window_hours: of its arcs, where no setting has it [h]
-    """
-
-    kind: str
-    description: str
-    settings: type[S]
-    table: Table
-    fit: Callable[[Training, S], Model] | None
-    load: Load
-    resolve: Resolve[S] = choose_variables
-    learns: bool = True
-    window_hours: float | None = None
+    kind: str  # its name in the settings
+    description: str  # in words, for the table of models
+    settings: type[S]  # section of its settings
+    table: Table  # the schema of a model's table from the metadata beside it; `table_of` makes a plain one
+    fit: Callable[[Training, S], Model] | None  # trains; None for a stack, whose parts train in turn
+    load: Load  # makes the model again from its table and metadata, bit for bit
+    resolve: Resolve[S] = choose_variables  # finds the variables to learn from
+    learns: bool = True  # whether it takes anything from the errors that it is trained on
+    window_hours: float | None = None  # of its arcs, where no setting has it [h]

@@ -1,13 +1,7 @@
-"""Sums of Gaussian kernels, by which a support vector machine and a Gaussian process predict."""
-
-from collections.abc import Sequence
+"""Sums of Gaussian kernels, by which a support vector machine predicts."""
 
 import numpy as np
-import pandas as pd
 from threadpoolctl import threadpool_limits
-
-from opml.learning.models.contract import Metadata, Table
-from opml.tables import Column, Schema, real
 
 BLOCK_ENTRIES = 1 << 20  # kernel entries held at once: 8 MiB, about the cache of a core
 
@@ -28,18 +22,3 @@ def expansion(z: np.ndarray, vectors: np.ndarray, weights: np.ndarray) -> np.nda
             np.exp(exponent, out=exponent)
             sums[start : start + rows] = exponent @ weights
     return sums
-
-
-def vector_table(row: str, weight: Column) -> Table:
-    """Return the table of a sum of kernels: a weight and the standardised variables of each vector."""
-
-    def table(metadata: Metadata) -> Schema:
-        vector = (real(name, "1", f"{name}, standardised") for name in metadata["variables"])
-        return Schema(f"model_{metadata['kind']}", row, (weight, *vector))
-
-    return table
-
-
-def vector_rows(vectors: np.ndarray, variables: Sequence[str], **weights: np.ndarray) -> pd.DataFrame:
-    """Return the rows of such a table: columns of weights (k,), then the vectors (k, variables)."""
-    return pd.DataFrame(weights).join(pd.DataFrame(vectors, columns=list(variables)))

@@ -15,14 +15,7 @@ from pydantic import PlainSerializer, PlainValidator
 from opml.base.errors import InputError
 from opml.base.kind_sections import OfItsKind
 from opml.base.section import JobSettings
-from opml.learning.models import (
-    boosting,
-    duration_mean,
-    fixed_laws,
-    linear_law,
-    stacked,
-    svr,
-)
+from opml.learning.models import boosting, duration_mean, fixed_laws, linear_law, stacked, svr
 from opml.learning.models.contract import (
     ARC_MEMORY_DAYS,
     Learner,

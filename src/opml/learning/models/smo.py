@@ -136,7 +136,8 @@ class _Descent:
     def run(self) -> DualSolution:
         """Sweep until no two slopes differ by tol; warn where that takes too many sweeps."""
         for sweep in range(1, MOST_SWEEPS + 1):
-            violation = self._violation()
+            kernels.slopes(self.beta, self.gradient, self.limits, self.epsilon, self.up, self.down)
+            violation = float(self.down.max() - self.up.min())
             if violation < self.tol:
                 break
             self._sweep(sweep, max(0.5 * self.tol, LOCAL * violation))
@@ -146,11 +147,6 @@ class _Descent:
                 stacklevel=3,
             )
         return DualSolution(self.beta, self._offset(), self.steps)
-
-    def _violation(self) -> float:
-        """Update the slopes; return by how much any two differ."""
-        kernels.slopes(self.beta, self.gradient, self.limits, self.epsilon, self.up, self.down)
-        return float(self.down.max() - self.up.min())
 
     def _sweep(self, sweep: int, tol: float) -> None:
         """Move the variables of a working set until their slopes differ by less than tol."""

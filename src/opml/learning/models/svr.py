@@ -19,10 +19,10 @@ from opml.base.setting_types import Expected, NotNegative, OneOf, Positive
 from opml.learning.data.cleaning import quartiles
 from opml.learning.models import kernel_scale as scales
 from opml.learning.models.contract import ChoosingSettings, Learner, Metadata
-from opml.learning.models.gaussian_kernel import expansion, vector_rows, vector_table
+from opml.learning.models.gaussian_kernel import expansion
 from opml.learning.models.inputs import Training, check_rows, standardisation
 from opml.learning.models.metadata import describe, restore
-from opml.tables import real
+from opml.tables import Schema, real
 
 if TYPE_CHECKING:
     from opml.learning.models.smo import DualSolution
@@ -68,8 +68,8 @@ class SvrModel:
 
     def to_table(self) -> tuple[pd.DataFrame, dict[str, Any]]:
         """Return a table with one row per support vector, and the model's metadata."""
-        table = vector_rows(self.support_vectors, self.variables, dual_coef=self.dual_coef)
-        return table, describe(self, KIND, *_FIELDS)
+        vectors = pd.DataFrame(self.support_vectors, columns=list(self.variables))
+        return pd.DataFrame({"dual_coef": self.dual_coef}).join(vectors), describe(self, KIND, *_FIELDS)
 
     @classmethod
     def from_table(cls, table: pd.DataFrame, metadata: Metadata) -> Self:
@@ -148,11 +148,17 @@ def _predict(settings: SvrSettings, scale: float, scaled: Training, new: np.ndar
     return expansion(new / scale, scaled.x[support] / scale, solution.beta[support]) + solution.offset
 
 
+def _table(metadata: Metadata) -> Schema:
+    vector = (real(name, "1", f"{name}, standardised") for name in metadata["variables"])
+    weight = real("dual_coef", "1", "dual coefficient alpha - alpha*")
+    return Schema(f"model_{KIND}", "a support vector", (weight, *vector))
+
+
 LEARNER = Learner(
     kind=KIND,
     description="SVR, as in the paper",
     settings=SvrSettings,
-    table=vector_table("a support vector", real("dual_coef", "1", "dual coefficient alpha - alpha*")),
+    table=_table,
     fit=fit,
     load=SvrModel.from_table,
 )

@@ -28,14 +28,11 @@ class Layer:
 
 @dataclass(frozen=True)
 class Source:
-    """Merged values and the layers that they were merged from, later ones on top.
-
-    has_default_study: the first file alone says what is asked, and nothing that was laid over it
-    """
+    """Merged values and the layers that they were merged from, later ones on top."""
 
     values: Mapping[str, Any]
     layers: Sequence[Layer]
-    has_default_study: bool = False
+    has_default_study: bool = False  # the first file alone says what is asked, and nothing laid over it
 
     def wrong(self, key: Key, what: str) -> InputError:
         """Return the error about a key, with the file that set it."""

@@ -82,14 +82,12 @@ def _text(key: Key) -> Sequence[str]:
 
 
 def _hint(unknown: str | int, node: TypeSchema) -> str:
-    """Return which key may have been meant by one that is unknown."""
     known = list(node["properties"])
     close = difflib.get_close_matches(str(unknown), known, n=1)
     return f"did you mean {close[0]}?" if close else f"expected one of {', '.join(known)}"
 
 
 def _expected(error: ErrorDetails, node: TypeSchema) -> str:
-    """Return what is expected at a node."""
     context = error.get("ctx", {})
     match error["type"]:
         case "value_error":

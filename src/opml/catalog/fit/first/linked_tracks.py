@@ -140,7 +140,6 @@ def _linked(run: Run, first: Estimate) -> TrackSeries:
 
 
 def _fitted(run: Run, estimates: Sequence[Estimate]) -> list[Estimate]:
-    """Return the estimates that converge, the best first."""
     run.fit(estimates)
     return sorted((one for one in estimates if one.fit.converged), key=lambda one: one.fit.cost)
 

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 from annotated_types import MinLen
 from pydantic import Strict
 
-from opml.base.section import Section, setting
+from opml.base.section import Section, absent, setting
 from opml.base.setting_types import Absent, Expected, NotNegative, Pattern, Text, Unique
 from opml.study.settings.model.names import Name, PathList
 
@@ -24,12 +24,10 @@ class SeasonSettings(Section):
     """A season that is learned from, and a later one that judges."""
 
     population: str = setting("population of the objects that judge", unit="name")
-    taught_by: Absent[str] = setting(
-        "another population to learn from, in earlier or later mornings", unit="name", default=None
+    taught_by: Absent[str] = absent(
+        "another population to learn from, in earlier or later mornings", unit="name"
     )
-    latency_hours: Absent[NotNegative] = setting(
-        "this test's own time from epoch to publication", unit="h", default=None
-    )
+    latency_hours: Absent[NotNegative] = absent("this test's own time from epoch to publication", unit="h")
     train: Dates = setting("mornings of one half of the objects that are learned from")
     test: Dates = setting("later mornings of the other half that judge")
 

@@ -38,8 +38,7 @@ Folder = Annotated[
 ]
 
 PathList = Annotated[
-    Text | Annotated[list[Text], MinLen(1)],
-    Expected("a file's path, a pattern of paths, or a list of them"),
+    Text | Annotated[list[Text], MinLen(1)], Expected("a file's path, a pattern of paths, or a list of them")
 ]
 
 Epoch = Annotated[

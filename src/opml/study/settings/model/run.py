@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal, Self, get_args
 from annotated_types import Ge, Le, Lt, MinLen
 from pydantic import Strict
 
-from opml.base.section import Section, setting
+from opml.base.section import Section, absent, setting
 from opml.base.setting_types import Absent, Expected, NotNegative, Positive, Share, Text, Unique
 from opml.catalog.fit.estimation_settings import EstimationSettings
 from opml.dynamics.settings import ForceModels, Integrator
@@ -70,18 +70,15 @@ class FixSettings(TakingSettings):
         unit="m",
         default=(10.0, 10.0, 10.0),
     )
-    sigma_mps: Absent[Sigmas] = setting(
+    sigma_mps: Absent[Sigmas] = absent(
         "the same of velocities; without them, and without columns of theirs, positions alone are fitted",
         unit="m/s",
-        default=None,
     )
     every_s: NotNegative = setting(
         "step of time of which one fix is taken, the first; 0 takes all", unit="s", default=60.0
     )
     stretch_hours: Positive = setting(
-        "fixes of so long make a track, whose estimate is at the first of them",
-        unit="h",
-        default=1.0,
+        "fixes of so long make a track, whose estimate is at the first of them", unit="h", default=1.0
     )
 
     @property
@@ -129,25 +126,22 @@ class RangeSettings(TakingSettings):
 class HistorySettings(TakingSettings):
     """How the history of an RSO's mean elements is taken."""
 
-    number: Absent[Annotated[int, Ge(1), Expected("a catalogue number from 1")]] = setting(
-        "catalogue number of the RSO, needed where the files hold several objects", default=None
+    number: Absent[Annotated[int, Ge(1), Expected("a catalogue number from 1")]] = absent(
+        "catalogue number of the RSO, needed where the files hold several objects"
     )
-    reach_hours: Absent[Positive] = setting(
+    reach_hours: Absent[Positive] = absent(
         "time before the epoch of each set over which SGP4 gives points; by default that which it was fitted"
         " to, where the sets up to it tell, else 24",
         unit="h",
-        default=None,
     )
     every_s: Positive = setting("time between these points", unit="s", default=600.0)
-    sigma_m: Absent[Sigmas] = setting(
+    sigma_m: Absent[Sigmas] = absent(
         "standard deviations of a set: radial, along and across the track; by default learned from the sets"
         " before it",
         unit="m",
-        default=None,
     )
     leave_out_damaged: bool = setting(
-        "whether any number of damaged sets is skipped and logged, not one in twenty at most",
-        default=False,
+        "whether any number of damaged sets is skipped and logged, not one in twenty at most", default=False
     )
     find_manoeuvres: bool = setting(
         "whether burns are also detected from sets that do not follow from those before them",
@@ -232,8 +226,8 @@ class DaySettings(Section):
     together: Annotated[int, Ge(1), Expected("a whole number from 1")] = setting(
         "objects that one job takes at most; their arcs fly side by side", default=32
     )
-    messages: Absent[Annotated[list[Name], Unique()]] = setting(
-        "objects whose ephemerides are also written as OEM; by default all", unit="names", default=None
+    messages: Absent[Annotated[list[Name], Unique()]] = absent(
+        "objects whose ephemerides are also written as OEM; by default all", unit="names"
     )
 
 
@@ -272,8 +266,8 @@ class RunAlone(Section):
     intervals: Intervals = setting("prediction intervals")
     ephemeris: Ephemeris = setting("corrected ephemerides")
     uncertainty: Uncertainty = setting("how far corrected orbits may be off")
-    day: Absent[DaySettings] = setting("every morning", see="day.md", default=None)
-    catalogue: Absent[CatalogueSettings] = setting("a study of a catalogue", default=None)
+    day: Absent[DaySettings] = absent("every morning", see="day.md")
+    catalogue: Absent[CatalogueSettings] = absent("a study of a catalogue")
     sheets: Sheets = setting("the sheets")
     stations: dict[Name, dict[str, float]] = setting(
         "a station in addition to the sheet: the columns of a sheet's row as keys",
@@ -343,9 +337,7 @@ class RunAlone(Section):
         default={},
     )
     manoeuvres: dict[RsoName, Times] = setting(
-        "known manoeuvres of an RSO that was measured",
-        see="elements.md#burns",
-        default={},
+        "known manoeuvres of an RSO that was measured", see="elements.md#burns", default={}
     )
 
 

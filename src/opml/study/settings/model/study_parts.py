@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from annotated_types import MinLen
 
-from opml.base.section import Item, Section, setting
+from opml.base.section import Item, Section, absent, setting
 from opml.base.setting_types import Absent, Days, Expected, Positive, Share, Text
 from opml.learning.data.cleaning import Cleaning, Previous
 from opml.study.settings.model.names import (
@@ -38,11 +38,11 @@ class ClaimSettings(Item):
 
     says: Text = setting("what the paper says", unit="text")
     holds: Holds = setting("what then holds of our numbers")
-    limit: Absent[float] = setting("number that they are compared with", unit="% or km", default=None)
-    start: Absent[Positive] = setting("mean error before the correction", unit="km", default=None)
-    share: Absent[Share] = setting("how far a number may be off, or its residual share", default=None)
-    beside: Absent[Names] = setting("evaluations whose numbers are shown with the entry's own", default=None)
-    beyond: Absent[float] = setting("value of a curve from which on the numbers count", default=None)
+    limit: Absent[float] = absent("number that they are compared with", unit="% or km")
+    start: Absent[Positive] = absent("mean error before the correction", unit="km")
+    share: Absent[Share] = absent("how far a number may be off, or its residual share")
+    beside: Absent[Names] = absent("evaluations whose numbers are shown with the entry's own")
+    beyond: Absent[float] = absent("value of a curve from which on the numbers count")
 
 
 Claims = Annotated[list[ClaimSettings], Expected("a list of claims")]
@@ -51,26 +51,20 @@ Claims = Annotated[list[ClaimSettings], Expected("a list of claims")]
 class OfRso(Section):
     """An entry that may name its RSO."""
 
-    rso: Absent[str] = setting("RSO, in place of the default one", unit="name", default=None, shared=True)
+    rso: Absent[str] = absent("RSO, in place of the default one", unit="name", shared=True)
 
 
 class ByStations(Section):
     """An entry that may name its stations."""
 
-    stations: Absent[str] = setting(
-        "station set, in place of the default one", unit="name", default=None, shared=True
-    )
+    stations: Absent[str] = absent("station set, in place of the default one", unit="name", shared=True)
 
 
 class OfModel(Section):
     """An entry that may name its model."""
 
-    learner: Absent[str] = setting(
-        "learner, in place of the default one", unit="name", default=None, shared=True
-    )
-    component: Absent[Component] = setting(
-        "error component, in place of the default one", default=None, shared=True
-    )
+    learner: Absent[str] = absent("learner, in place of the default one", unit="name", shared=True)
+    component: Absent[Component] = absent("error component, in place of the default one", shared=True)
 
 
 class Trained(Section):
@@ -106,7 +100,7 @@ class RollingSettings(Section):
     """Learners that are trained anew day by day."""
 
     learners: Names = setting("learners that are trained anew on each of the `days`, or once in `every_days`")
-    days: Absent[Days] = setting("days of the trainings; by default those to test on", default=None)
+    days: Absent[Days] = absent("days of the trainings; by default those to test on")
     every_days: Positive = setting("time between two trainings", unit="days", default=1)
     last_days: Positive = setting("how far back the labels go that are learned from", unit="days", default=30)
 
@@ -121,13 +115,11 @@ class ConjunctionSettings(Section):
 class Defaults(Section):
     """What entries do not name."""
 
-    rso: Absent[str] = setting(
-        "RSO of every entry that names none; by default the first of `study.rsos`", unit="name", default=None
+    rso: Absent[str] = absent(
+        "RSO of every entry that names none; by default the first of `study.rsos`", unit="name"
     )
-    stations: Absent[str] = setting(
-        "station set of every entry that names none; by default the last of `study.station_sets`",
-        unit="name",
-        default=None,
+    stations: Absent[str] = absent(
+        "station set of every entry that names none; by default the last of `study.station_sets`", unit="name"
     )
     learner: str = setting("learner of every entry that names none", unit="name", default="svr")
     component: Component = setting("error component of every entry that names none", default="e_y")
@@ -149,16 +141,16 @@ class Distribution(ByStations, OfRso):
 class EvaluationSettings(Entry):
     """One model on one test."""
 
-    target: Absent[str] = setting("RSO to test on, where it is another one", unit="name", default=None)
-    label: Absent[Label] = setting("reference of the errors, in place of `study.label`", default=None)
-    published: Absent[Positive] = setting("the paper's P_ML", unit="%", default=None)
+    target: Absent[str] = absent("RSO to test on, where it is another one", unit="name")
+    label: Absent[Label] = absent("reference of the errors, in place of `study.label`")
+    published: Absent[Positive] = absent("the paper's P_ML", unit="%")
 
 
 class Partition(Claimed, OfModel, ByStations, OfRso):
     """A curve of P_ML against the share that is trained on."""
 
     ratios: Ratios = setting("shares that are trained on", unit="%")
-    shown: Absent[Ratios] = setting("ratios that are figures of their own", unit="%", default=None)
+    shown: Absent[Ratios] = absent("ratios that are figures of their own", unit="%")
     published: PublishedByRatio = setting("the paper's P_ML", unit="%", default={})
 
 
@@ -196,8 +188,8 @@ class AxisCurve(CurveSettings):
 class Curves(Section):
     """One model on other RSOs."""
 
-    inclination: Absent[InclinationCurve] = setting("one model on other inclinations", default=None)
-    semi_major_axis: Absent[AxisCurve] = setting("one model on other semi-major axes", default=None)
+    inclination: Absent[InclinationCurve] = absent("one model on other inclinations")
+    semi_major_axis: Absent[AxisCurve] = absent("one model on other semi-major axes")
 
 
 class KernelScale(OfModel, OfRso):
@@ -245,42 +237,33 @@ class BeyondSettings(Section):
 class SpreadSeeds(Section):
     """Seeds of the spreads in the reproduction."""
 
-    split: Absent[SeedList] = setting(
-        "seeds of the splits that the reproduction states a spread over", default=None
-    )
-    noise: Absent[SeedList] = setting(
-        "seeds of the noise that the reproduction states a spread over", default=None
-    )
+    split: Absent[SeedList] = absent("seeds of the splits that the reproduction states a spread over")
+    noise: Absent[SeedList] = absent("seeds of the noise that the reproduction states a spread over")
 
 
 class StudySeeds(Section):
     """Seeds of the curves and spreads."""
 
-    split: Absent[SeedList] = setting(
-        "seeds of the splits that curves are drawn with; several give mean and band", default=None
+    split: Absent[SeedList] = absent(
+        "seeds of the splits that curves are drawn with; several give mean and band"
     )
-    noise: Absent[SeedList] = setting(
-        "seeds of the noise that curves are drawn with; several give mean and band", default=None
+    noise: Absent[SeedList] = absent(
+        "seeds of the noise that curves are drawn with; several give mean and band"
     )
-    spread: Absent[SpreadSeeds] = setting("seeds of the spreads in the reproduction", default=None)
+    spread: Absent[SpreadSeeds] = absent("seeds of the spreads in the reproduction")
 
 
 class ReadingSettings(Section):
     """A reading of what the paper leaves open."""
 
     text: Text = setting("the interpretation in words", unit="text")
-    previous: Absent[Previous] = setting("where t_b is taken from", default=None)
-    learner: Absent[str] = setting("learner in place of the entries' own", unit="name", default=None)
-    windows: Absent[Literal["unseen"]] = setting("windows to test on count by t_i, too", default=None)
-    split: Absent[Literal["random", "grouped"]] = setting(
-        "what random splits draw: rows or estimates", default=None
-    )
-    fence: Absent[Fence] = setting(
-        "fences of future tests: none, or of so many IQR from the rows tested", default=None
-    )
-    standardisation: Absent[Standardisation] = setting(
-        "rows that standardise the variables: those of the `training`, or the test's `own`",
-        default=None,
+    previous: Absent[Previous] = absent("where t_b is taken from")
+    learner: Absent[str] = absent("learner in place of the entries' own", unit="name")
+    windows: Absent[Literal["unseen"]] = absent("windows to test on count by t_i, too")
+    split: Absent[Literal["random", "grouped"]] = absent("what random splits draw: rows or estimates")
+    fence: Absent[Fence] = absent("fences of future tests: none, or of so many IQR from the rows tested")
+    standardisation: Absent[Standardisation] = absent(
+        "rows that standardise the variables: those of the `training`, or the test's `own`"
     )
 
 
@@ -295,71 +278,63 @@ class ReproductionSettings(Section):
 class OwnStudySettings(Section):
     """A study of any RSO: models against splits."""
 
-    rsos: Absent[Names] = setting(
-        "RSOs that the study is about; by default that of `defaults`, or the first of the sheet", default=None
+    rsos: Absent[Names] = absent(
+        "RSOs that the study is about; by default that of `defaults`, or the first of the sheet"
     )
-    station_sets: Absent[Names] = setting(
-        "station sets that see them; by default that of `defaults`, or all stations together", default=None
+    station_sets: Absent[Names] = absent(
+        "station sets that see them; by default that of `defaults`, or all stations together"
     )
-    days: Absent[TrainAndTestDays] = setting("days of t_j to train and to test on", default=None)
-    splits: Absent[Splits] = setting(
-        "in place of `days`, a training and a test split", see="wildcards.md", default=None
+    days: Absent[TrainAndTestDays] = absent("days of t_j to train and to test on")
+    splits: Absent[Splits] = absent("in place of `days`, a training and a test split", see="wildcards.md")
+    learners: Absent[Names] = absent(
+        "models to compare; by default the baselines, `svr`, `covariance`, `mechanism` and `twoarcs`"
     )
-    learners: Absent[Names] = setting(
-        "models to compare; by default the baselines, `svr`, `covariance`, `mechanism` and `twoarcs`",
-        default=None,
-    )
-    label: Absent[Label] = setting(
+    label: Absent[Label] = absent(
         "reference of the errors to learn from: `truth`, or estimates, `later` or `smoothed`; by default"
         " `truth`, or `later` where an RSO of the study was measured",
         see="labels.md",
-        default=None,
     )
-    rolling: Absent[RollingSettings] = setting("learners that are retrained day by day", default=None)
-    replayed: Absent[Names] = setting(
+    rolling: Absent[RollingSettings] = absent("learners that are retrained day by day")
+    replayed: Absent[Names] = absent(
         "models whose mornings are run again, and among which each morning chooses; by default those of the"
         " study that are trained in seconds",
         see="uncertainty.md",
-        default=None,
     )
-    cleaning: Absent[Cleaning] = setting("rows that are dropped; none by default", default=None)
-    conjunctions: Absent[ConjunctionSettings] = setting(
-        "the benefit of predictions in conjunctions", see="conjunctions.md", default=None
+    cleaning: Absent[Cleaning] = absent("rows that are dropped; none by default")
+    conjunctions: Absent[ConjunctionSettings] = absent(
+        "the benefit of predictions in conjunctions", see="conjunctions.md"
     )
-    span_days: Absent[Days] = setting(
-        "window of t_j that random splits draw from; by default the days to train on, or the run",
-        default=None,
+    span_days: Absent[Days] = absent(
+        "window of t_j that random splits draw from; by default the days to train on, or the run"
     )
 
 
 class PaperStudy(Section):
     """The paper's figures and tables."""
 
-    defaults: Absent[Defaults] = setting("what entries do not name", default=None)
-    orbit: Absent[Orbit] = setting("figures of an orbit and its fit", default=None)
-    distribution: Absent[Distribution] = setting("a figure of true errors by duration", default=None)
-    evaluations: Absent[Annotated[dict[FigureName, EvaluationSettings], MinLen(1)]] = setting(
-        "one model on one test", default=None
+    defaults: Absent[Defaults] = absent("what entries do not name")
+    orbit: Absent[Orbit] = absent("figures of an orbit and its fit")
+    distribution: Absent[Distribution] = absent("a figure of true errors by duration")
+    evaluations: Absent[Annotated[dict[FigureName, EvaluationSettings], MinLen(1)]] = absent(
+        "one model on one test"
     )
-    partition: Absent[Partition] = setting("P_ML against the share that is trained on", default=None)
-    individual: Absent[Individual] = setting("an evaluation, drawn point by point", default=None)
-    grids: Absent[dict[EntryName, GridSettings]] = setting("RSOs side by side", default=None)
-    curves: Absent[Curves] = setting("one model on other RSOs", default=None)
-    kernel_scale: Absent[KernelScale] = setting("how P_ML answers to the kernel scale", default=None)
-    components: Absent[Names] = setting(
-        "evaluations whose six components are trained and tabulated", default=None
-    )
-    seeds: Absent[StudySeeds] = setting("seeds of the curves and spreads", default=None)
-    reproduction: Absent[ReproductionSettings] = setting("the paper's numbers and ours", default=None)
+    partition: Absent[Partition] = absent("P_ML against the share that is trained on")
+    individual: Absent[Individual] = absent("an evaluation, drawn point by point")
+    grids: Absent[dict[EntryName, GridSettings]] = absent("RSOs side by side")
+    curves: Absent[Curves] = absent("one model on other RSOs")
+    kernel_scale: Absent[KernelScale] = absent("how P_ML answers to the kernel scale")
+    components: Absent[Names] = absent("evaluations whose six components are trained and tabulated")
+    seeds: Absent[StudySeeds] = absent("seeds of the curves and spreads")
+    reproduction: Absent[ReproductionSettings] = absent("the paper's numbers and ours")
 
 
 class BeyondStudy(Section):
     """What goes beyond the paper."""
 
-    pools: Absent[Annotated[dict[Name, Pool], MinLen(1)]] = setting(
-        "RSOs to learn from together, except the excluded one", default=None
+    pools: Absent[Annotated[dict[Name, Pool], MinLen(1)]] = absent(
+        "RSOs to learn from together, except the excluded one"
     )
-    beyond: Absent[BeyondSettings] = setting("what goes beyond the paper", default=None)
+    beyond: Absent[BeyondSettings] = absent("what goes beyond the paper")
 
 
 class StudySettings(BeyondStudy, PaperStudy, OwnStudySettings):

@@ -1,6 +1,6 @@
 """All settings together: a run and its study, and what a file of them may hold."""
 
-from opml.base.section import setting
+from opml.base.section import absent, setting
 from opml.base.setting_types import Absent
 from opml.study.settings.model.names import Names
 from opml.study.settings.model.run import RunAlone
@@ -16,8 +16,8 @@ class RunSettings(RunAlone):
 class ExtendingStudy(StudySettings):
     """A study as it stands in a file."""
 
-    extends: Absent[str | Names] = setting(
-        "names or paths of studies that this one is laid over", unit="names", default=None
+    extends: Absent[str | Names] = absent(
+        "names or paths of studies that this one is laid over", unit="names"
     )
 
 
