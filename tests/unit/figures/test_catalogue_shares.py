@@ -26,7 +26,7 @@ def test_panels_are_bands_and_marks_are_learners():
     handles, labels = figure.axes[1].get_legend_handles_labels()
     assert labels == [
         "SGP4",
-        "density-scaled, nothing learned of the objects",
+        "density-scaled, without learning",
         "learned by trees",
         "learned by the paper's SVR",
     ]
@@ -36,12 +36,13 @@ def test_panels_are_bands_and_marks_are_learners():
     assert ends == [[70.0, 80.0]] * 2
 
 
-def test_the_note_tells_both_seasons():
+def test_headline_and_note_state_shares_and_both_seasons():
     figure = shares(scores(), SEASONS, name="summer")
-    note = figure.legends[0].get_title().get_text().replace("\n", " ")
-    assert note == (
-        "summer: learned from half of the objects, 2026-03-15 to 2026-05-07; judged on others, "
-        "2026-05-31 to 2026-07-31; bars hold 95 %, over weeks and objects"
+    assert figure.get_suptitle().strip() == "Learned corrections: 80 to 80 % of SGP4's median error"
+    (note,) = figure.texts[-1:]
+    assert " ".join(note.get_text().split()) == (
+        "summer: trained on half, 2026-03-15 to 2026-05-07; tested on the others, 2026-05-31 to 2026-07-31; "
+        "bars: 95 % over weeks and objects"
     )
 
 

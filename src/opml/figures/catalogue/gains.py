@@ -42,7 +42,7 @@ def gains(residuals: Mapping[str, pd.DataFrame], rows: Mapping[str, pd.DataFrame
             )
         axes.set_xlabel(label)
     panels[1].set_xscale("log")
-    panels[0].set_ylabel("left of SGP4's error [%]")
+    panels[0].set_ylabel("median error [% of SGP4's]")
     note = clauses(f"medians {LEAD} days ahead", "each mark is a sixth of all")
     legend(figure, columns=3, note=note)
     return figure

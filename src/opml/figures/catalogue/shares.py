@@ -11,13 +11,14 @@ from opml.element_sets.features import BANDS
 from opml.element_sets.judge import ALL
 from opml.figures.axis_labels import clauses
 from opml.figures.display_names import display_learner
-from opml.figures.style import MARKERS, MUTED, NOTE_SIZE, SERIES, TRUE_COLOR, legend, panel_figure
+from opml.figures.style import MARKERS, MUTED, NOTE_SIZE, SERIES, TRUE_COLOR, add_head, legend, panel_figure
 
 _COLUMNS = 4  # panels side by side
+_HEAD_INCHES = 0.35  # of headline and note
 _APART = 0.2  # days by which the marks of one lead stand apart
 
-_INTERVALS = "bars hold 95 %, over weeks and objects"
-_UNLEARNED = "density-scaled, nothing learned of the objects"
+_INTERVALS = "bars: 95 % over weeks and objects"
+_UNLEARNED = "density-scaled, without learning"
 
 
 def shares(scores: pd.DataFrame, seasons: Mapping[str, Sequence[str]], *, name: str) -> Figure:
@@ -27,9 +28,11 @@ def shares(scores: pd.DataFrame, seasons: Mapping[str, Sequence[str]], *, name: 
     seasons: dates under `train` and `test`
     """
     bands = {_title(band): own for band, own in scores.groupby("band", sort=False)}
-    learned = f"learned from half of the objects, {' to '.join(seasons['train'])}"
-    judged = f"judged on others, {' to '.join(seasons['test'])}"
-    return _panels(bands, _draw_band, clauses(f"{name}: {learned}", judged, _INTERVALS))
+    learned = f"trained on half, {' to '.join(seasons['train'])}"
+    judged = f"tested on the others, {' to '.join(seasons['test'])}"
+    whole = scores[scores["band"] == ALL]
+    headline = f"Learned corrections: {_reach(whole, 'learned')} % of SGP4's median error"
+    return _panels(bands, _draw_band, headline, clauses(f"{name}: {learned}", judged, _INTERVALS))
 
 
 def every_season(scores: pd.DataFrame, seasons: Mapping[str, Mapping[str, Sequence[str]]]) -> Figure:
@@ -49,14 +52,21 @@ def every_season(scores: pd.DataFrame, seasons: Mapping[str, Mapping[str, Sequen
         told = f"{first} to {last}\n{scores['objects'].max()} objects"
         axes.text(0.03, 0.03, told, transform=axes.transAxes, fontsize=NOTE_SIZE, color=MUTED)
 
-    figure = _panels(tests, draw, clauses("objects that nothing was learned from", _INTERVALS))
+    headline = f"Improved sets: {_reach(whole, 'improved')} % of SGP4's median error, by season"
+    figure = _panels(tests, draw, headline, clauses("objects not used in training", _INTERVALS))
     # Once all panels are drawn: the limits that they share hold what each of them has.
     figure.axes[0].set_ylim(bottom=0.0)
     return figure
 
 
+def _reach(scores: pd.DataFrame, way: str) -> str:
+    """Return the least and the largest share."""
+    medians = scores[f"{way}_median"].dropna()
+    return f"{medians.min():.0f} to {medians.max():.0f}"
+
+
 def _panels(
-    parts: Mapping[str, pd.DataFrame], draw: Callable[[Axes, pd.DataFrame], None], note: str
+    parts: Mapping[str, pd.DataFrame], draw: Callable[[Axes, pd.DataFrame], None], headline: str, note: str
 ) -> Figure:
     def draw_part(axes: Axes, title: str) -> None:
         axes.axhline(100.0, color=MUTED, lw=1.0, ls="--", label="SGP4")
@@ -64,9 +74,12 @@ def _panels(
         axes.set_xticks(sorted(set(parts[title]["lead"])))
 
     figure = panel_figure(list(parts), draw_part, columns=_COLUMNS, heights_mm=(20.0, 52.0))
-    figure.supxlabel("lead, from the morning [d]", fontsize=8.0)
-    figure.supylabel("what is left of SGP4's median error [%]", fontsize=8.0)
-    legend(figure, columns=4, note=note)
+    figure.supxlabel("lead time from the morning [d]", fontsize=8.0)
+    figure.supylabel("median error [% of SGP4's]", fontsize=8.0)
+    add_head(figure, headline, f"{note}\n \n ")  # and room for the legend
+    marks = legend(figure, columns=4)
+    marks.set_loc("upper left")
+    marks.set_bbox_to_anchor((0.0, 1.0 - _HEAD_INCHES / figure.get_figheight()), figure.transFigure)
     return figure
 
 
