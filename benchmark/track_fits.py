@@ -81,13 +81,16 @@ class Morning:
 
 
 def ahead_of(flight, estimates, times):
-    """Return where the newest fit is at times [s], and the estimates with empty ones then."""
-    newest = estimates[estimates["converged"]].tail(1)
+    """Return where the newest fit that lasts is at times [s], and the estimates with empty ones then."""
     track = estimates["track"].max() + 1 + np.arange(len(times))
     empty = estimates.iloc[[-1] * len(times)].assign(converged=False, track=track, t=times)
-    flown = opml.predict_tracks(flight, None, pd.concat([newest, empty], ignore_index=True), max_days=AHEAD)
-    own = flown["i"] == newest["track"].item()
-    return flown[own].reset_index(drop=True), pd.concat([estimates, empty], ignore_index=True)
+    for newest in estimates.index[estimates["converged"]][::-1]:
+        started = pd.concat([estimates.loc[[newest]], empty], ignore_index=True)
+        flown = opml.predict_tracks(flight, None, started, max_days=AHEAD)
+        flown = flown[flown["i"] == estimates["track"][newest]].reset_index(drop=True)
+        if np.isfinite(flown[STATE]).all(axis=None):  # one track of one radar may have no drag at all
+            break
+    return flown, pd.concat([estimates, empty], ignore_index=True)
 
 
 def spread(left, duration, leads):
@@ -142,9 +145,13 @@ def moved(states, arc):
 
 def by_set(morning):
     """Return the same of SGP4, from a set fitted to two days of the newest fit's ephemeris."""
-    flight, _, estimates = morning.fits(12, False)
-    newest = estimates[estimates["converged"]].iloc[-1]
-    flown, _ = ahead_of(flight, estimates, newest["t"] + np.arange(0.0, 2 * DAY, 900.0)[1:])
+    flight, _, estimates = morning.fits(12, False, None)
+    grid = np.arange(0.0, 2 * DAY, 900.0)[1:]
+    last = estimates["t"][estimates["converged"]].iloc[-1]
+    flown, _ = ahead_of(flight, estimates, last + grid)
+    newest = estimates.set_index("track").loc[flown["i"].iloc[0]]
+    if newest["t"] < last:
+        flown, _ = ahead_of(flight, estimates[estimates["t"] <= newest["t"]], newest["t"] + grid)
     t = np.append(newest["t"], flown["t_j"])
     states = np.vstack([newest[STATE].to_numpy(dtype=float), flown[STATE].to_numpy()])
     positions, velocities = element_fits.in_teme(states, morning.epoch, t)
@@ -200,7 +207,7 @@ def main(folder, answers, *ways):
         tasks.write_csv(path, (*REQUIRED, *COVARIANCE), lines[way])
         about = {
             "tool": f"opml {opml.__version__}: {way}",
-            "command": f"python benchmark/track_fits.py {task.name} . {way}",
+            "command": f"python benchmark/track_fits.py {task.name} . {' '.join(ways)}",
             "runtime_s": round(runtime[way], 1),
         }
         about_file(path).write_text(json.dumps(about) + "\n")
