@@ -11,7 +11,7 @@ import sinking_histories  # noqa: E402
 
 import opml  # noqa: E402
 from opml.benchmark import recipes  # noqa: E402
-from opml.benchmark.freezing import Folders, Known  # noqa: E402
+from opml.benchmark.freezing import Folders, WeatherSources  # noqa: E402
 from opml.interop import oem  # noqa: E402
 
 PACKAGED = REPOSITORY / "src" / "opml" / "data" / "benchmark"
@@ -44,7 +44,7 @@ def make_tracks(folder):
 def made(folder, name, orbits):
     """Make a task of its recipe; the number of questions."""
     recipe = recipes.read(REPOSITORY / "benchmark" / f"{name}.yaml")
-    return recipes.make(recipe, orbits, Folders(Path(folder, name), Path(folder, f"{name}-truth")), Known())
+    return recipes.make(recipe, orbits, Folders(Path(folder, name), Path(folder, f"{name}-truth")), WeatherSources())
 
 
 if __name__ == "__main__":
