@@ -17,6 +17,7 @@ from docutils import nodes
 from docutils.utils.math.latex2mathml import tex2mathml
 
 import opml
+from opml.workflow import predicted
 
 sys.path.insert(0, str(Path(__file__).parent))
 from run_figures import RunFigures
@@ -33,6 +34,8 @@ INCLUDED = {
 PLOTLY = Path(find_spec("plotly").origin).with_name("package_data") / "plotly.min.js"
 FONTS = Path(find_spec("ziamath").origin).with_name("fonts")  # a wheel with STIX Two Math
 LINKS = [line.split(", ") for line in metadata("opml-orbits").get_all("Project-URL") or ()]
+SAMPLE = Path(opml.__file__).parent / "data" / "benchmark" / "sample" / "inputs" / "2026-01-13T060000"
+SAMPLE_DATE = "2026-01-13T06:00:00"
 LINK = re.compile(r"\]\((?!\w+:|#)([^)\s#]+)")
 ARTICLE = re.compile(r"<article[^>]*>(.*)</article>", re.DOTALL)
 TAG = re.compile(r"<(?!/?section\b)[^>]*>|¶")
@@ -43,6 +46,7 @@ window.fetch = async address => new Response(
   `<div role="main">${PAGES[new URL(address, location).pathname.slice(ROOT)]}</div>`
 );
 """
+BAR = '<mo stretchy="false">|</mo>'
 IMAGE = re.compile(r'<img [^>]*src="([^"]+)"[^>]*>')
 
 project = "opml"
@@ -89,15 +93,20 @@ def point_included(app, path, docname, source):
     point(app, docname, source)
 
 
+def typeset(equation, **options):
+    """Return an equation as MathML, which needs no script; bars of a size have no room around them."""
+    return tex2mathml(equation, **options).replace(BAR, BAR.replace(">", ' lspace="0" rspace="0">', 1))
+
+
 def inline_equation(self, node):
-    """Typeset an equation in a line as MathML, which needs no script."""
-    self.body.append(tex2mathml(node.astext()))
+    """Typeset an equation in a line."""
+    self.body.append(typeset(node.astext()))
     raise nodes.SkipNode
 
 
 def block_equation(self, node):
     """Typeset an equation of its own line."""
-    self.body.append(f'<div class="equation">{tex2mathml(node.astext(), as_block=True)}</div>')
+    self.body.append(f'<div class="equation">{typeset(node.astext(), as_block=True)}</div>')
     raise nodes.SkipNode
 
 
@@ -123,6 +132,14 @@ def write_texts(app, exception):
         (app.outdir / "_static" / "pages.js").write_text(script, encoding="utf-8")
 
 
+def write_prediction(app, exception):
+    """Write what `opml predict` writes of a simulated object: a page, and an orbit for globes (CZML)."""
+    if exception is None:
+        made = opml.predict(SAMPLE / "sets.tle", object=101, date=SAMPLE_DATE, weather=SAMPLE / "weather.csv")
+        for suffix in ("html", "czml"):
+            predicted.write(app.outdir / "_static" / f"prediction.{suffix}", made, [])
+
+
 def setup(app):
     """Register what the settings above name."""
     app.connect("source-read", point)
@@ -130,6 +147,7 @@ def setup(app):
     app.connect("html-page-context", enlarge)
     app.connect("html-page-context", load_texts)
     app.connect("build-finished", write_texts)
+    app.connect("build-finished", write_prediction)
     app.add_directive("schematic", Schematic)
     app.add_directive("run-figures", RunFigures)
     app.add_html_math_renderer("mathml", (inline_equation, None), (block_equation, None))

@@ -78,10 +78,10 @@ STAGES = (
     ("truth", INK, "the orbit itself: simulated under the", "full model, or a precise orbit"),
     ("tracks", TRACK_COLOR, "radars measure range, azimuth and", "elevation, with noise"),
     ("fits", HIGHLIGHT, "12 hours of tracks give state, C_d", "and covariance at t_i"),
-    ("predictions", PREDICTED_COLOR, "a poorer model flies each estimate", "to later tracks, t_j"),
+    ("predictions", PREDICTED_COLOR, "a simpler model propagates each", "estimate to later tracks, t_j"),
     ("errors", INK, "predicted minus true state at t_j:", "along-track, e_y, is the largest"),
     ("learning", PREDICTED_COLOR, "e_y of the past from what a", "catalogue knew at t_i"),
-    ("correction", RESIDUAL, "a new prediction less its learned", "error; the residual is left"),
+    ("correction", RESIDUAL, "a new prediction minus its learned", "error; the residual remains"),
 )
 
 
@@ -181,7 +181,7 @@ def known(words):
         lines(
             4,
             206,
-            "t_i  estimates b and i, what b erred by, the weather so far",
+            "t_i  estimates b and i, the error of b, the weather up to then",
             "t_j  the later track begins; in a simulation, the true error",
             "t_known  estimate j is made: the row may be trained on",
         )
@@ -227,7 +227,7 @@ def splits(words):
             parts.append(dot(x + 8 + 11.5 * i, y + 140 - 11.5 * j, radius=3.4, **looks[side(i, j)]))
     for x, name in ((60, "train"), (150, "test"), (230, "neither")):
         parts.append(dot(x, 14, radius=3.8, **looks[name]))
-        parts.append(text(x + 8, 18, {"train": "trained on", "test": "tested on"}.get(name, "left out")))
+        parts.append(text(x + 8, 18, {"train": "trained on", "test": "tested on"}.get(name, "not used")))
     return svg(428, *parts, words=words)
 
 
@@ -241,6 +241,6 @@ class Schematic(SphinxDirective):
     has_content = True
 
     def run(self):
-        """Return the drawing as it stands in the page."""
+        """Return the drawing for the page."""
         drawing = DRAWINGS[self.arguments[0]](" ".join(self.content))
         return [nodes.raw("", drawing, format="html")]

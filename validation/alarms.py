@@ -1,4 +1,5 @@
-"""Prints how many alarms public element sets raise per collision, and what share of collisions they flag:
+"""Prints how many alarms public element sets raise per collision and per approach below a kilometre, and what
+share of collisions they flag:
 
     python -m validation.alarms results/catalogue/catalogue/residuals/summer/trees.parquet
 
@@ -23,6 +24,9 @@ from opml.tables import read_table
 
 LEADS = (1, 3, 5, 7)
 SCREENING = Screening(radius=20.0, threshold=1e-4)
+NEAR = 1e3
+"""Distance of an approach [m]: how many an object has in a year makes of alarms those of a year."""
+
 LEVEL = 0.9
 SEED = 42
 
@@ -59,19 +63,21 @@ def _sigma(errors: pd.Series) -> float:
 
 
 def table(residuals: pd.DataFrame) -> pd.DataFrame:
-    """Return alarms per collision and the share of collisions that is flagged [%], by case and day."""
+    """Return alarms per collision and approach, and the share of collisions flagged [%], by case and day."""
     rows = []
     for name, errors in pairs(residuals):
         shared = errors.assign(common=np.sqrt(usual_errors.COMMON) * errors["sigma_y"])
         for case, told in ((f"{name}, independent", errors), (f"{name}, shared", shared)):
             found = worth(told, SCREENING, days=LEADS, seed=SEED)
-            rows.append(found.assign(case=case, flagged=100.0 * found["flagged"]))
-    return pd.concat(rows).pivot(index="case", columns="day", values=["alarms", "flagged"])
+            per_approach = found["alarms"] * (SCREENING.radius / NEAR) ** 2
+            rows.append(found.assign(case=case, per_approach=per_approach, flagged=100.0 * found["flagged"]))
+    values = ["alarms", "per_approach", "flagged"]
+    return pd.concat(rows).pivot(index="case", columns="day", values=values)
 
 
 def main(path: str) -> None:
     """Print the table of a test's residuals."""
-    print(table(read_table(path, "catalogue_residuals")).round().to_string())
+    print(table(read_table(path, "catalogue_residuals")).round(2).to_string())
 
 
 if __name__ == "__main__":

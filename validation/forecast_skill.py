@@ -106,9 +106,9 @@ def spread(first: str = _FIRST, last: str = _LAST) -> dict[str, np.ndarray]:
 
 def _future_drags(weather: Weather, days: np.ndarray, settings: ForecastSettings) -> np.ndarray:
     """Return the drag (members, days, spans) of the futures about a forecast at days of issue."""
-    ensemble = methods.futures(
-        weather.keep_known(days[0]), days=_LEADS + 1, settings=settings, members=_MEMBERS
-    )
+    history, ahead = weather.keep_known(days[0]), _LEADS + 1
+    forecast = methods.fit(history, days=ahead, settings=settings)
+    ensemble = methods.futures(history, forecast, days=ahead, settings=settings, members=_MEMBERS)
     parts = [_ahead(weather, day, ensemble(weather.keep_known(day), float(day))) for day in map(int, days)]
     return _drag(np.stack(parts, axis=1))
 

@@ -266,16 +266,8 @@ def _fly_sets(options: argparse.Namespace, progress: "Progress") -> "Prediction"
 
     if options.area_to_mass is not None:
         raise InputError("--area-to-mass: expected points or tracks to fit, got element sets")
-    return prediction.predict(
-        options.files,
-        days=options.days,
-        object=options.object,
-        date=options.date,
-        weather=options.weather,
-        catalogue=options.catalogue,
-        trained=options.model,
-        progress=progress,
-    )
+    asked = {name: getattr(options, name) for name in ("days", "object", "date", "weather", "catalogue")}
+    return prediction.predict(options.files, **asked, trained=options.model, progress=progress)
 
 
 def _fit(options: argparse.Namespace, progress: "Progress") -> "PredictedOrbit":
@@ -288,15 +280,10 @@ def _fit(options: argparse.Namespace, progress: "Progress") -> "PredictedOrbit":
     predicted.check_fitted(options.output)
     if options.catalogue or options.model:
         raise InputError("--catalogue, --model: expected element sets, got points or tracks")
-    request = Request(
-        options.files,
-        options.days,
-        options.object,
-        options.date,
-        options.weather,
-        list(read_stations(project_file(options.radars)).values()),
-        0.01 if options.area_to_mass is None else options.area_to_mass,
-    )
+    asked = {name: getattr(options, name) for name in ("days", "object", "date", "weather")}
+    stations = list(read_stations(project_file(options.radars)).values())
+    area_to_mass = 0.01 if options.area_to_mass is None else options.area_to_mass
+    request = Request(options.files, **asked, stations=stations, area_to_mass=area_to_mass)
     return prediction.of_measurements(request, progress=progress)
 
 
@@ -325,6 +312,7 @@ def _add_day(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--date", type=date.fromisoformat, help="the day, as 2016-10-05 (today, UTC)")
     parser.add_argument("--since", type=date.fromisoformat, help="first day that gets a page (the same)")
     parser.add_argument("--configfile", nargs="*", default=[], help="files of settings")
+    parser.add_argument("--object", help="print what became of this one, and process nothing")
     parser.add_argument("-j", "--cores", type=int, help="cores (2)")
     parser.add_argument("--profile", help="a profile of Snakemake, as profiles/slurm")
     parser.add_argument("-n", "--dry-run", action="store_true", help="show the plan alone")
@@ -334,6 +322,8 @@ def _day(options: argparse.Namespace) -> None:
     from opml.workflow import daily
 
     day = options.date or datetime.now(UTC).date()
+    if options.object:
+        return daily.show(options.object, day, options.configfile)
     call = daily.Call(day, options.since or day, options.configfile, _where(options), options.dry_run)
     if code := daily.run(call):
         sys.exit(code)
@@ -373,27 +363,22 @@ def _add_task(parser: argparse.ArgumentParser) -> None:
 def _task(options: argparse.Namespace) -> None:
     from opml.benchmark import freezing, recipes
 
-    truth = f"{options.output.rstrip('/')}-truth"
-    folders = freezing.Folders(options.output, truth)
-    known = freezing.WeatherSources(options.weather, options.forecasts)
-    count = recipes.make(recipes.read(options.recipe), options.orbits, folders, known)
-    judge = "is for the judge alone" if os.path.exists(truth) else "is made by `opml truth` when it is over"
-    print(f"{options.output}: {count} questions; {truth} {judge}")
+    folders = freezing.Folders.of(options.output)
+    weather = freezing.WeatherSources(options.weather, options.forecasts)
+    count = recipes.make(recipes.read(options.recipe), options.orbits, folders, weather)
+    print(f"{options.output}: {count} questions; {folders.truth_in_words}")
 
 
 def _add_truth(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("task", help="the folder of a hidden task")
+    parser.add_argument("task", help="the folder of a hidden task; its truth gets -truth")
     parser.add_argument("sets", nargs="+", help="files and folders of TLEs that were published since")
-    parser.add_argument("-o", "--output", required=True, help="the truth's folder")
-    parser.add_argument("--weather", default="OBSERVED", help="space weather, CSSI (that of the package)")
 
 
 def _truth(options: argparse.Namespace) -> None:
-    from opml.benchmark import recipes, tasks
+    from opml.benchmark import freezing, recipes
 
-    task = tasks.read(options.task)
-    count = recipes.make_truth(task, options.sets, options.output, options.weather)
-    print(f"{options.output}: the truth of {count} of {len(task.questions)} questions")
+    folders = freezing.Folders.of(options.task)
+    print(f"{folders.truth}: the truth of {recipes.make_truth(folders, options.sets)} questions")
 
 
 def _add_answer(parser: argparse.ArgumentParser) -> None:
@@ -406,12 +391,8 @@ def _add_answer(parser: argparse.ArgumentParser) -> None:
 def _answer(options: argparse.Namespace) -> None:
     from opml.benchmark import baselines, tasks
 
-    if options.way not in baselines.WAYS:
-        raise InputError(f"answer: expected {', '.join(baselines.WAYS)}, got {options.way}")
-    task = tasks.read(options.task)
-    baselines.check_written(options.output, task, options.model)
-    with on_stderr() as progress:
-        count = baselines.write(options.output, task, options.way, options.model, progress)
+    with on_stderr() as say:
+        count = baselines.write(options.output, tasks.read(options.task), options.way, options.model, say)
     print(f"{options.output}: {count} answers")
 
 
@@ -425,8 +406,7 @@ def _add_score(parser: argparse.ArgumentParser) -> None:
 def _score(options: argparse.Namespace) -> None:
     from opml.report import benchmark
 
-    for path in options.output:
-        benchmark.check(path)
+    benchmark.check(*options.output)
     score = benchmark.score(options.task, options.answers, options.truth)
     for path in options.output:
         benchmark.write(path, score)

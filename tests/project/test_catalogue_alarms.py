@@ -20,7 +20,9 @@ def test_what_objects_share_flags_more_collisions(monkeypatch):
     ]
     residuals = pd.concat(rows, ignore_index=True)
     residuals = residuals.assign(improved=0.8 * residuals["error"], improved_sigma=2400.0 * residuals["lead"])
-    flagged = alarms.table(residuals)["flagged"]
+    table = alarms.table(residuals)
+    flagged = table["flagged"]
+    np.testing.assert_allclose(table["per_approach"], 4e-4 * table["alarms"])
     assert list(flagged.index) == [
         f"{name}, {case}" for name in ("SGP4", "improved") for case in ("independent", "shared")
     ]

@@ -91,6 +91,21 @@ def test_the_search_shows_where_the_words_stand_from_a_folder_too(site):
 
 
 @pytest.mark.slow
+def test_the_site_has_a_prediction_to_look_at(site):
+    for name in ("prediction.html", "prediction.czml"):
+        assert f'href="_static/{name}"' in (site / "elements.html").read_text(encoding="utf-8")
+    assert "Expected error along the track" in (site / "_static" / "prediction.html").read_text("utf-8")
+    assert json.loads((site / "_static" / "prediction.czml").read_text("utf-8"))[0]["id"] == "document"
+
+
+@pytest.mark.slow
+def test_bars_of_a_size_have_no_room_around_them(site):
+    text = (site / "theory.html").read_text(encoding="utf-8")
+    bars = re.findall(r"<mo[^>]*>\|</mo>", text)
+    assert len(bars) > 20
+    assert '<mo stretchy="false">|</mo>' not in bars
+
+
 def test_what_the_readme_links_to_is_a_page(site):
     first = (site / "index.html").read_text(encoding="utf-8")
     assert 'href="install.html"' in first

@@ -44,7 +44,9 @@ def make_tracks(folder):
 def made(folder, name, orbits):
     """Make a task of its recipe; the number of questions."""
     recipe = recipes.read(REPOSITORY / "benchmark" / f"{name}.yaml")
-    return recipes.make(recipe, orbits, Folders(Path(folder, name), Path(folder, f"{name}-truth")), WeatherSources())
+    return recipes.make(
+        recipe, orbits, Folders(Path(folder, name), Path(folder, f"{name}-truth")), WeatherSources()
+    )
 
 
 if __name__ == "__main__":

@@ -86,6 +86,12 @@ def test_an_object_that_fails_stops_no_other_and_is_tried_again(operator):
     assert page(operator, "2016-09-29")["broken"]["verdict"] == "do not use"
     assert "mine, 2016-09-29" not in log.read_text()
     assert "broken, 2016-09-29: do not use" in log.read_text()
+    code, told = opml_day(operator, "--date", "2016-09-29", "--object", "mine")
+    assert code == 0
+    assert "**mine. Do not send**" in told
+    code, told = opml_day(operator, "--date", "2016-09-29", "--object", "absent")
+    assert code == 1
+    assert told == ("opml: --object: expected an object whose morning of 2016-09-29 is over, got absent\n")
 
 
 @pytest.mark.dag

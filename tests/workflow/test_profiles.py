@@ -4,6 +4,7 @@ import re
 
 import yaml
 from project import ROOT
+from snakemake.profiles import ProfileConfigFileParser
 
 TEXTS = [path.read_text(encoding="utf-8") for path in (ROOT / "workflow" / "rules").glob("*.smk")]
 RULES = {
@@ -19,3 +20,14 @@ def test_every_rule_is_grouped_or_stays_here():
     groups = dict(entry.split("=") for entry in profile["groups"])
     assert groups.keys() | set(re.findall(r"\w+", "".join(local))) == RULES
     assert set(groups.values()) == {entry.split("=")[0] for entry in profile["group-components"]}
+
+
+def test_other_queues_have_the_groups_of_slurm(monkeypatch):
+    monkeypatch.chdir(ROOT)
+    slurm, pbs = (
+        ProfileConfigFileParser().parse((ROOT / "profiles" / name / "config.yaml").open(encoding="utf-8"))
+        for name in ("slurm", "pbs")
+    )
+    for key in ("groups", "group-components", "jobs", "cores"):
+        assert pbs[key] == slurm[key]
+    assert pbs["executor"] == "cluster-generic"

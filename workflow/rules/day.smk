@@ -38,12 +38,12 @@ if PLAN.watched:
             outlooks=ENVIRONMENT.predictions.get("outlooks", []),
             futures=ENVIRONMENT.futures(config["uncertainty"]["futures"]),
         output:
-            **{suffix: DAY.file(suffix) for suffix in ("md", "tsv", "html", "json")},
+            **{suffix: DAY.file(suffix) for suffix in PLAN.files_of_day},
         log:
             DAY.log,
         benchmark:
             DAY.benchmark
         params:
-            **drawing("day", PARAMS.page_of_day),
+            **drawing(PLAN.page_of_day, PARAMS.page_of_day),
         message:
             "The page of {wildcards.date}"

@@ -47,7 +47,6 @@ if OWN.is_asked:
             replays=rules.study_residuals.input.replays,
             judge=rules.study_residuals.input.judge,
             fits=at_window("", rules.covariances.output[0]),
-            beside=lambda wildcards: OWN.beside(wildcards.rso, wildcards.stations),
         output:
             CONJUNCTIONS.table,
         log:

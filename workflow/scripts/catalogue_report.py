@@ -1,7 +1,8 @@
 """Report what correctors leave of SGP4's errors in all tests of a catalogue."""
 
 from opml.base.section import JobSettings
-from opml.report import catalogue, document
+from opml.report import document
+from opml.report.catalogue_pages import scores as report
 from opml.tables import read_table
 from opml.workflow.jobs import job
 
@@ -14,5 +15,5 @@ class Settings(JobSettings):
 with job(snakemake):
     settings, output = Settings(**snakemake.params.settings), snakemake.output
     scores = read_table(snakemake.input[0], "catalogue_scores")
-    blocks = catalogue.document(scores, settings.seasons_of_tests, settings.teachers)
+    blocks = report.document(scores, settings.seasons_of_tests, settings.teachers)
     document.write(blocks, output.md[0], output.tsv[0], output.html[0])

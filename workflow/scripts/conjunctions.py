@@ -23,5 +23,4 @@ with job(snakemake) as metadata:
         days=settings.days,
         seed=settings.seed,
     )
-    others = [read_table(path, "conjunctions") for path in files.beside]
-    write_table(snakemake.output[0], worth.beside(table, others), "conjunctions", metadata=metadata)
+    write_table(snakemake.output[0], table, "conjunctions", metadata=metadata)

@@ -39,6 +39,18 @@ def check_apart(written: Iterable[FilePath], read: Iterable[FilePath]) -> None:
 
 
 @contextmanager
+def writable(path: FilePath) -> Iterator[None]:
+    """Raise InputError, naming a path, where the disk takes no more, or the folder cannot be written to."""
+    try:
+        yield
+    except OSError as error:
+        if error.errno not in _REFUSED:
+            raise
+        reason = os.strerror(error.errno)
+        raise InputError(f"{path}: expected a file that can be written, got {reason}") from None
+
+
+@contextmanager
 def replacing(path: FilePath) -> Iterator[Path]:
     """Make the folder of `path`; yield a temporary path there, which becomes `path` if nothing is raised.
 
@@ -47,15 +59,10 @@ def replacing(path: FilePath) -> Iterator[Path]:
     path = Path(path)
     temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        yield temporary
-        os.replace(temporary, path)
-    except OSError as error:
-        if error.errno not in _REFUSED:
-            raise
-        raise InputError(
-            f"{path}: expected a file that can be written, got {os.strerror(error.errno)}"
-        ) from None
+        with writable(path):
+            path.parent.mkdir(parents=True, exist_ok=True)
+            yield temporary
+            os.replace(temporary, path)
     finally:
         with suppress(OSError):
             temporary.unlink(missing_ok=True)
@@ -63,10 +70,14 @@ def replacing(path: FilePath) -> Iterator[Path]:
 
 @contextmanager
 def replacing_folder(path: FilePath) -> Iterator[Path]:
-    """Yield a new folder, which takes the place of `path` and all that is in it if nothing is raised."""
+    """Yield a new folder, which takes the place of `path` and all that is in it if nothing is raised.
+
+    Raises InputError as `replacing`.
+    """
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(prefix=f".{path.name}.", suffix=".tmp", dir=path.parent) as temporary:
+    place = tempfile.TemporaryDirectory(prefix=f".{path.name}.", suffix=".tmp", dir=path.parent)
+    with writable(path), place as temporary:
         new, old = Path(temporary, "new"), Path(temporary, "old")
         new.mkdir()
         yield new

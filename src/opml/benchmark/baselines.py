@@ -42,6 +42,9 @@ _SVR = svr.SvrSettings(
 _FEWEST = 40
 """Rows of a lead below which nothing is learned."""
 
+_MORNINGS = 20
+"""Mornings before t that are replayed; the weather and the histories of frozen tasks reach for few more."""
+
 _SEED = 1
 _UPPER = np.triu_indices(3)
 
@@ -153,7 +156,7 @@ FIT = "fit"
 WAYS = (*CORRECTIONS, FIT)
 
 
-def check_written(path: FilePath, task: BenchmarkTask, trained: FilePath | None) -> None:
+def _check_written(path: FilePath, task: BenchmarkTask, trained: FilePath | None) -> None:
     """Raise InputError for a file of answers that is no CSV, that is read, or inside the task."""
     if Path(path).suffix.lower() != ".csv":
         raise InputError(f"{path}: expected a suffix .csv, got {Path(path).suffix or 'none'}")
@@ -170,6 +173,9 @@ def write(path: FilePath, task: BenchmarkTask, way: str, trained: FilePath | Non
 
     Raises InputError for inputs that cannot be read.
     """
+    if way not in WAYS:
+        raise InputError(f"answer: expected {', '.join(WAYS)}, got {way}")
+    _check_written(path, task, trained)
     if any(task.folder.glob(f"{tasks.INPUTS}/*/*.tdm")):
         raise InputError(f"{task.name}: expected a task of element sets, got tracks: benchmark/track_fits.py")
     lines: list[list[str]] = []
@@ -198,7 +204,7 @@ def _answers(
     weather = str(folder / "weather.csv")
     known = improve.read([folder / "sets.tle"], date=t, weather=weather, latency=task.latency)
     today = modified_julian_day(t)
-    rows = improve.replayed(known, model, np.arange(-ways.PAST, 1) + today)
+    rows = improve.replayed(known, model, np.arange(-_MORNINGS, 1) + today)
     morning = Morning(known, model, rows, (rows["morning"] == today).to_numpy())
     found = CORRECTIONS["sgp4" if way == FIT else way](morning)
     now = rows.loc[morning.is_now, ["number", "lead", "tau", "response"]].join(found)

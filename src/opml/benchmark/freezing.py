@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Self
 
 import numpy as np
 import pandas as pd
@@ -54,6 +55,19 @@ class Folders:
     task: FilePath
     truth: FilePath
 
+    @classmethod
+    def of(cls, task: str) -> Self:
+        """Return a task's folder and that of its truth beside it."""
+        return cls(task, f"{task.rstrip('/')}-truth")
+
+    @property
+    def truth_in_words(self) -> str:
+        """Return where the truth is, or how it is made."""
+        is_known = Path(self.truth).exists()
+        return (
+            f"{self.truth} is {'for the judge alone' if is_known else 'made by `opml truth` when it is over'}"
+        )
+
     def check_free(self) -> None:
         """Raise InputError where they hold anything but a task and a truth."""
         check_free(Path(self.task), tasks.TASK)
@@ -64,24 +78,27 @@ Question = tuple[int, str, int, str]
 """Object, t, lead [d] and time, the times as UTC texts."""
 
 
-def freeze(
-    facts: Facts,
-    questions: Sequence[Question],
-    states: Sequence[np.ndarray],
-    fill: Callable[[str, Path], None],
-    known: WeatherSources,
-    folders: Folders,
-) -> int:
-    """Write the folders of a task and of its truth; return the number of questions.
+@dataclass(frozen=True, eq=False)
+class Content:
+    """What a task asks, and from what.
 
     states: true GCRF states (6,) [m, m/s] of the questions; none: the truth is made later
     fill: writes the orbits that were known at t into the folder of its inputs
+    """
+
+    questions: Sequence[Question]
+    states: Sequence[np.ndarray]
+    fill: Callable[[str, Path], None]
+
+
+def freeze(facts: Facts, content: Content, known: WeatherSources, folders: Folders) -> int:
+    """Write the folders of a task and of its truth; return the number of questions.
 
     Raises InputError for unreadable weather, one that ends before a morning, and a task that is not the
     frozen one.
     """
     issued = None if known.forecasts is None else _read_forecasts(known.forecasts)
-    measured = knowledge.read(known.weather)
+    measured, questions = knowledge.read(known.weather), content.questions
     with ExitStack() as stack:
         new = stack.enter_context(replacing_folder(folders.task))
         tasks.write_csv(new / tasks.QUESTIONS, tasks.QUESTION, questions)
@@ -89,16 +106,16 @@ def freeze(
         for t in times:
             place = new / tasks.INPUTS / tasks.folder_name(t)
             place.mkdir(parents=True)
-            fill(t, place)
+            content.fill(t, place)
             newest = measured.keep_known(modified_julian_day(t))
             check_newest(newest, known.weather, date=t, oldest=OLDEST_WEATHER)
             _write_weather(place / "weather.csv", newest)
             if issued is not None:
                 _write_forecast(place / "forecast.csv", issued, t)
         digest = tasks.HIDDEN
-        if len(states):
+        if len(content.states):
             truth = stack.enter_context(replacing_folder(folders.truth))
-            digest = write_truth(truth, questions, states, measured)
+            digest = write_truth(truth, questions, content.states, measured)
         _write_task(new, facts, digest)
         found = tasks.digest(new / tasks.SUMS)
         if facts.digest not in ("", found):

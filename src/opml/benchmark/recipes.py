@@ -19,14 +19,14 @@ from opml.base.seeds import derive
 from opml.base.setting_types import Count, NotNegative, Text
 from opml.base.yaml_files import read_yaml
 from opml.benchmark import freezing, tasks, track_recipes
-from opml.benchmark.freezing import Facts, Folders, Question, WeatherSources, utc_text
-from opml.benchmark.tasks import BenchmarkTask
+from opml.benchmark.freezing import Content, Facts, Folders, Question, WeatherSources, utc_text
 from opml.benchmark.track_recipes import TrackRecipe
 from opml.element_sets import catalogue as catalogues
 from opml.element_sets import pairs
 from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day
 from opml.element_sets.training import HOUR_OF_MORNING
 from opml.environment import knowledge
+from opml.environment.solar_activity import OBSERVED
 from opml.interop import ccsds
 from opml.interop.element_sets import mean_elements, tle
 from opml.interop.element_sets.element_set import seconds_since
@@ -99,17 +99,17 @@ def make(
         _write_sets(place / "sets.tle", recipe, catalogue, mornings[t])
 
     facts = Facts(recipe.name, recipe.title, recipe.latency_hours, recipe.digest)
-    return freezing.freeze(facts, questions, states, fill, known, folders)
+    return freezing.freeze(facts, Content(questions, states, fill), known, folders)
 
 
-def make_truth(
-    task: BenchmarkTask, sets: Iterable[FilePath], folder: FilePath, weather: str | Path = "OBSERVED"
-) -> int:
+def make_truth(folders: Folders, sets: Iterable[FilePath]) -> int:
     """Make the truth of a hidden task from sets published later; return the number of questions it judges.
 
-    The later set nearest to the time asked, at most half a day away, tells the state by SGP4.
+    The later set nearest to the time asked, at most half a day away, gives the state by SGP4. Weeks are as
+    stormy as the packaged weather has them. Raises InputError for unreadable files, and without such a set.
     """
-    freezing.check_free(Path(folder), tasks.TRUTH)
+    task = tasks.read(folders.task)
+    freezing.check_free(Path(folders.truth), tasks.TRUTH)
     table = (catalogue := catalogues.read(sets, latency=task.latency)).table
     states = np.full((len(task.questions), 6), np.nan)
     for k, (number, t, _, time) in enumerate(task.questions.itertuples(index=False)):
@@ -121,8 +121,8 @@ def make_truth(
     if not judged.any():
         raise InputError(f"{task.name}: expected sets within half a day of what was asked, got none")
     questions = list(task.questions[judged].itertuples(index=False, name=None))
-    with replacing_folder(folder) as new:
-        freezing.write_truth(new, questions, list(states[judged]), knowledge.read(weather))
+    with replacing_folder(folders.truth) as new:
+        freezing.write_truth(new, questions, list(states[judged]), knowledge.read(OBSERVED))
     return len(questions)
 
 

@@ -61,9 +61,12 @@ def crps(error: np.ndarray, sigma: np.ndarray) -> np.ndarray:
     return np.asarray(sigma * (z * (2.0 * ndtr(z) - 1.0) + 2.0 * density - 1.0 / np.sqrt(np.pi)))
 
 
-def log_score(error: np.ndarray, sigma: np.ndarray) -> np.ndarray:
-    """Return the negative logarithm (n,) of the density [1/m] of normal distributions at the truth."""
-    return np.asarray(0.5 * (error / sigma) ** 2 + np.log(sigma) + 0.5 * np.log(2.0 * np.pi))
+def log_score(error: pd.Series, sigma: pd.Series) -> float:
+    """Return the mean negative logarithm of the density [1/m] of normal distributions at the truth.
+
+    Burns count whole: an answer says how sure it is of what it cannot know.
+    """
+    return judge.log_score(error, sigma, largest=np.inf) + 0.5 * float(np.log(2.0 * np.pi))
 
 
 def scores(task: BenchmarkTask, table: pd.DataFrame) -> pd.DataFrame:
@@ -120,7 +123,7 @@ def _of_axis(part: pd.DataFrame, axis: str) -> dict[str, float]:
         return found | dict.fromkeys(("crps", "log_score", "inside"), np.nan)
     return found | {
         "crps": crps(error, sigma).mean(),
-        "log_score": log_score(error, sigma).mean(),
+        "log_score": log_score(sure[axis], sure[f"sigma_{axis}"]),
         "inside": 100.0 * _inside(error, sigma).mean(),
     }
 

@@ -19,7 +19,7 @@ from opml.base.files import FilePath, project_file
 from opml.base.section import Section
 from opml.base.setting_types import Count, NotNegative, Positive, Text
 from opml.benchmark import freezing, tasks
-from opml.benchmark.freezing import Facts, Folders, Question, WeatherSources, utc_text
+from opml.benchmark.freezing import Content, Facts, Folders, Question, WeatherSources, utc_text
 from opml.catalog.simulate import tracking
 from opml.element_sets.catalogue import modified_julian_day
 from opml.element_sets.pairs import LEADS
@@ -106,9 +106,8 @@ def make(recipe: TrackRecipe, orbits: Iterable[FilePath], folders: Folders, know
 
     facts = Facts(recipe.name, recipe.title, 0.0, recipe.digest)
     order = sorted(range(len(questions)), key=lambda k: (questions[k][1], questions[k][0], questions[k][2]))
-    return freezing.freeze(
-        facts, [questions[k] for k in order], [states[k] for k in order], fill, known, folders
-    )
+    content = Content([questions[k] for k in order], [states[k] for k in order], fill)
+    return freezing.freeze(facts, content, known, folders)
 
 
 def _measured(

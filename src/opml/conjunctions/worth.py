@@ -82,12 +82,6 @@ def compare(
     return pd.concat(tables, ignore_index=True).assign(weather=weather)[SCHEMAS["conjunctions"].names]
 
 
-def beside(table: pd.DataFrame, others: Sequence[pd.DataFrame]) -> pd.DataFrame:
-    """Return a `conjunctions` table with the rows of others that are under weather that it has not."""
-    unlike = [other[~other["weather"].isin(table["weather"])] for other in others]
-    return pd.concat([table, *unlike], ignore_index=True)
-
-
 def _with_covariances(replay: pd.DataFrame, fits: pd.DataFrame) -> pd.DataFrame:
     """Return the rows of a `replay` table with the sizes that the fits' own covariances state."""
     known = replay[["i", "j"]].merge(fits, on=["i", "j"], how="left")

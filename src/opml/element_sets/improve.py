@@ -12,6 +12,7 @@ corrections at all leads.
 import logging
 from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -121,10 +122,11 @@ def check_written(better: FilePath, table: FilePath | None, paths: Iterable[File
     rewriting.check_suffix(better)
     if table:
         check_suffix(table)
-    check_apart([better, *([table] if table else [])], paths)
-    for folder in map(Path, paths):
-        if folder.is_dir() and folder.resolve() in Path(better).resolve().parents:
-            raise InputError(f"{better}: expected a file outside {folder}, as all sets in there are read")
+    written = [better, *([table] if table else [])]
+    check_apart(written, paths)
+    for path, folder in product(written, map(Path, paths)):
+        if folder.is_dir() and folder.resolve() in Path(path).resolve().parents:
+            raise InputError(f"{path}: expected a file outside {folder}, as all sets in there are read")
 
 
 def check_date(date: str) -> None:

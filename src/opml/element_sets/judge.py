@@ -96,12 +96,12 @@ def worst_week(part: pd.DataFrame) -> float:
     return min(coverage(week["improved"], week["improved_sigma"]) for _, week in weeks)
 
 
-def log_score(left: pd.Series, sigma: pd.Series) -> float:
+def log_score(left: pd.Series, sigma: pd.Series, largest: float = LARGEST) -> float:
     """Return the mean of ln(sigma / 1 m) + (left / sigma)^2 / 2, the less the better (Good 1952).
 
-    No error counts more than LARGEST sigma: it is a burn.
+    No error counts more than `largest` sigma: it is a burn.
     """
-    return float((np.log(sigma) + 0.5 * np.minimum((left / sigma) ** 2, LARGEST**2)).mean())
+    return float((np.log(sigma) + 0.5 * np.minimum((left / sigma) ** 2, largest**2)).mean())
 
 
 def _week(part: pd.DataFrame) -> np.ndarray:

@@ -17,7 +17,7 @@ from opml.base.errors import InputError
 from opml.base.section import JobSettings
 from opml.environment import solar_activity, space_weather
 from opml.environment.forecasts import methods
-from opml.environment.forecasts.method import Forecast, ForecastSettings, Future, FutureForecast
+from opml.environment.forecasts.method import Forecast, ForecastSettings, FutureForecast
 from opml.environment.weather import ACTIVITY, RUN_UP, Weather
 
 MONTHLY, HINDCAST, FORECAST = "monthly", "hindcast", "forecast"
@@ -123,12 +123,7 @@ def outlooks(issues: Issues, t: np.ndarray) -> pd.DataFrame:
 
     Raises InputError where a source is unreadable or does not cover the times.
     """
-    forecast = fit_forecast(issues.epoch, days=issues.days, forecast=issues.forecast)
-
-    def single_future(past: Weather, day: float) -> list[Future]:
-        return [forecast(past, day)]
-
-    return _tabulate(issues, t, single_future).drop(columns="member")
+    return _expected(issues, t, _fitted(issues))
 
 
 def tabulate_futures(issues: Issues, t: np.ndarray, *, members: int) -> pd.DataFrame:
@@ -136,9 +131,27 @@ def tabulate_futures(issues: Issues, t: np.ndarray, *, members: int) -> pd.DataF
 
     The members are those of `methods.futures`.
     """
-    history = _history(issues.epoch)
-    ensemble = methods.futures(history, days=issues.days, settings=issues.forecast, members=members)
+    return _ensemble(issues, t, members, _fitted(issues))
+
+
+def outlooks_and_futures(issues: Issues, t: np.ndarray, *, members: int) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """Return the tables of `outlooks` and `tabulate_futures`, for which one forecast learns once."""
+    forecast = _fitted(issues)
+    return _expected(issues, t, forecast), _ensemble(issues, t, members, forecast)
+
+
+def _expected(issues: Issues, t: np.ndarray, forecast: Forecast) -> pd.DataFrame:
+    return _tabulate(issues, t, lambda past, day: [forecast(past, day)]).drop(columns="member")
+
+
+def _ensemble(issues: Issues, t: np.ndarray, members: int, forecast: Forecast) -> pd.DataFrame:
+    history, settings = _history(issues.epoch), issues.forecast
+    ensemble = methods.futures(history, forecast, days=issues.days, settings=settings, members=members)
     return _tabulate(issues, t, ensemble)
+
+
+def _fitted(issues: Issues) -> Forecast:
+    return fit_forecast(issues.epoch, days=issues.days, forecast=issues.forecast)
 
 
 def _tabulate(issues: Issues, t: np.ndarray, ensemble: FutureForecast) -> pd.DataFrame:

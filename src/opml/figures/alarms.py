@@ -17,13 +17,10 @@ from opml.figures.style import (
 from opml.learning.data.components import UNCORRECTED
 
 _COLORS = (TRUE_COLOR, PREDICTED_COLOR, OBSERVED_COLOR, RESIDUAL)
-_LINES = ("solid", "dashed", "dotted")
 
 
 def by_duration(table: pd.DataFrame, *, note: str = "") -> Figure:
     """Draw alarms per collision and the share of collisions that is flagged, a line per row of the report.
-
-    Models and covariances have colours; lines under other weather are dashed, and the note tells which.
 
     table: `conjunctions`
 
@@ -33,25 +30,17 @@ def by_duration(table: pd.DataFrame, *, note: str = "") -> Figure:
         raise InputError("conjunctions: expected predictions that state a size, got none")
     figure = page_figure(height_mm=78.0)
     alarms, flagged = figure.subplots(1, 2)
-    lines = dict(zip(dict.fromkeys(table["weather"]), _LINES, strict=False))
-    for weather, line in lines.items():
-        groups = table[table["weather"] == weather].groupby(["model", "covariance"], sort=False)
-        for k, ((model, covariance), rows) in enumerate(groups):
-            name = "no correction" if model == UNCORRECTED else display_learner(str(model))
-            look = {"color": _COLORS[k % len(_COLORS)], "marker": MARKERS[k % len(MARKERS)]}
-            look |= {
-                "linestyle": line,
-                "label": f"{name}, covariance {covariance}" if line == _LINES[0] else "",
-            }
-            alarms.plot(rows["day"], rows["alarms"], **look)
-            flagged.plot(rows["day"], 100.0 * rows["flagged"], **look)
+    for k, ((model, covariance), rows) in enumerate(table.groupby(["model", "covariance"], sort=False)):
+        name = "no correction" if model == UNCORRECTED else display_learner(str(model))
+        look = {"color": _COLORS[k % len(_COLORS)], "marker": MARKERS[k % len(MARKERS)]}
+        look |= {"label": f"{name}, covariance {covariance}"}
+        alarms.plot(rows["day"], rows["alarms"], **look)
+        flagged.plot(rows["day"], 100.0 * rows["flagged"], **look)
     alarms.set_yscale("log")
     alarms.set_ylabel("alarms per collision")
     flagged.set_ylabel("collisions that raise an alarm [%]")
     flagged.set_ylim(0.0, 103.0)
     for axes in (alarms, flagged):
         axes.set_xlabel("prediction duration [d]")
-    if len(lines) > 1:
-        note += "\n" + ", ".join(f"{line}: weather {weather}" for weather, line in lines.items())
     legend(figure, columns=2, note=note)
     return figure

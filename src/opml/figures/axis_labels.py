@@ -7,8 +7,7 @@ from opml import naming
 from opml.figures.display_names import describe_run, display_learner, display_rso
 from opml.naming import Experiment, Split
 
-PAPER = "Peng & Bai"
-"""The paper, in the labels of its numbers."""
+PAPER = "Peng & Bai"  # the paper, in the labels of its numbers
 
 P_ML = r"$P_{\mathrm{ML}}$"
 
@@ -18,8 +17,7 @@ VARIED = {
 }
 """The element that RSOs of a curve differ in, by the curve's name."""
 
-DIRECTIONS = {"x": "radial", "y": "along-track", "z": "cross-track"}
-"""Axes of RSW in words."""
+DIRECTIONS = {"x": "radial", "y": "along-track", "z": "cross-track"}  # axes of RSW in words
 
 ASIDE = {"rest": "the rest", "seen": "the same rows"}
 STANDARDISED = {"own": "standardised alone", "together": "standardised with the training"}

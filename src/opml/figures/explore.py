@@ -31,12 +31,10 @@ from opml.figures.style import (
 from opml.figures.ticks import metres
 from opml.orbits.sheets import Station
 
-_MOST = 150
-"""Estimates to pick from: more would make the page slow to load."""
+_MOST = 150  # estimates to pick from: more would make the page slow to load
 
-REVOLUTION_S = 5700.0
-_STEP_S = 60.0
-"""Length and step of the path that is shown from an estimate on [s]."""
+REVOLUTION_S = 5700.0  # length of the path that is shown from an estimate on [s]
+_STEP_S = 60.0  # between its points [s]
 
 DIV = "explore"
 KM = 1e-3
@@ -56,8 +54,7 @@ ON_A_PHONE = f"if (window.innerWidth < 800) Plotly.relayout('{DIV}', {json.dumps
 """Put the orbit above the errors on a screen that has no room for both side by side."""
 
 COLORS = (RESIDUAL, PREDICTED_COLOR, OBSERVED_COLOR, ESTIMATE, TRACK_COLOR, HIGHLIGHT)
-DASHES = ("solid", "dash", "dot", "dashdot")
-"""Looks of the models: a color and a dash together belong to one."""
+DASHES = ("solid", "dash", "dot", "dashdot")  # a color and a dash together are the look of one model
 
 HEAD = '<head><meta name="viewport" content="width=device-width, initial-scale=1"><title>{title}</title>'
 LINK = "font: 12px sans-serif"

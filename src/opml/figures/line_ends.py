@@ -7,8 +7,7 @@ from matplotlib.axes import Axes
 
 from opml.figures.style import NOTE_SIZE
 
-LABEL_STEP = 0.05
-"""Least distance of names, in parts of the axis: a line of their type."""
+LABEL_STEP = 0.05  # least distance of names, in parts of the axis: a line of their type
 
 
 def name_ends(axes: Axes, ends: Mapping[str, float], colors: Mapping[str, str]) -> None:

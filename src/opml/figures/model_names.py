@@ -12,8 +12,7 @@ SHORT = {
 }
 """Short descriptions of the kinds whose own is too long for a figure."""
 
-_LISTED = 3
-"""Terms of a law that are named, where there are no more."""
+_LISTED = 3  # terms of a law that are named, where there are no more
 
 
 def describe_model(settings: LearnerSettings) -> str:

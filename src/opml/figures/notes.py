@@ -19,8 +19,7 @@ from opml.tables import read_table
 CONSTANT_SHARE = 0.02
 """Range of predicted errors, in parts of the true ones', below which they count as one value."""
 
-FEW_ESTIMATES = 20
-"""Estimates below which a figure says that its P_ML rests on few."""
+FEW_ESTIMATES = 20  # estimates below which a figure says that its P_ML rests on few
 
 SHORT_DAYS = 0.5
 """Durations up to which a figure gives errors in numbers, as a linear axis cannot show them [d]."""

@@ -31,11 +31,8 @@ from opml.figures.style import (
 from opml.orbits.elements import coe_from_cartesian
 from opml.tables import STATE
 
-REVOLUTIONS = 40
-"""Revolutions that stand for the whole orbit: more would hide each other."""
-
-ELEVATION, AZIMUTH = 25.0, -50.0
-"""Where the viewer of the orbit stands [deg]."""
+REVOLUTIONS = 40  # revolutions that stand for the whole orbit: more would hide each other
+ELEVATION, AZIMUTH = 25.0, -50.0  # where the viewer of the orbit stands [deg]
 
 EARLY_TO_LATE = LinearSegmentedColormap.from_list("early to late", ["#D7191C", "#7B3294", "#2C7BB6"])
 

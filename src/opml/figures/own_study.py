@@ -38,8 +38,7 @@ from opml.learning.judge.errors_by_duration import REACH_DAYS, by_duration
 from opml.learning.judge.model_choice import Mornings
 from opml.tables.convergence import none_converged
 
-_COLUMNS = 3
-"""Panels side by side."""
+_COLUMNS = 3  # panels side by side
 
 BIN_DAYS = 0.5
 LEAST_ROWS = 5
@@ -48,11 +47,8 @@ LEAST_ROWS = 5
 UNCORRECTED_NOTE = "errors without correction: medians and middle halves by a prediction's first day"
 """Note on the errors below Cd."""
 
-BASELINE = PREDICTED_COLOR
-"""Colour of the models beside the one that a figure shows."""
-
-OUTSIDE = 0.3
-"""Room above and below the middle 90 % of the estimates of Cd, in parts of their range."""
+BASELINE = PREDICTED_COLOR  # colour of the models beside the one that a figure shows
+OUTSIDE = 0.3  # room above and below the middle 90 % of the estimates of Cd, in parts of their range
 
 _SHADES = (TRACK_COLOR, *REASON_COLORS)
 """Colours of rows that are used, then of rows that are not, reason by reason."""

@@ -30,8 +30,7 @@ from opml.figures.style import (
 from opml.naming import Split
 
 _PARTS = {"rest": "test part", "seen": "training part"}
-INTERVAL = "bars: 5th to 95th percentile over resampled estimates"
-"""Note on the bars of P_ML."""
+INTERVAL = "bars: 5th to 95th percentile over resampled estimates"  # note on the bars of P_ML
 
 RULE_STYLES = (":", "-.", (0, (3, 1, 1, 1, 1, 1)), (0, (1, 3)))
 _RULES = (
@@ -39,8 +38,7 @@ _RULES = (
 )
 """Note on the public rules of the kernel scale."""
 
-NO_CORRECTION = 100.0
-"""P_ML [%] without a correction."""
+NO_CORRECTION = 100.0  # P_ML [%] without a correction
 
 
 def partition_curve(

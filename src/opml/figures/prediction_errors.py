@@ -49,36 +49,23 @@ from opml.learning.judge import metrics
 CLUSTER_DAYS = 0.25
 """Width of a cluster of durations [d]: four per day, wide enough for one station, narrow enough for three."""
 
-CLUSTER_LEAST = 5
-"""Points that a cluster needs for its mean and standard deviation to say something."""
-
-REDUCED = 100.0
-"""Individual metric p_ML [%] below which the correction made an error smaller."""
-
-BEYOND_COLOR = ESTIMATE
-"""Colour of the points beyond P_ML_MAX."""
-
-P_ML_MAX = 500.0
-"""Individual metric p_ML [%] beyond which all points share one colour, as in the paper."""
-
-DECADES = 4.5
-"""Powers of ten of the sizes of errors that a logarithmic axis shows."""
-
-HEADROOM = 0.16
-"""Room above error bars that their P_ML stands in, in parts of the axis."""
+CLUSTER_LEAST = 5  # points that a cluster needs for its mean and standard deviation to say something
+REDUCED = 100.0  # individual metric p_ML [%] below which the correction made an error smaller
+BEYOND_COLOR = ESTIMATE  # colour of the points beyond P_ML_MAX
+P_ML_MAX = 500.0  # individual metric p_ML [%] beyond which all points share one colour, as in the paper
+DECADES = 4.5  # powers of ten of the sizes of errors that a logarithmic axis shows
+HEADROOM = 0.16  # room above error bars that their P_ML stands in, in parts of the axis
 
 LINES_OF_COUNTS = "\n\n"
 """What keeps an RSO's name above the counts on the right of its panel, which may be as long as the panel."""
 
-BARS = "bars: mean and standard deviation in clusters of a quarter of a day"
-"""Note on error bars."""
+BARS = "bars: mean and standard deviation in clusters of a quarter of a day"  # note on error bars
 
 SHADES = colormaps["viridis"](np.linspace(0.0, 0.8, 256))
 WORSE_SHADES = colormaps["OrRd"](np.linspace(0.35, 1.0, 256))
 """Colours of p_ML below and above 100 %, without yellow, the colour of what lies beyond."""
 
-WHOLE_DAYS = 3.0
-"""Reach of a duration [d] from which on its axis has a tick each day."""
+WHOLE_DAYS = 3.0  # reach of a duration [d] from which on its axis has a tick each day
 
 DURATION_LABEL = r"prediction duration $\Delta t$ [d]"
 

@@ -11,8 +11,7 @@ from opml.figures.axis_labels import clauses, symbol
 from opml.figures.style import MARKERS, MUTED, RAMP, legend, panel_figure
 from opml.tables import ELLIPSOID
 
-_COLUMNS = 3
-"""Panels side by side."""
+_COLUMNS = 3  # panels side by side
 
 
 def coverage_curves(tables: Mapping[str, pd.DataFrame], *, quantity: str, note: str = "") -> Figure:

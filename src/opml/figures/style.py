@@ -42,8 +42,7 @@ RAMP = ("#F5B887", "#E07B28", "#A84400", "#4F2000")
 # Reasons why rows are not used.
 REASON_COLORS = (RESIDUAL, HIGHLIGHT, ESTIMATE, "#7A3200", MUTED)
 
-NOTE_SIZE = 6.5
-"""Size of the type of a figure's note [pt]."""
+NOTE_SIZE = 6.5  # size of the type of a figure's note [pt]
 
 NOTE_ADVANCE = 0.54
 """Mean width of a letter of the note, in parts of its size; lines that are set so stay inside the figure."""

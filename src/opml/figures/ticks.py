@@ -6,8 +6,7 @@ from datetime import datetime, timedelta
 from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter
 
-MINUS = "\N{MINUS SIGN}"
-"""As axes write it."""
+MINUS = "\N{MINUS SIGN}"  # as axes write it
 
 
 def mark_dates(axes: Axes, epoch: str, *, what: str = "time") -> None:

@@ -33,10 +33,10 @@ from opml.learning.models.learners import JobLearner
 from opml.mornings import days, measured
 from opml.mornings.calendar import Calendar
 from opml.mornings.days import BatchTask, UnderWay
+from opml.mornings.kept.store import Store
 from opml.mornings.measured import MeasurementSource, Span
 from opml.mornings.morning import FlightModel, MorningPlan, Watched
 from opml.mornings.outcomes import FAILED
-from opml.mornings.store import Store
 from opml.mornings.weather_of_day import FIGURES
 from opml.orbits.sheets import Rso, Station
 from opml.tables import SCHEMAS, read_runs, read_table
@@ -268,14 +268,15 @@ def _begin(
     """Return an object before the first of its mornings that are not over."""
     calendar, plan = settings.calendar, settings.plan
     span = Span(settings.epoch, plan.end)
-    source = MeasurementSource(one.kind, one.files, one.taking, one.start, one.manoeuvres)
+    source = MeasurementSource(
+        one.kind, one.files, one.taking, one.start, one.manoeuvres, surroundings.read_sets
+    )
     found = measured.read(
         source,
         span,
         surroundings.stations,
         surroundings.orientation,
         since=days.since(done, calendar, plan),
-        read_sets=surroundings.read_sets,
     )
     known = max(surroundings.seen_until, days.last_known(found.tracking))
     days.check_reached(calendar, settings.date, known)

@@ -11,20 +11,22 @@ from typing import Any, Self
 import numpy as np
 import pandas as pd
 
-from opml.base.constants import DAY, HOUR
+from opml.base.constants import DAY, EARTH_GM, HOUR, WGS84_A
 from opml.base.errors import InputError
 from opml.base.progress import counted
 from opml.base.provenance import settings_digest
 from opml.interop import ccsds, oem
 from opml.learning.judge.error_sizes import INSIDE, along_track
 from opml.mornings import beside_sgp4
-from opml.mornings.batch_day import Finished
 from opml.mornings.calendar import Calendar
 from opml.mornings.judged import OLDEST
+from opml.mornings.kept.batch_day import Finished
+from opml.mornings.kept.store import Store
 from opml.mornings.morning import Left, MorningPlan, Watched, morning
 from opml.mornings.outcomes import NOTHING
 from opml.mornings.records import Records
-from opml.mornings.store import Store
+from opml.orbits.elements import coe_from_cartesian
+from opml.tables import STATE
 
 STRIP = 30
 """Mornings whose verdicts the page of a day shows in a row."""
@@ -203,8 +205,20 @@ def outcome(rso: str, day: date, left: Left, plan: MorningPlan) -> dict[str, Any
         "tracks": len(base),
         "converged": int(base["converged"].sum()),
         "late": left.recent.late,
+        **orbit(left.ephemeris),
         "expected": [] if left.ephemeris is None else expected(left.ephemeris),
         "scores": scores(_flown(left.records.judged)),
+    }
+
+
+def orbit(ephemeris: pd.DataFrame | None) -> dict[str, float | None]:
+    """Return mean height above the equator [km] and inclination [deg] at the start of an ephemeris."""
+    if ephemeris is None:
+        return {"height_km": None, "inclination_deg": None}
+    a, _, inclination, *_ = coe_from_cartesian(ephemeris[STATE].to_numpy()[0], EARTH_GM).tolist()
+    return {
+        "height_km": round((a - WGS84_A) / 1e3, 1),
+        "inclination_deg": round(float(np.degrees(inclination)), 2),
     }
 
 

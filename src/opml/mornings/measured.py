@@ -33,6 +33,7 @@ class MeasurementSource:
     taking: how fixes or mean elements are taken; of fixes also the satellite, where files have several
     start: file of a state that the very first fits may start from, if any
     manoeuvres: UTC texts
+    read_sets: `histories.read`, or what reads files once for all objects in them
     """
 
     kind: str
@@ -40,6 +41,7 @@ class MeasurementSource:
     taking: Mapping[str, Any]
     start: str = ""
     manoeuvres: Sequence[str] = ()
+    read_sets: Callable[..., History] = histories.read
 
 
 @dataclass(frozen=True)
@@ -72,12 +74,10 @@ def read(
     orientation: pd.DataFrame,
     *,
     since: float,
-    read_sets: Callable[..., History] = histories.read,
 ) -> Found:
     """Return what was measured of an object.
 
     since: earlier measurements are left out, of fixes none [s]
-    read_sets: `histories.read`, or what reads the same files once for several objects
 
     Raises InputError, naming file and line, where a file is missing or damaged.
     """
@@ -95,7 +95,9 @@ def read(
         identity, burns = points_from_files.beside(files)
         return Found(tracking, known + burns, identity)
     asked = HistoryTaking.model_validate(source.taking)
-    history = read_sets(tuple(source.files), epoch=span.epoch, leave_out_damaged=asked.leave_out_damaged)
+    history = source.read_sets(
+        tuple(source.files), epoch=span.epoch, leave_out_damaged=asked.leave_out_damaged
+    )
     return _of_elements(history, asked, span, known, since=since)
 
 
@@ -109,11 +111,10 @@ def _of_elements(
     found = measured_sets.measured(
         sets,
         # On the raster arcs of several objects share blocks.
-        replace(taking.of_sets, raster=shared_blocks.STEP),
+        replace(taking.of_sets, raster=shared_blocks.STEP, since=since),
         epoch=span.epoch,
         duration=span.duration,
         manoeuvres=known,
-        since=since,
     )
     tracking = fixes.of_sets(found.epochs, found.points, known=found.known)
     return Found(tracking, known, identity, Sgp4(sets, span.epoch))

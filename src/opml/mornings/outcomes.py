@@ -1,5 +1,6 @@
 """What became of objects on a day, in a file; pages are made of it without what mornings need to run."""
 
+import gzip
 import json
 from pathlib import Path
 from typing import Any
@@ -18,6 +19,8 @@ NOTHING: dict[str, Any] = {
     "newest_estimate": None,
     "age_hours": None,
     "burn": None,
+    "height_km": None,
+    "inclination_deg": None,
     "tracks": 0,
     "converged": 0,
     "late": 0,
@@ -31,15 +34,18 @@ NOTHING: dict[str, Any] = {
 
 
 def write(path: FilePath, outcomes: Any) -> None:
-    """Write what became of objects as JSON."""
+    """Write what became of objects as JSON, plain or for a name that ends in `.gz` compressed."""
+    text = f"{json.dumps(outcomes, separators=(',', ':'), allow_nan=False)}\n".encode()
     with replacing(path) as temporary:
-        text = json.dumps(outcomes, separators=(",", ":"), allow_nan=False)
-        temporary.write_text(f"{text}\n", encoding="utf-8")
+        temporary.write_bytes(gzip.compress(text, mtime=0) if Path(path).suffix == ".gz" else text)
 
 
 def read(path: FilePath) -> list[dict[str, Any]]:
     """Return what became of objects, of mornings by an older release, too."""
-    found: list[dict[str, Any]] = json.loads(Path(path).read_text(encoding="utf-8"))
+    content = Path(path).read_bytes()
+    found: list[dict[str, Any]] = json.loads(
+        gzip.decompress(content) if Path(path).suffix == ".gz" else content
+    )
     return [whole(outcome) for outcome in found]
 
 

@@ -7,7 +7,6 @@ covariance has the usual sizes of errors, scaled by those of that past (`usual_s
 
 import os
 from collections.abc import Callable, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from pathlib import Path
@@ -66,6 +65,7 @@ _SECONDS, _DAY = len("2016-09-28T12:09:45"), len("2016-09-28")
 _HISTORY = 5.0  # of measurements that the first morning fits [days]
 _AFTER = HOUR  # that paths reach beyond the end
 _LEAST_STRETCHES = 4.0
+_JUDGED = 3.0  # longest prediction that tells the verdict, as few mornings have longer ones [days]
 _NO_ELEMENTS = dict.fromkeys(("a", "e", "i", "argp", "raan", "mean_anomaly"), np.nan)
 _USUAL = "usual errors of such fits: their own covariance, density, and the weather that may come"
 
@@ -131,7 +131,7 @@ class FittedOrbit(PredictedOrbit):
         """What was used, in words."""
         arc = arc_of(self.model)
         hours = arc[0] if arc else 0.0
-        of_mean = ", its drag the mean of such fits" if "cd_past" in self.model.variables else ""
+        of_mean = ", its drag the mean of such fits" if _holds_cd(self.model) else ""
         return f"fit over {hours:g} h under all forces{of_mean}"
 
     @property
@@ -296,9 +296,8 @@ def _flight_model(
     issues = Issues(
         source=weather, epoch=times.epoch, forecast=settings.forecast, issue_hours=hours, max_days=max_days
     )
-    expected = knowledge.outlooks(issues, t)
-    futures = knowledge.tabulate_futures(issues, t, members=settings.futures)
-    three_hourly = issues.model_copy(update={"issue_hours": knowledge.FIT_HOURS})
+    expected, futures = knowledge.outlooks_and_futures(issues, t, members=settings.futures)
+    three_hourly = issues.model_copy(update={"issue_hours": knowledge.FIT_HOURS, "max_days": _HISTORY})
     still, flattened = (build(environment, one) for one in (settings.force_model, spread.FLATTENED))
     fitting = with_outlooks(still, knowledge.outlooks(three_hourly, t))
     flying, flat = (with_outlooks(model, expected) for model in (still, flattened))
@@ -323,17 +322,28 @@ class _Flown:
 
 
 def _flown(watched: Watched, left: Left, records: Records, *, now: float) -> _Flown:
-    """Return what the newest morning that could flew: the model that left the least, else the first."""
-    base, paths = watched.plan.base, records.paths[-1].table
+    """Return what the newest morning that could flew: the model that left the least.
+
+    Where that is not known, it is a fit's own Cd, or the mean of the past where the fit hardly knows it.
+    """
+    base, paths, models = watched.plan.base, records.paths[-1], watched.plan.models
+    cd = watched.model.fits.rso.cd
+    formal = usual_sizes.formal_errors(records.estimates, records.paths, base=base, apriori=cd)
     known = records.rows_unaffected_by_burns(base, watched.known_by(now))
-    model = next(iter(watched.plan.models))
-    with suppress(InputError):
-        model, _ = issued.best_model(known, list(watched.plan.models), now=now)
-    formal = usual_sizes.formal_errors(records.estimates, records.paths, base=base)
+    try:
+        model, _ = issued.best_model(known, list(models), now=now)
+    except InputError:
+        is_vague = bool(formal.loc[paths.start, "c"] >= usual_sizes.VAGUE)
+        model = next((name for name in models if _holds_cd(models[name]) == is_vague), next(iter(models)))
     past = usual_sizes.with_sigmas(known[known["model"] == model], formal)
-    sizes = usual_sizes.sizes(past, formal, start=records.paths[-1].start, now=now)
-    table = issued.ephemeris(paths, Flown(model, past, sizes), step=STEP)
+    sizes = usual_sizes.sizes(past, formal, start=paths.start, now=now)
+    table = issued.ephemeris(paths.table, Flown(model, past, sizes), step=STEP)
     return _Flown(table, model, _verdict(watched, left, records, past, now=now), past)
+
+
+def _holds_cd(model: ResolvedSettings) -> bool:
+    """Return whether a model's drag is the mean of its past."""
+    return "cd_past" in model.variables
 
 
 def _verdict(watched: Watched, left: Left, records: Records, past: pd.DataFrame, *, now: float) -> Verdict:
@@ -341,8 +351,8 @@ def _verdict(watched: Watched, left: Left, records: Records, past: pd.DataFrame,
     start = left.records.issued.rename(columns={"t_i": "t"})
     if start["t"].isna().all():
         return left.verdict
-    burns = [*watched.manoeuvres, *records.burns]
-    return judged.verdict(past, start, now=now, burns=burns, window=watched.plan.base * HOUR)
+    burns, often = [*watched.manoeuvres, *records.burns], past[past["duration"] <= DAY * _JUDGED]
+    return judged.verdict(often, start, now=now, burns=burns, window=watched.plan.base * HOUR)
 
 
 def _basis(past: pd.DataFrame) -> str:

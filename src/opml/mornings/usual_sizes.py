@@ -20,7 +20,7 @@ import pandas as pd
 
 from opml.base.constants import DAY, HOUR
 from opml.catalog.predict import labels
-from opml.catalog.predict.spread import TENTH
+from opml.catalog.predict.spread import TENTH, mean_cd
 from opml.learning.data.splits import are_over
 from opml.learning.judge.error_sizes import Sizes
 from opml.mornings.records import Paths
@@ -51,6 +51,9 @@ DENSITY = 0.6
 LONG = 48.0
 """Window over which density hardly errs more by chance; its mean over fewer hours does, by their root."""
 
+VAGUE = 5.0
+"""Most of that error. A fit that knows drag no better is flown with the mean of the past."""
+
 WEATHER = 0.6
 """Part of the spread of the weather's futures that errors have."""
 
@@ -59,15 +62,19 @@ USUAL = 3.0
 
 _CONSTANT, _RATE = ([f"{name}_{axis}" for axis in AXES] for name in "ab")
 _COLUMNS = [*_CONSTANT, *_RATE, "c"]
+_LEAST_CD = 1e-6
 _GROSS = 10.0  # sizes that an error counts as at most
 
 
-def formal_errors(estimates: pd.DataFrame, paths: Sequence[Paths], *, base: float) -> pd.DataFrame:
+def formal_errors(
+    estimates: pd.DataFrame, paths: Sequence[Paths], *, base: float, apriori: float
+) -> pd.DataFrame:
     """Return a [m], b [m/day] by axis and c [tenths of the drag] of ephemerides, by track: a_x ... b_z, c.
 
     estimates: table `kept_estimates`
     paths: the ephemerides
     base: window [h] of the fits that they start from; the longest window tells Cd
+    apriori: Cd of the sheet
 
     Where Cd is known, an orbit that is higher by x and faster by v falls back by 3 (n x + v), n its angular
     rate.
@@ -84,12 +91,14 @@ def formal_errors(estimates: pd.DataFrame, paths: Sequence[Paths], *, base: floa
     given_cd = whole - np.divide(by_cd**2, of_cd, out=np.zeros(len(whole)), where=of_cd > 0.0)
     drift = 3.0 * DAY * np.sqrt(np.maximum(given_cd, 0.0))
     longest = known.sort_values("window_hours", kind="stable").groupby("track").last().loc[started.index]
-    sigma, cd = np.sqrt(longest["cov_cd_cd"].to_numpy(float)), longest["cd"].abs().to_numpy(float)
+    # The drag of a spread is that of this mean.
+    mean = mean_cd(estimates[estimates["window_hours"] == base], apriori)[started.index].abs()
+    cd = np.sqrt(longest["cov_cd_cd"]) / TENTH / np.maximum(mean, _LEAST_CD)
     hours = np.clip((longest["t"] - estimates["t"].min()) / HOUR, 1.0, LONG).to_numpy(float)
     constant = np.hypot(CONSTANT, started[SIGMAS[:3]].to_numpy(float))
     constant[:, 1] = np.hypot(constant[:, 1], DAILY * daily[started.index])
     rate = np.hypot(RATE, np.stack([0.0 * drift, drift, 0.0 * drift], axis=1))
-    density = np.hypot(DENSITY * np.sqrt(LONG / hours), sigma / TENTH / np.maximum(cd, sigma + 1e-9))
+    density = np.minimum(np.hypot(DENSITY * np.sqrt(LONG / hours), cd), VAGUE)
     return pd.DataFrame(np.column_stack([constant, rate, density]), index=started.index, columns=_COLUMNS)
 
 

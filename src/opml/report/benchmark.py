@@ -205,9 +205,9 @@ def write(path: FilePath, score: Score) -> None:
         temporary.write_text(texts[Path(path).suffix.lower()](), encoding="utf-8")
 
 
-def check(path: FilePath) -> None:
+def check(*paths: FilePath) -> None:
     """Raise InputError for a suffix of no form."""
-    if Path(path).suffix.lower() not in SUFFIXES:
-        raise InputError(
-            f"{path}: expected a suffix {', '.join(SUFFIXES)}, got {Path(path).suffix or 'none'}"
-        )
+    for path in map(Path, paths):
+        if path.suffix.lower() not in SUFFIXES:
+            expected = f"expected a suffix {', '.join(SUFFIXES)}, got {path.suffix or 'none'}"
+            raise InputError(f"{path}: {expected}")

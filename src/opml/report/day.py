@@ -36,11 +36,11 @@ def document(outcomes: Sequence[Outcome], weather: Weather, *, date: str) -> lis
     """Return the page of a date; outcomes: of all objects."""
     return [
         Heading(f"{date}: {summary(outcomes)}", 1),
-        Cards([_card(outcome) for outcome in _ordered(outcomes)]),
+        Cards([card(outcome) for outcome in worst_first(outcomes)]),
         *texts.blocks("day.legend", shapes=", ".join(f"{SHAPES[word]} {word}" for word in SHAPES)),
-        *_objects(outcomes),
+        *in_figures(outcomes),
         *_past(outcomes),
-        *_weather(weather),
+        *space_weather(weather),
     ]
 
 
@@ -63,17 +63,19 @@ def as_json(outcomes: Sequence[Outcome], weather: Weather, *, date: str) -> dict
     }
 
 
-def _objects(outcomes: Sequence[Outcome]) -> Iterator[Block]:
+def in_figures(outcomes: Sequence[Outcome]) -> Iterator[Block]:
+    """Return the table of objects, and what it says."""
     leads = texts.across(f"error after {day} d [m]" for day in LEADS)
-    return texts.blocks("day.objects", [_row(outcome) for outcome in _ordered(outcomes)], leads=leads)
+    return texts.blocks("day.objects", [_row(outcome) for outcome in worst_first(outcomes)], leads=leads)
 
 
-def _ordered(outcomes: Sequence[Outcome]) -> list[Outcome]:
+def worst_first(outcomes: Sequence[Outcome]) -> list[Outcome]:
     """Return outcomes, those to look at first."""
     return sorted(outcomes, key=lambda one: (WORST_FIRST.index(one["verdict"]), -_miss(one), one["object"]))
 
 
-def _card(outcome: Outcome) -> Card:
+def card(outcome: Outcome) -> Card:
+    """Return the card of an object: what to do, why, the errors to expect, its last mornings."""
     name, word, why = outcome["object"], outcome["verdict"], as_it_is(_why(outcome))
     message = f"[{outcome['message']}]({name}/{outcome['message']})" if outcome["message"] else "none"
     last = [
@@ -124,7 +126,9 @@ def _newest(outcome: Outcome) -> str:
 def _yesterday(outcome: Outcome) -> str:
     """Return a link to the folder of the morning before, if there was one."""
     before = (date.fromisoformat(outcome["date"]) - timedelta(days=1)).isoformat()
-    is_there = any(one["date"] == before for one in outcome["mornings"])
+    flown = (GOOD, WIDE, UNPROVEN)
+    was_sent = any(one["date"] == before and one["verdict"] in flown for one in outcome["mornings"])
+    is_there = outcome["message"] and was_sent
     return f"; [yesterday's](../{before}/{outcome['object']}/)" if is_there else ""
 
 
@@ -180,8 +184,10 @@ def _fared(scores: Sequence[Mapping[str, Any]], day: int) -> str:
     return f"{median} / {most}, {100.0 * score['inside']:.0f} %"
 
 
-def _weather(weather: Weather) -> Iterator[Block]:
-    return texts.blocks("day.weather", [_weather_row(row) for row in weather])
+def space_weather(weather: Weather) -> Iterator[Block]:
+    """Return the weather about a morning, nothing where none is given."""
+    rows = [_weather_row(row) for row in weather]
+    return texts.blocks("day.weather", rows) if rows else iter(())
 
 
 def _weather_row(row: Mapping[str, Any]) -> list[str]:

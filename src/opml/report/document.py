@@ -123,15 +123,17 @@ def write(
     path_md: FilePath,
     path_tsv: FilePath,
     path_html: FilePath,
+    *,
+    table: Table | None = None,
 ) -> None:
-    """Write a document as Markdown and HTML, and its first table as tab-separated text.
+    """Write a document as Markdown and HTML, and a table as tab-separated text: its first, or another.
 
     The pages end with a line on tables as CSV.
     No file is left half written.
     """
     pages = [*blocks, Paragraph(HOW_TO_CSV)]
     title = next(block.text for block in blocks if isinstance(block, Heading))
-    table = next(block for block in blocks if isinstance(block, Table))
+    table = table or next(block for block in blocks if isinstance(block, Table))
     for path, text in (
         (path_md, markdown(pages)),
         (path_html, html_page(pages, title=title)),

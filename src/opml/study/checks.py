@@ -50,7 +50,6 @@ def load_settings(source: Source) -> CheckedSettings:
     for path in (results, *results.parents):
         if path.is_file():
             raise source.wrong(("results",), f"expected a folder, got a file at {path}")
-    _check_beside(source)
     for kind, path in source.values["sheets"].items():
         # The package's own settings alone name the package's own sheets.
         if source.origin(("sheets", kind)) != str(PACKAGED) and not Path(path).exists():
@@ -154,14 +153,6 @@ def _misfit(source: Source, settings: Settings) -> str:
         check_study(source, settings, last_day=math.inf)
         return f'{error}; "study: {{}}" in a file, or --config study={{}}, asks for no study'
     return ""
-
-
-def _check_beside(source: Source) -> None:
-    """Raise InputError where the results that stand beside a study's conjunctions have none."""
-    key = ("study", "conjunctions", "beside")
-    folder = value_at(source.values, key)
-    if folder is not MISSING and ("{" in folder or not (Path(folder) / "conjunctions").is_dir()):
-        raise source.wrong(key, f"expected the results of a study with conjunctions, got {folder}")
 
 
 def _check_order(source: Source) -> None:

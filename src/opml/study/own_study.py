@@ -3,7 +3,6 @@
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
 from typing import Any
 
 from opml import naming
@@ -219,12 +218,6 @@ class OwnStudy:
     def conjunctions(self) -> dict[str, Any]:
         """How approaches are looked at, nothing where the study does not ask for it."""
         return dict(self.study.entry("conjunctions"))
-
-    def beside(self, rso: str, stations: str) -> list[str]:
-        """Return the path of the conjunctions of a dataset under other weather, where there are such."""
-        folder = self.conjunctions.get("beside")
-        path = Path(folder) / "conjunctions" / rso / f"{stations}.parquet" if folder else None
-        return [str(path)] if path and path.is_file() else []
 
     @property
     def crossed(self) -> list[tuple[str, str]]:

@@ -12,9 +12,10 @@ from pathlib import Path
 from opml.base.errors import InputError
 from opml.base.progress import counted
 from opml.mornings import outcomes
+from opml.mornings.kept.store import Store
 from opml.mornings.outcomes import DO_NOT_USE
-from opml.mornings.store import Store
-from opml.report.day import summary
+from opml.report.day import document, summary
+from opml.report.document import markdown
 from opml.study.checks import load_settings
 from opml.study.settings.merging import Settings, merged
 
@@ -22,6 +23,8 @@ ALL_RUN, WORKFLOW_FAILED, OBJECTS_FAILED = 0, 1, 2
 """Exit codes: all mornings were run, the workflow ended with an error, mornings of some objects did."""
 
 _PROJECT = "config/config.yaml"
+
+_NAMED = 5  # objects at most
 
 _SECONDS, _MEGABYTES = 4.0, 1.3
 """What a morning of one object takes: mean of 20 of NUTSAT, by its public sets."""
@@ -38,20 +41,37 @@ class Call:
     dry: bool  # whether the plan alone is shown
 
 
+def show(name: str, day: date, configfiles: Sequence[str]) -> None:
+    """Print what became of an object on a day; raise InputError where its morning is not over."""
+    asked = _asked(configfiles)
+    if name not in asked.measured:
+        known = ", ".join(list(asked.measured)[:_NAMED])
+        raise InputError(f"--object: expected an object of the run, such as {known}, got {name}")
+    places = Store(Path(asked.run.results, "days"), "0", [name]).places(day)
+    if name not in places:
+        raise InputError(f"--object: expected an object whose morning of {day} is over, got {name}")
+    print(markdown(document([places[name].outcomes[name]], [], date=day.isoformat())))
+
+
+def _asked(configfiles: Sequence[str]) -> Settings:
+    """Return settings that ask for mornings; raise InputError for others, and without a project."""
+    if not Path(_PROJECT).exists():
+        raise InputError(f"{_PROJECT}: no such file in {Path.cwd()}; `opml init FOLDER` makes a project")
+    source = merged([_PROJECT, *configfiles])
+    if "day" not in source.values:
+        raise InputError(
+            "day: expected a setting `day` that asks for mornings, got none; `day: {}` is enough"
+        )
+    return load_settings(source)
+
+
 def run(call: Call) -> int:
     """Run the workflow and print what became of the objects; return the exit code.
 
     Mornings that failed are tried again. Raises InputError for settings that ask for no mornings, and as
     `check_dates` does.
     """
-    if not Path(_PROJECT).exists():
-        raise InputError(f"{_PROJECT}: no such file in {Path.cwd()}; `opml init FOLDER` makes a project")
-    source = merged([_PROJECT, *call.configfiles])
-    if "day" not in source.values:
-        raise InputError(
-            "day: expected a setting `day` that asks for mornings, got none; `day: {}` is enough"
-        )
-    asked = load_settings(source)
+    asked = _asked(call.configfiles)
     settings = asked.run
     check_dates(call, settings.epoch, settings.duration_days, today=datetime.now(UTC).date())
     number = mornings_ahead(call.day, asked)

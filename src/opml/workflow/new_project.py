@@ -1,12 +1,14 @@
 """A new project: the workflow, its settings and a first study, written into a folder."""
 
+import os
 import shutil
+import tempfile
 from collections.abc import Sequence
 from importlib.util import find_spec
 from pathlib import Path
 
 from opml.base.errors import InputError
-from opml.base.files import PROJECT, FilePath, replacing
+from opml.base.files import PROJECT, FilePath, writable
 from opml.study.settings import editor_schema
 
 STUDY = "mine.yaml"
@@ -49,11 +51,15 @@ def write(folder: FilePath, study: str = SIMULATED, beside: Sequence[Path] = ())
             raise InputError(f"{name}: expected another name than that of a project's own file")
         if (folder / name).exists():
             raise InputError(f"{folder / name}: expected a folder without a project, got one that has this")
-    for part in (*parts, *beside):
-        _copy(part, folder / part.name)
-    editor_schema.write(folder)
-    with replacing(folder / STUDY) as temporary:
-        temporary.write_text(study, encoding="utf-8")
+    with writable(folder):
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(prefix=".new.", dir=folder) as temporary:
+            for part in (*parts, *beside):
+                _copy(part, Path(temporary, part.name))
+            editor_schema.write(temporary)
+            Path(temporary, STUDY).write_text(study, encoding="utf-8")
+            for name in names:
+                os.replace(Path(temporary, name), folder / name)
 
 
 def next_steps(folder: str) -> str:
@@ -65,8 +71,9 @@ def next_steps(folder: str) -> str:
 
 
 def _copy(part: Path, to: Path) -> None:
-    if part.is_dir():
-        shutil.copytree(part, to, ignore=shutil.ignore_patterns("__pycache__"))
-    else:
-        to.parent.mkdir(parents=True, exist_ok=True)
-        shutil.copyfile(part, to)
+    """Copy a file, or the files of a folder."""
+    for file in (part, *part.rglob("*")):
+        if file.is_file() and "__pycache__" not in file.parts:
+            copy = to / file.relative_to(part)
+            copy.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(file, copy)

@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 from opml.base.constants import DAY
-from opml.conjunctions.worth import Screening, _alarm_area, _crossing, beside, compare, worth
+from opml.conjunctions.worth import Screening, _alarm_area, _crossing, compare, worth
 from opml.learning.judge.model_choice import Mornings
 
 SCREENING = Screening(radius=20.0, threshold=1e-4)
@@ -98,13 +98,6 @@ def test_seeds_hardly_matter():
     wide = table.assign(sigma_y=np.random.default_rng(4).permutation(np.geomspace(20.0, 2000.0, len(table))))
     alarms = [worth(wide, SCREENING, days=[1.0], seed=seed)["alarms"].iloc[0] for seed in range(3)]
     assert max(alarms) < 1.02 * min(alarms)
-
-
-def test_other_weather_stands_beside_what_is_not_there_yet():
-    rows = pd.DataFrame({"weather": ["forecast", "forecast"], "alarms": [1.0, 2.0]})
-    others = [pd.DataFrame({"weather": ["forecast", "observed"], "alarms": [8.0, 3.0]})]
-    assert beside(rows, others)["alarms"].tolist() == [1.0, 2.0, 3.0]
-    pd.testing.assert_frame_equal(beside(rows, []), rows)
 
 
 @pytest.mark.usefixtures("few_draws")

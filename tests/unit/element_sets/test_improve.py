@@ -202,6 +202,8 @@ def test_better_sets_are_not_written_among_those_that_are_read(tmp_path: Path) -
             improve.check_written, tmp_path / better, None, paths
         )
     improve.check_written(tmp_path / "b.tle", None, paths)
+    told = refusal(improve.check_written, tmp_path / "b.tle", tmp_path / "sets" / "t.csv", paths)
+    assert "t.csv: expected a file outside" in told
 
 
 def test_density_of_a_constant_thermosphere_makes_a_parabola() -> None:

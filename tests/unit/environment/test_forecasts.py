@@ -53,7 +53,8 @@ def test_futures_are_the_forecast_moved_by_its_errors_on_such_days():
     kp[8::16] = 9.0
     settings = FORECASTS["persistence"]
     rough = Weather(FIRST, flux, kp).keep_known(FIRST + 1100.0)
-    found = methods.futures(rough, days=2, settings=settings, members=20)(known, FIRST + 1200.0)
+    fitted = methods.fit(rough, days=2, settings=settings)
+    found = methods.futures(rough, fitted, days=2, settings=settings, members=20)(known, FIRST + 1200.0)
     forecast = forecast_by("persistence", history, known, 2)
     assert len(found) == 20
     assert min(future.kp.min() for future in found) >= 0.0
@@ -66,9 +67,9 @@ def test_futures_are_the_forecast_moved_by_its_errors_on_such_days():
 def test_futures_of_a_forecast_whose_errors_cannot_be_told_are_what_followed():
     weather = regular()
     known = weather.keep_known(FIRST + 1200.0)
-    find = methods.futures(
-        weather.keep_known(FIRST + 1100.0), days=2, settings=FORECASTS["analogues"], members=5
-    )
+    history, settings = weather.keep_known(FIRST + 1100.0), FORECASTS["analogues"]
+    fitted = methods.fit(history, days=2, settings=settings)
+    find = methods.futures(history, fitted, days=2, settings=settings, members=5)
     futures = find(known, FIRST + 1200.0)
     assert len(futures) == 5
     for future in futures:

@@ -34,24 +34,6 @@ def test_each_model_and_covariance_has_a_line_in_both_panels():
     assert len({line.get_color() for line in raised.get_lines()}) == 3
 
 
-def test_other_weather_stands_beside_in_the_same_colours():
-    table = pd.concat([TABLE, TABLE.assign(weather="observed", alarms=7.0)], ignore_index=True)
-    figure = alarms.by_duration(table, note="a note")
-    lines = figure.axes[0].get_lines()
-    note = figure.legends[0].get_title().get_text()
-    assert note == "a note\nsolid: weather forecast, dashed: weather observed"
-    assert len(figure.legends[0].get_texts()) == 3
-    assert [line.get_color() for line in lines[:3]] == [line.get_color() for line in lines[3:]]
-    assert [line.get_linestyle() for line in lines] == [*["-"] * 3, *["--"] * 3]
-    blocks = section.section({("swarm", "eglin"): table}, {"radius_m": 20.0, "threshold": 1e-4})
-    (stated,) = (block for block in blocks if isinstance(block, Table))
-    assert stated.rows[3:] == [
-        ["no correction", "the fit's own", "observed", "7 / 50", NO_VALUE],
-        ["no correction", "of past errors", "observed", "7 / 90", "7 / 80"],
-        ["selected each day", "of past errors", "observed", "7 / 100", NO_VALUE],
-    ]
-
-
 def test_nothing_to_draw_is_told():
     assert "conjunctions: expected predictions" in refusal(alarms.by_duration, TABLE.iloc[:0])
 

@@ -51,9 +51,8 @@ def test_fits_to_sets_are_at_their_epochs_and_as_close_as_sgp4_is(assumed_model,
 def taken(days, *, created=None, since=-np.inf):
     """The `fixes` table of sets of ten days, of those since a day."""
     sets = history(days, noise=100.0, created=created)
-    taking = measured_sets.Taking(SAMPLING.step, SAMPLING.reach)
-    kinds = {"epoch": EPOCH, "duration": 10 * DAY, "since": since * DAY}
-    found = measured_sets.measured(sets, taking, **kinds)
+    taking = measured_sets.Taking(SAMPLING.step, SAMPLING.reach, since=since * DAY)
+    found = measured_sets.measured(sets, taking, epoch=EPOCH, duration=10 * DAY)
     return fixes.of_sets(found.epochs, found.points, known=found.known)
 
 

@@ -27,10 +27,10 @@ from opml.mornings import days, fits, judged, morning
 from opml.mornings.beside_sgp4 import Sgp4
 from opml.mornings.calendar import Calendar
 from opml.mornings.days import BatchTask, UnderWay
+from opml.mornings.kept.store import Store
 from opml.mornings.morning import FlightModel, MorningPlan, Watched
 from opml.mornings.outcomes import DO_NOT_USE, UNPROVEN
 from opml.mornings.records import Records
-from opml.mornings.store import Store
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import FIX_SIGMAS, SCHEMAS, STATE, paths_schema, write_table
 

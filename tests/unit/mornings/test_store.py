@@ -8,11 +8,11 @@ import pytest
 from support import refusal
 
 from opml.base.errors import InputError
-from opml.mornings.batch_day import PATHS, Finished
 from opml.mornings.calendar import HORIZON
 from opml.mornings.days import failed
+from opml.mornings.kept.batch_day import PATHS, Finished
+from opml.mornings.kept.store import Store
 from opml.mornings.records import Paths, Records
-from opml.mornings.store import Store
 from opml.tables import SCHEMAS, paths_schema
 
 DAY = date(2016, 10, 5)
@@ -79,7 +79,7 @@ def test_rows_of_a_job_that_was_killed_do_not_count(tmp_path):
     write(tmp_path / "before", {"first": MORNINGS["first"]})
     write(tmp_path / "after", MORNINGS)
     place, later = (tmp_path / folder / DAY.isoformat() / "batch_0" for folder in ("before", "after"))
-    for name in ("judged.parquet", "outcomes.json"):
+    for name in ("judged.parquet", "outcomes.json.gz"):
         (place / name).write_bytes((later / name).read_bytes())
     store = Store(tmp_path / "before", "0", NAMES)
     assert store.done(DAY) == {"first": [DAY], "second": []}

@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 
 from opml.element_sets import judge
-from opml.report import catalogue
+from opml.report.catalogue_pages import scores as catalogue
 from opml.report.document import Table, tab_separated
 
 SEASONS = {"summer": {"train": ["2026-03-15", "2026-05-07"], "test": ["2026-05-31", "2026-07-31"]}}

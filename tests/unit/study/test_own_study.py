@@ -57,16 +57,6 @@ def test_days_make_three_splits():
     assert list(own.study.span_days) == [0, 8]
 
 
-def test_conjunctions_under_other_weather_are_those_that_there_are(tmp_path):
-    folder = tmp_path / "conjunctions" / "lares"
-    folder.mkdir(parents=True)
-    (folder / "eglin.parquet").touch()
-    asked = {"radius_m": 20.0, "threshold": 1e-4}
-    own = own_of(conjunctions={**asked, "beside": str(tmp_path)})
-    assert own.beside("lares", "eglin") == [str(folder / "eglin.parquet")]
-    assert own.beside("lares", "clear") == own_of(conjunctions=asked).beside("lares", "eglin") == []
-
-
 def test_what_a_study_leaves_out():
     own = own_of()
     assert own.study.station_sets == ["eglin-clear-kaena"]

@@ -655,16 +655,6 @@ def test_a_file_in_the_place_of_results_is_told(tmp_path):
         assert line.endswith(f"mine.yaml: results: expected a folder, got a file at {tmp_path}/taken")
 
 
-def test_results_to_show_beside_have_conjunctions(tmp_path):
-    asked = f"{{radius_m: 20, threshold: 0.0001, beside: {tmp_path}}}"
-    text = f"study: {{days: {{train: [0, 8], test: [8, 12]}}, conjunctions: {asked}}}"
-    line = refused(given(tmp_path, text))
-    expected = "expected the results of a study with conjunctions"
-    assert line.endswith(f"mine.yaml: study.conjunctions.beside: {expected}, got {tmp_path}")
-    (tmp_path / "conjunctions").mkdir()
-    checked(given(tmp_path, text))
-
-
 @pytest.mark.parametrize(
     ("key", "values"),
     [

@@ -1,6 +1,8 @@
 """Scripts that draw, run in process as Snakemake runs them."""
 
+import json
 import runpy
+from datetime import date
 from types import SimpleNamespace
 
 import pandas as pd
@@ -9,6 +11,8 @@ from support import REPOSITORY
 
 from opml.learning.judge import rolling_origins
 from opml.learning.judge.error_sizes import as_known
+from opml.mornings import outcomes, weather_of_day
+from opml.mornings.days import failed
 from opml.tables import POSITION_COVARIANCES, SCHEMAS, read_table, write_table
 from opml.workflow import jobs
 
@@ -83,3 +87,27 @@ def test_conjunctions_of_a_study_are_told_and_drawn(tmp_path, monkeypatch):
     models = table["model"]
     assert models.tolist() == ["none", "none", "running", "selected each day"]
     assert all(path.stat().st_size > 0 for path in (*drawn.pdf, *drawn.png))
+
+
+def test_a_day_of_many_objects_is_told_drawn_and_listed(tmp_path, monkeypatch):
+    monkeypatch.setattr(weather_of_day, "read", lambda files, **_: [])
+    told = [failed(f"o{k}", date(2016, 10, 5), "good", "why") for k in range(201)]
+    told[0] |= {"height_km": 550.0, "inclination_deg": 53.0}
+    told[0] |= {"expected": [{"day": 1, "along_track_sigma_m": 90.0}]}
+    outcomes.write(tmp_path / "objects_0.json", told)
+    suffixes = ("md", "tsv", "html", "json", "png")
+    files = {suffix: tmp_path / f"day.{suffix}" for suffix in suffixes}
+    settings = {"epoch": "2016-09-28T12:09:45", "hour": 6.0, "date": "2016-10-05", "watched": ["o7"]}
+    snakemake = SimpleNamespace(
+        rule="day",
+        log=[str(tmp_path / "log")],
+        params=SimpleNamespace(settings=settings),
+        input=Files(objects=[tmp_path / "objects_0.json"]),
+        output=Files(**files),
+    )
+    script = REPOSITORY / "workflow" / "scripts" / "day_of_many.py"
+    runpy.run_path(str(script), init_globals={"snakemake": snakemake})
+    assert len(files["tsv"].read_text().splitlines()) == 202
+    assert len(json.loads(files["json"].read_text())["objects"]) == 201
+    assert "**o7. Send: good**" in files["md"].read_text()
+    assert all(path.stat().st_size > 0 for path in files.values())

@@ -1,5 +1,7 @@
 """A study from a file of element sets: its days and body follow from them, and the plan takes it."""
 
+import errno
+
 import numpy as np
 import pytest
 import sinking_histories
@@ -8,6 +10,7 @@ from element_histories import history, tle_text
 from opml import cli
 from opml.interop.element_sets import mean_elements
 from opml.study.checks import load_settings
+from opml.study.settings import editor_schema
 from opml.study.settings.merging import merged
 from opml.workflow.study_of_sets import LONGEST, StudyOfSets
 
@@ -59,6 +62,19 @@ def test_files_that_make_no_project_are_refused(name, said, tmp_path, capsys):
     assert cli.main(["init", str(tmp_path / "new"), "--elements", str(tmp_path / name)]) == 1
     assert said in capsys.readouterr().err
     assert not (tmp_path / "new").exists()
+
+
+def test_a_full_disk_leaves_no_half_of_a_project(tmp_path, monkeypatch, capsys):
+    def full(*_):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(editor_schema, "write", full)
+    assert cli.main(["init", str(tmp_path / "new")]) == 1
+    assert (
+        f"opml: {tmp_path / 'new'}: expected a file that can be written, got No space"
+        in capsys.readouterr().err
+    )
+    assert not any((tmp_path / "new").iterdir())
 
 
 REFUSED = {

@@ -63,8 +63,7 @@ def build(
     without any. Not finite where an arc does not reach.
     """
     started = estimates.set_index("track").loc[np.unique(pairs["i"])]
-    past = past_cd(estimates, apriori=flight.rso.cd, memory_days=_MEMORY_DAYS)
-    cd = past["mean"].set_axis(estimates["track"]).loc[started.index].to_numpy()
+    cd = mean_cd(estimates, flight.rso.cd).loc[started.index].to_numpy()
     integrator = flight.integrator.evolve(max_step_s=LONGEST_STEP)
     coarse = replace(flight.under(weathers.model), integrator=integrator)
     # First the prediction, then more drag, then the futures, all side by side.
@@ -84,3 +83,9 @@ def build(
     square = np.sum([shift**2 for shift in ahead], axis=0) if ahead else np.zeros(more.shape)
     distances = np.hstack([np.abs(more), np.sqrt(square / max(1, len(ahead)))])
     return pairs[["i", "j"]].assign(**dict(zip(SPREAD, distances.T, strict=True)))
+
+
+def mean_cd(estimates: pd.DataFrame, apriori: float) -> pd.Series:
+    """Return the mean of the past Cd at each estimate, by its track; apriori: of the sheet."""
+    past = past_cd(estimates, apriori=apriori, memory_days=_MEMORY_DAYS)
+    return pd.Series(past["mean"].to_numpy(), index=estimates["track"])

@@ -35,10 +35,13 @@ def fit(history: Weather, *, days: int, settings: ForecastSettings) -> Forecast:
     return _BY_KIND[settings.kind].fit(history, days, settings)
 
 
-def futures(history: Weather, *, days: int, settings: ForecastSettings, members: int) -> FutureForecast:
-    """Return the ensemble about the forecast of the settings' kind.
+def futures(
+    history: Weather, forecast: Forecast, *, days: int, settings: ForecastSettings, members: int
+) -> FutureForecast:
+    """Return the ensemble about a forecast.
 
     history: weather before the run
+    forecast: of `fit`, with the same settings
     days: of each future
     members: number of futures
 
@@ -50,7 +53,7 @@ def futures(history: Weather, *, days: int, settings: ForecastSettings, members:
     method = _BY_KIND[settings.kind]
     if not method.repeatable:
         return analogues.fit_futures(history, days=days, members=members)
-    forecast, past_days = fit(history, days=days, settings=settings), method.past_days(settings)
+    past_days = method.past_days(settings)
     return error_dressing.dress_futures(history, forecast, days=days, past_days=past_days, members=members)
 
 

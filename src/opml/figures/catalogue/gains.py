@@ -11,11 +11,8 @@ from matplotlib.figure import Figure
 from opml.figures.axis_labels import clauses
 from opml.figures.style import MARKERS, MUTED, SERIES, legend, page_figure
 
-LEAD = 3
-"""Days from the morning to what is predicted, in the middle of those that the corrector knows."""
-
-_GROUPS = 6
-"""Groups of equally many predictions along an axis."""
+LEAD = 3  # days from the morning to what is predicted, in the middle of those that the corrector knows
+_GROUPS = 6  # groups of equally many predictions along an axis
 
 _KEYS = ["number", "morning", "lead"]
 _QUANTITIES = {

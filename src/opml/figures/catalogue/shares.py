@@ -13,11 +13,8 @@ from opml.figures.axis_labels import clauses
 from opml.figures.display_names import display_learner
 from opml.figures.style import MARKERS, MUTED, NOTE_SIZE, SERIES, TRUE_COLOR, legend, panel_figure
 
-_COLUMNS = 4
-"""Panels side by side."""
-
-_APART = 0.2
-"""Days by which the marks of one lead stand apart."""
+_COLUMNS = 4  # panels side by side
+_APART = 0.2  # days by which the marks of one lead stand apart
 
 _INTERVALS = "bars hold 95 %, over weeks and objects"
 _UNLEARNED = "density-scaled, nothing learned of the objects"

@@ -33,12 +33,14 @@ class Taking:
         tell
     sigmas: (3,) standard deviations of a set in RSW [m]; None: learned from the sets before it
     raster: points of sets end at its multiples, the next one behind each epoch [s]; None: at the epochs
+    since: earlier sets tell how accurate later ones are, but have no points, unless all are earlier [s]
     """
 
     step: float  # between the points that stand for a set [s]
     reach: float | None = None
     sigmas: Sequence[float] | None = None
     raster: float | None = None
+    since: float = -np.inf
 
     def ends(self, epochs: np.ndarray) -> np.ndarray:
         """Return when points of sets end [s]: each at a multiple of its own, whatever sets follow."""
@@ -86,14 +88,12 @@ def measured(
     epoch: str,
     duration: float,
     manoeuvres: Sequence[Manoeuvre] = (),
-    since: float = -np.inf,
 ) -> MeasuredSets:
     """Return what the sets of one object measured within a run.
 
     sets: table `element_sets` of one object
     duration: of the run [s]
     manoeuvres: no points of a set lie before one that was before its epoch, and known by then
-    since: earlier sets tell how accurate later ones are, but have no points, unless all are earlier [s]
 
     Raises InputError where no set is left.
     """
@@ -110,7 +110,7 @@ def measured(
     kept, points = [], []
     weighed = sets.assign(**{name: worth[name].to_numpy() for name in FIX_SIGMAS[:3]})
     made = np.where(counting, np.fmax(ends, sets["t_created"].to_numpy()), -np.inf)
-    asked = counting & (ends >= min(since, ends[counting].max(initial=-np.inf)))
+    asked = counting & (ends >= min(taking.since, ends[counting].max(initial=-np.inf)))
     for k in np.flatnonzero(asked):
         sampling = SetSampling(float(reaches[k]), taking.step)
         one, end = weighed.iloc[k], float(ends[k])

@@ -217,10 +217,10 @@ def along_track(rows: pd.DataFrame) -> np.ndarray:
 
 def widening(duration: np.ndarray, days: float) -> np.ndarray:
     """Return f (n,) of the formula, for durations (n,) [s] after a past of so many days."""
-    from scipy.stats import t  # takes half a second to import, too long for a plan
+    from scipy.special import stdtrit  # `scipy.stats` has the same number, and takes half a second to import
 
     freedom = np.maximum(OVERLAP * days / (1.0 + duration / DAY), LEAST_FREEDOM)
-    return t.ppf(0.5 + 0.5 * LEVEL, freedom) / INSIDE
+    return np.asarray(stdtrit(freedom, 0.5 + 0.5 * LEVEL) / INSIDE)
 
 
 def _inflation(distance: np.ndarray, duration: np.ndarray, weight: np.ndarray) -> np.ndarray:
@@ -232,9 +232,10 @@ def _inflation(distance: np.ndarray, duration: np.ndarray, weight: np.ndarray) -
 
 
 def _within() -> float:
-    from scipy.stats import chi2
+    """Return the squared distance within which LEVEL of normal errors of three axes lie."""
+    from scipy.special import gammaincinv
 
-    return float(chi2.ppf(LEVEL, 3))
+    return 2.0 * float(gammaincinv(1.5, LEVEL))  # chi2 of three degrees of freedom
 
 
 def weighted_quantile(values: np.ndarray, weight: np.ndarray, level: float) -> float:

@@ -110,9 +110,6 @@ class ConjunctionSettings(Section):
 
     radius_m: Positive = setting("sum of the radii of two objects", unit="m")
     threshold: Share = setting("probability from which on an alarm is raised")
-    beside: Absent[Text] = absent(
-        "results of the same study with other weather, for comparison", unit="folder"
-    )
 
 
 class Defaults(Section):

@@ -8,7 +8,7 @@ from typing import Any
 import pandas as pd
 
 from opml.mornings import outcomes
-from opml.mornings.batch_day import PATHS, Mark
+from opml.mornings.kept.batch_day import PATHS, Mark
 from opml.mornings.records import Paths
 from opml.tables import paths_schema, read_metadata, read_table
 

@@ -1,7 +1,7 @@
 """The folder of all days: what mornings left on them, as the job of a batch of objects reads and writes it.
 
-`days/2026-02-15/batch_0/` has what the mornings of a batch left (`opml.mornings.batch_day`), days of older
-releases a folder of each object (`opml.mornings.older_days`). Objects are found in whatever batch they were.
+`days/2026-02-15/batch_0/` has what the mornings of a batch left (`batch_day`), days of older releases a
+folder of each object (`older_days`). Objects are found in whatever batch they were.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -11,9 +11,9 @@ from typing import Any
 
 from opml.base.errors import InputError
 from opml.base.files import FilePath
-from opml.mornings.batch_day import PATHS, BatchDay, Finished
 from opml.mornings.calendar import HORIZON
-from opml.mornings.older_days import ObjectDay
+from opml.mornings.kept.batch_day import PATHS, BatchDay, Finished
+from opml.mornings.kept.older_days import ObjectDay
 from opml.mornings.records import Records, below
 
 _BATCH = "batch_"

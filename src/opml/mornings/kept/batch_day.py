@@ -4,7 +4,7 @@ kept_estimates.parquet   estimates that were made, over all windows
 judged.parquet           how far ephemerides of earlier mornings were off these, model by model
 issued.parquet           the models that were flown and their sizes of errors
 paths.parquet            ephemerides of all models, as long as later mornings may judge them
-outcomes.json            what became of each object
+outcomes.json.gz         what became of each object
 done.json                the objects whose mornings are over; written last
 
 Rows of an object count once `done.json` names it. A job that was killed left the objects of it as they were,
@@ -31,7 +31,7 @@ from opml.tables import SCHEMAS, Schema, of_objects, paths_schema, read_metadata
 PATHS = "paths.parquet"
 """The file of ephemerides."""
 
-_DONE, _OUTCOMES = "done.json", "outcomes.json"
+_DONE, _OUTCOMES = "done.json", "outcomes.json.gz"
 _ABSENT: dict[str, Any] = {"bool": False, "int64": 0, "float64": np.nan, "string": ""}
 """What optional columns hold for objects that lack them."""
 

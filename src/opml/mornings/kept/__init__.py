@@ -1,0 +1,1 @@
+"""What mornings leave on disk for those to come."""

@@ -1,0 +1,1 @@
+"""Pages of catalogues: scores of what was learned, and a day of many objects."""
