@@ -29,8 +29,7 @@ from opml.orbits.elements import rsw_rotation
 COVARIANCE = ("cov_x_x", "cov_x_y", "cov_x_z", "cov_y_y", "cov_y_z", "cov_z_z")
 """Columns of the upper triangle of a position's covariance."""
 
-REQUIRED = ("object", "t", "time", "frame", *STATE)
-"""Columns that a CSV has."""
+REQUIRED = ("object", "t", "time", "frame", *STATE)  # columns that a CSV has
 
 FRAMES = ("GCRF", "TEME")
 
@@ -44,20 +43,16 @@ _UPPER = np.triu_indices(3)
 class Answers:
     """States where they were asked.
 
-    states: (questions, 6) in GCRF [m, m/s], NaN without an answer
     covariances: (questions, 3, 3) of positions in RSW of the states [m2], NaN where none is told
     known: (questions,) when the newest input was known [s since EPOCH], NaN where it is not told
-    stray: what answers nothing that was asked, a line each
-    about: what `about.json` tells
-    digest: SHA-256 of the files
     """
 
-    states: np.ndarray
+    states: np.ndarray  # (questions, 6) in GCRF [m, m/s], NaN without an answer
     covariances: np.ndarray
     known: np.ndarray
-    stray: list[str]
-    about: dict[str, Any]
-    digest: str
+    stray: list[str]  # what answers nothing that was asked, a line each
+    about: dict[str, Any]  # what `about.json` tells
+    digest: str  # SHA-256 of the files
 
     @property
     def is_answered(self) -> np.ndarray:

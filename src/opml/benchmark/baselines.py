@@ -39,8 +39,7 @@ _SETS_OF_FIT, _DAYS_OF_FIT, _POINTS = 6, 5.0, 12
 _SVR = svr.SvrSettings(
     kind=svr.KIND, kernel_scale=float(np.sqrt(2.0 * len(FEATURES))), c=1.0, epsilon=0.1, tol=1e-3
 )
-_FEWEST = 40
-"""Rows of a lead below which nothing is learned."""
+_FEWEST = 40  # rows of a lead below which nothing is learned
 
 _MORNINGS = 20
 """Mornings before t that are replayed; the weather and the histories of frozen tasks reach for few more."""
@@ -51,16 +50,12 @@ _UPPER = np.triu_indices(3)
 
 @dataclass(frozen=True, eq=False)
 class Morning:
-    """What a baseline sees.
-
-    rows: of `improve.replayed`, of t and the mornings before
-    is_now: which rows are of t
-    """
+    """What a baseline sees."""
 
     known: improve.PublicData
     model: CatalogueModel
-    rows: pd.DataFrame
-    is_now: np.ndarray
+    rows: pd.DataFrame  # of `improve.replayed`, of t and the mornings before
+    is_now: np.ndarray  # which rows are of t
 
 
 Correction = Callable[[Morning], pd.DataFrame]
@@ -150,8 +145,7 @@ CORRECTIONS: Mapping[str, Correction] = {
 }
 """Ways that correct the newest sets."""
 
-FIT = "fit"
-"""The way that fits a new set to the last ones."""
+FIT = "fit"  # the way that fits a new set to the last ones
 
 WAYS = (*CORRECTIONS, FIT)
 

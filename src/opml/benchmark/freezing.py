@@ -40,11 +40,10 @@ class Facts:
 class WeatherSources:
     """What a recipe is given beside orbits.
 
-    weather: OBSERVED or a CSSI file
     forecasts: CSV of forecasts with a column `issued` (UTC), as they were issued; None: the task has none
     """
 
-    weather: str | Path = "OBSERVED"
+    weather: str | Path = "OBSERVED"  # OBSERVED or a CSSI file
     forecasts: FilePath | None = None
 
 
@@ -74,8 +73,7 @@ class Folders:
         check_free(Path(self.truth), tasks.TRUTH)
 
 
-Question = tuple[int, str, int, str]
-"""Object, t, lead [d] and time, the times as UTC texts."""
+Question = tuple[int, str, int, str]  # object, t, lead [d] and time, the times as UTC texts
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,12 +81,11 @@ class Content:
     """What a task asks, and from what.
 
     states: true GCRF states (6,) [m, m/s] of the questions; none: the truth is made later
-    fill: writes the orbits that were known at t into the folder of its inputs
     """
 
     questions: Sequence[Question]
     states: Sequence[np.ndarray]
-    fill: Callable[[str, Path], None]
+    fill: Callable[[str, Path], None]  # writes the orbits that were known at t into the folder of its inputs
 
 
 def freeze(facts: Facts, content: Content, known: WeatherSources, folders: Folders) -> int:

@@ -38,10 +38,6 @@ class Recipe(Section):
     """How a task is made.
 
     first, last: dates of the mornings that ask, one every so many days
-    groups: of objects, each asked in turn
-    history_days: days of sets before a morning
-    latency_hours: from epoch to publication of sets that do not tell when they were made
-    digest: SHA-256 of SHA256SUMS, '' before the task is frozen
     """
 
     name: Text
@@ -49,10 +45,10 @@ class Recipe(Section):
     first: date
     last: date
     every_days: Count
-    groups: Count
-    history_days: Count
-    latency_hours: NotNegative = 6.0
-    digest: str = ""
+    groups: Count  # of objects, each asked in turn
+    history_days: Count  # days of sets before a morning
+    latency_hours: NotNegative = 6.0  # from epoch to publication of sets that do not tell when they were made
+    digest: str = ""  # SHA-256 of SHA256SUMS, '' before the task is frozen
 
     @property
     def mornings(self) -> np.ndarray:

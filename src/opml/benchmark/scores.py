@@ -24,11 +24,8 @@ from opml.orbits.rsw_covariance import half_width
 AXES = {"s": "along_track", "r": "radial", "w": "cross_track"}
 """Names of the axes, in the order in which they are told."""
 
-LEVEL = corrector.LEVEL
-"""Share of the errors that intervals are to hold."""
-
-STORM = 30
-"""Daily Ap from which a day is a storm, NOAA's minor one."""
+LEVEL = corrector.LEVEL  # share of the errors that intervals are to hold
+STORM = 30  # daily Ap from which a day is a storm, NOAA's minor one
 
 _SEED = 1
 _INTERVAL = (2.5, 97.5)

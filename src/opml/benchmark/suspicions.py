@@ -15,9 +15,7 @@ from opml.benchmark.answers import Answers
 from opml.benchmark.tasks import BenchmarkTask
 from opml.interop.element_sets.teme import teme_to_gcrf
 
-_COPIED = 0.01
-"""Distance from the truth [m] that no prediction has: sets alone err by tens of metres."""
-
+_COPIED = 0.01  # distance from the truth [m] that no prediction has: sets alone err by tens of metres
 _LEAST_SHIFT = 0.5  # [s] along the track
 _ALIKE = 0.1  # of a shift: how far half of the answers may be from it
 _BETTER = 0.1  # what another frame leaves of the distances

@@ -18,20 +18,14 @@ from opml.base import epochs
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 
-FORMAT = "benchmark/v1"
-"""Name and version of the format."""
-
-SAMPLE = "SAMPLE"
-"""Name of the simulated task that comes with the package."""
+FORMAT = "benchmark/v1"  # name and version of the format
+SAMPLE = "SAMPLE"  # name of the simulated task that comes with the package
 
 SAMPLES = {SAMPLE: "sample", "SAMPLE-TRACKS": "sample-tracks"}
 """Folders of the tasks that come with the package, by name."""
 
-HIDDEN = "hidden"
-"""Digest of a truth that is published later."""
-
-EPOCH = "2000-01-01T12:00:00"
-"""UTC text from which times count."""
+HIDDEN = "hidden"  # digest of a truth that is published later
+EPOCH = "2000-01-01T12:00:00"  # UTC text from which times count
 
 TASK, QUESTIONS, INPUTS, SUMS = "task.json", "questions.csv", "inputs", "SHA256SUMS"
 """Files and folders of a task."""
@@ -47,18 +41,14 @@ _PACKAGED = Path(__file__).parents[1] / "data" / "benchmark"
 
 @dataclass(frozen=True, eq=False)
 class BenchmarkTask:
-    """What is asked.
+    """What is asked."""
 
-    folder: of the task
-    questions: columns object (catalogue number), t and time (UTC texts), lead [d]
-    """
-
-    folder: Path
+    folder: Path  # of the task
     name: str
     title: str
     latency: float
     truth_digest: str
-    questions: pd.DataFrame
+    questions: pd.DataFrame  # columns object (catalogue number), t and time (UTC texts), lead [d]
 
     def inputs(self, t: str) -> Path:
         """Return the folder of what was known at a time of the questions."""

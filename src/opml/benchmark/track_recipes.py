@@ -36,20 +36,14 @@ _DIGITS = {"azimuth": 5, "elevation": 5, "range": 1}  # of degrees and metres: t
 
 
 class TrackedObject(Section):
-    """An object of a recipe, its key the number by which answers name it.
+    """An object of a recipe, its key the number by which answers name it."""
 
-    files: pattern of the names of its orbit's files
-    first: UTC text of its first morning, which others follow, one every so many days
-    stations: names in the package's sheet
-    area_to_mass: [m2/kg]; cr: reflectivity
-    """
-
-    files: Text
-    first: Text
+    files: Text  # pattern of the names of its orbit's files
+    first: Text  # UTC text of its first morning, which others follow, one every so many days
     mornings: Count
     every_days: Count
-    stations: list[str]
-    area_to_mass: Positive
+    stations: list[str]  # names in the package's sheet
+    area_to_mass: Positive  # [m2/kg]; cr: reflectivity
     cr: NotNegative
 
     @property

@@ -15,8 +15,7 @@ from opml.conjunctions.screening import approaches_of, flown
 from opml.conjunctions.sieve import Span
 from opml.conjunctions.trajectories import FlownElements, read_elements, span_of_days
 
-_REACH = 300.0
-"""Time before and after a look in which two objects that may be near fly [s]."""
+_REACH = 300.0  # time before and after a look in which two objects that may be near fly [s]
 
 _log = logging.getLogger(__name__)
 

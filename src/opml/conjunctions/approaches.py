@@ -18,15 +18,12 @@ from scipy.interpolate import make_interp_spline
 from opml.base.constants import EARTH_GM
 from opml.base.errors import InputError
 
-STEP = 60.0
-"""Time between two looks at the distance [s]."""
+STEP = 60.0  # time between two looks at the distance [s]
 
 LONGEST_STEP = 300.0
 """Longest time between two states of a path [s]: beyond, the polynomials through them err by metres."""
 
-FEWEST = 4
-"""Least number of states of a path: its polynomials go through as many."""
-
+FEWEST = 4  # least number of states of a path: its polynomials go through as many
 _FASTEST = 25e3  # relative speed of two objects bound to the Earth, head on at its surface [m/s]
 _VELOCITY_MISS = 1e3  # of a way by the mean velocity of its ends [m]
 _NEAREST, _FARTHEST = 6e6, 1e9  # from the Earth's centre [m]
@@ -44,15 +41,11 @@ def velocities_of(t: np.ndarray, positions: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True, eq=False)
 class Path:
-    """States of an object, a minute or so apart.
-
-    t: (n,) ascending [s]
-    states: (n, 6) GCRF [m, m/s]
-    """
+    """States of an object, a minute or so apart."""
 
     name: str
-    t: np.ndarray
-    states: np.ndarray
+    t: np.ndarray  # (n,) ascending [s]
+    states: np.ndarray  # (n, 6) GCRF [m, m/s]
 
     def __post_init__(self) -> None:
         """Raise InputError for fewer than four states, ones too far apart, and ones that make no orbit."""
@@ -120,16 +113,11 @@ class Path:
 
 @dataclass(frozen=True)
 class Approach:
-    """A minimum of the distance of two paths.
+    """A minimum of the distance of two paths."""
 
-    t: when [s]
-    distance: [m]
-    is_end: whether the time that both share begins or ends there; they may come nearer beyond
-    """
-
-    t: float
-    distance: float
-    is_end: bool = False
+    t: float  # when [s]
+    distance: float  # [m]
+    is_end: bool = False  # whether the time that both share begins or ends there; they may come nearer beyond
 
 
 def shared(one: Path, other: Path) -> tuple[float, float]:

@@ -31,15 +31,9 @@ from opml.interop.orbit_from_files import OrbitFiles, is_orbit, whole_arcs
 from opml.orbits.elements import bent_rsw, rsw_rotation
 from opml.orbits.rsw_covariance import mahalanobis
 
-FLOWN_DAYS = 7.0
-"""Time over which two orbits are compared that are both of mean elements [d]."""
-
-LEVELS = (0.5, 0.9)
-"""Shares that the ellipsoids of a covariance hold which a summary counts."""
-
-MOST_ROWS = 14
-"""Largest number of rows of a summary."""
-
+FLOWN_DAYS = 7.0  # time over which two orbits are compared that are both of mean elements [d]
+LEVELS = (0.5, 0.9)  # shares that the ellipsoids of a covariance hold which a summary counts
+MOST_ROWS = 14  # largest number of rows of a summary
 _SPACINGS = (0.1, 0.5, 1.0, 3.0, 6.0, 12.0, 24.0, 72.0, 240.0, 720.0, 2400.0)  # [h]
 _SAME = 1e-5  # [s]
 _OTHER_UNIT = 0.5  # of most ways between positions that velocities miss by more
@@ -51,14 +45,12 @@ _log = logging.getLogger(__name__)
 class Stretch:
     """States of an orbit without a gap.
 
-    t: (n,) ascending [s since EPOCH]
-    states: (n, 6) in GCRF [m, m/s], velocities NaN where unknown
     covariance_t, covariances: (m,) [s] and (m, 3, 3) of positions in RSW [m2]
     """
 
     name: str
-    t: np.ndarray
-    states: np.ndarray
+    t: np.ndarray  # (n,) ascending [s since EPOCH]
+    states: np.ndarray  # (n, 6) in GCRF [m, m/s], velocities NaN where unknown
     covariance_t: np.ndarray = field(default_factory=lambda: np.empty(0))
     covariances: np.ndarray = field(default_factory=lambda: np.empty((0, 3, 3)))
 
@@ -81,18 +73,12 @@ class Stretch:
 
 @dataclass(frozen=True, eq=False)
 class States:
-    """An orbit of states, interpolated between those that are at most five minutes apart.
+    """An orbit of states, interpolated between those that are at most five minutes apart."""
 
-    source: the file, the first of several
-    stretches: in the order of time; where they overlap the later one counts
-    is_flown: whether states follow from mean elements at any time
-    identity: of the object
-    """
-
-    source: str
-    stretches: Sequence[Stretch]
-    is_flown: bool = False
-    identity: ObjectId = UNKNOWN
+    source: str  # the file, the first of several
+    stretches: Sequence[Stretch]  # in the order of time; where they overlap the later one counts
+    is_flown: bool = False  # whether states follow from mean elements at any time
+    identity: ObjectId = UNKNOWN  # of the object
 
     @cached_property
     def t(self) -> np.ndarray:

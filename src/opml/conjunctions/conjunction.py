@@ -15,9 +15,7 @@ from opml.interop.object_ids import ObjectId
 from opml.orbits.density_error import DensityError
 from opml.orbits.elements import in_rsw, rsw_rotation
 
-LARGEST_RADIUS = 1e4
-"""Largest sum of the radii of two objects [m]: one that is larger is in another unit."""
-
+LARGEST_RADIUS = 1e4  # largest sum of the radii of two objects [m]: one that is larger is in another unit
 _SAME = 1e-2  # [s, m, m/s]; what the interpolation of the same states may differ by
 
 
@@ -25,17 +23,14 @@ _SAME = 1e-2  # [s, m, m/s]; what the interpolation of the same states may diffe
 class Participant:
     """An object at the time of a closest approach.
 
-    state: (6,) GCRF [m, m/s]
     covariance: (6, 6) in RSW axes of the state, velocities inertial [m, m/s]; None where unknown
-    remarks: what to know of either
-    density: the part of the covariance that others share; None where unknown
     """
 
     identity: ObjectId
-    state: np.ndarray
+    state: np.ndarray  # (6,) GCRF [m, m/s]
     covariance: np.ndarray | None = None
-    remarks: tuple[str, ...] = ()
-    density: DensityError | None = None
+    remarks: tuple[str, ...] = ()  # what to know of either
+    density: DensityError | None = None  # the part of the covariance that others share; None where unknown
 
     @property
     def _axes(self) -> np.ndarray:
@@ -78,19 +73,16 @@ class Participant:
 class Conjunction:
     """Two objects where they are closest.
 
-    t: when [s since some epoch]
-    radius: sum of the radii of both [m]
-    is_end: whether nothing is known beyond, where they may come nearer
     known: when the newest was known of either [s since that epoch]; None: at the approach
     common: (2, 6) what one standard deviation of an error that both share does to their states in GCRF
         [m, m/s]; None: their errors are independent
     """
 
-    t: float
+    t: float  # when [s since some epoch]
     first: Participant
     second: Participant
-    radius: float
-    is_end: bool = False
+    radius: float  # sum of the radii of both [m]
+    is_end: bool = False  # whether nothing is known beyond, where they may come nearer
     known: float | None = None
     common: np.ndarray | None = None
 

@@ -38,14 +38,10 @@ _FARTHEST = 0.5  # change of an element, as a share of what lacks an eccentricit
 
 @dataclass(frozen=True, eq=False)
 class Cloud:
-    """Where a relative state may be.
+    """Where a relative state may be."""
 
-    mean: (..., 6) [m, m/s]
-    covariance: (..., 6, 6)
-    """
-
-    mean: np.ndarray
-    covariance: np.ndarray
+    mean: np.ndarray  # (..., 6) [m, m/s]
+    covariance: np.ndarray  # (..., 6, 6)
 
     def __getitem__(self, which: Any) -> "Cloud":
         return Cloud(self.mean[which], self.covariance[which])
@@ -53,32 +49,24 @@ class Cloud:
 
 @dataclass(frozen=True, eq=False)
 class Collision:
-    """Where two objects most likely collide.
+    """Where two objects most likely collide."""
 
-    cloud: the relative state, linear in the elements about there
-    velocity: (..., 3) with which they collide [m/s]
-    is_straight: (...) whether it was found, and they collide with hardly any other velocity
-    """
-
-    cloud: Cloud
-    velocity: np.ndarray
-    is_straight: np.ndarray
+    cloud: Cloud  # the relative state, linear in the elements about there
+    velocity: np.ndarray  # (..., 3) with which they collide [m/s]
+    is_straight: np.ndarray  # (...) whether it was found, and they collide with hardly any other velocity
 
 
 @dataclass(frozen=True, eq=False)
 class UncertainPairs:
     """Pairs of objects on ellipses, at one time.
 
-    states: (..., 2, 6) in GCRF [m, m/s]
-    covariances: (..., 2, 6, 6) of them
-    radius: (...) sum of the radii [m]
     common: (..., 2, 6) what one standard deviation of an error that both share does to the states [m, m/s];
         the covariances hold it
     """
 
-    states: np.ndarray
-    covariances: np.ndarray
-    radius: np.ndarray
+    states: np.ndarray  # (..., 2, 6) in GCRF [m, m/s]
+    covariances: np.ndarray  # (..., 2, 6, 6) of them
+    radius: np.ndarray  # (...) sum of the radii [m]
     common: np.ndarray | None = None
 
     def distances(self, t: np.ndarray) -> np.ndarray:

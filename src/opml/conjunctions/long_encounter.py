@@ -51,16 +51,11 @@ def chance(pair: UncertainPairs, period: float) -> Chance:
 
 @dataclass(frozen=True, eq=False)
 class _Side:
-    """What flows into the sphere before the closest approach, or after it.
+    """What flows into the sphere before the closest approach, or after it."""
 
-    probability: of that, up to the end of the encounter
-    around: the same up to the largest distance
-    last: the relative state about the time of the end
-    """
-
-    probability: float
-    around: float
-    last: Cloud
+    probability: float  # of that, up to the end of the encounter
+    around: float  # the same up to the largest distance
+    last: Cloud  # the relative state about the time of the end
 
 
 def _ends(pair: UncertainPairs, period: float) -> tuple[float, float]:

@@ -26,8 +26,7 @@ from scipy.special import ndtr
 
 from opml.base.errors import InputError
 
-SHORT = 0.02
-"""Longest share of a revolution that a short encounter may last."""
+SHORT = 0.02  # longest share of a revolution that a short encounter may last
 
 LEAST_SIGMA = 1e-4
 """Least standard deviation in the plane, as a share of the radius: narrower ones are widened to it."""
@@ -44,8 +43,7 @@ _SCALES = np.geomspace(1e-3, 1e3, 25)
 """Factors of the standard deviations among which the largest probability is looked for."""
 
 _ROUNDING = 1e-14
-_INSIDE = 5.73
-"""Standard deviations along the relative velocity beyond which lies a part in 10^8."""
+_INSIDE = 5.73  # standard deviations along the relative velocity beyond which lies a part in 10^8
 
 
 @dataclass(frozen=True)
@@ -53,14 +51,12 @@ class Encounter:
     """Two objects where they are closest.
 
     position, velocity: (3,) of the second relative to the first, in GCRF [m, m/s]
-    covariance: (3, 3) of the relative position, in GCRF [m2]
-    radius: sum of the radii of both [m]
     """
 
     position: np.ndarray
     velocity: np.ndarray
-    covariance: np.ndarray
-    radius: float
+    covariance: np.ndarray  # (3, 3) of the relative position, in GCRF [m2]
+    radius: float  # sum of the radii of both [m]
 
     def __post_init__(self) -> None:
         """Raise InputError for no radius, and numbers that are none."""
@@ -85,17 +81,14 @@ class Encounter:
 class Chance:
     """How likely a collision is.
 
-    probability: of a collision
-    most: largest probability under any multiple of the covariance, NaN for a long encounter
     scale: factor of the standard deviations at which it is reached; below 1 the probability is diluted
-    mended: whether the covariance was none, or flat, and was widened
     around: the probability within half a revolution to either side, NaN for a short encounter
     """
 
-    probability: float
-    most: float
+    probability: float  # of a collision
+    most: float  # largest probability under any multiple of the covariance, NaN for a long encounter
     scale: float
-    mended: bool
+    mended: bool  # whether the covariance was none, or flat, and was widened
     around: float = math.nan
 
     @property

@@ -35,14 +35,9 @@ from opml.interop.element_sets.mean_elements import WARN_DAYS
 from opml.interop.object_ids import ObjectId
 from opml.interop.orbit_arcs import contents
 
-RADIUS = 20.0
-"""Sum of the radii of two objects of which nothing is told [m]."""
-
-DAYS = 7.0
-"""Days that mean elements fly where nobody tells."""
-
-WITHIN = 5.0
-"""Distance that is near where nobody tells [km]."""
+RADIUS = 20.0  # sum of the radii of two objects of which nothing is told [m]
+DAYS = 7.0  # days that mean elements fly where nobody tells
+WITHIN = 5.0  # distance that is near where nobody tells [km]
 
 # Standard deviations of a position [m] beyond which it is told: one may be in another unit, or made up.
 _WIDE, _EXACT = 1e5, 0.1
@@ -55,19 +50,15 @@ _log = logging.getLogger(__name__)
 class ScreenedObject:
     """What a file knows of an object.
 
-    identity: of the object
-    source: the file's name
     fly: return the trajectories, in the order of the file, none where the object has decayed, or its elements
         are too old
-    known: when the newest was known that it is made from [s]
-    elements: that fly; None for states
     """
 
-    identity: ObjectId
-    source: str
+    identity: ObjectId  # of the object
+    source: str  # the file's name
     fly: Callable[[], Sequence[Trajectory]]
-    known: float
-    elements: FlownElements | None = None
+    known: float  # when the newest was known that it is made from [s]
+    elements: FlownElements | None = None  # that fly; None for states
 
     @cached_property
     def trajectories(self) -> Sequence[Trajectory]:

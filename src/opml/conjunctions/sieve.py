@@ -17,19 +17,11 @@ from opml.conjunctions.approaches import Path
 from opml.interop.element_sets.element_set import fly
 from opml.interop.element_sets.teme import teme_to_gcrf
 
-LOOK = 240.0
-"""Longest time between two looks at one object and ours [s]."""
-
-LOOK_AT_ALL = 30.0
-"""Longest time between two looks at all objects [s]."""
-
-STEEP = 1e-3 * WGS84_A + 200.0
-"""Distance from the Earth's centre below which sets may descend steeply [km]."""
-
+LOOK = 240.0  # longest time between two looks at one object and ours [s]
+LOOK_AT_ALL = 30.0  # longest time between two looks at all objects [s]
+STEEP = 1e-3 * WGS84_A + 200.0  # distance from the Earth's centre below which sets may descend steeply [km]
 _CLOSER = 12  # looks from one of the first to the next
-Span = tuple[float, float]
-"""When something begins and ends [s]."""
-
+Span = tuple[float, float]  # when something begins and ends [s]
 _TIDE = 1.7e-6  # half the largest difference of attraction over a distance, 100 km below the surface [1/s2]
 _OFF = 0.05  # two objects' velocities by SGP4 from how they move; 0.001 but for some that soon decay [km/s]
 _AT_ONCE = 100  # looks at all objects held in memory
@@ -39,14 +31,10 @@ _MINUTE = 60.0
 
 @dataclass(frozen=True, eq=False)
 class Sgp4Orbit:
-    """Mean elements as SGP4 flies them.
+    """Mean elements as SGP4 flies them."""
 
-    t: epoch of the elements [s since that of the looks]
-    satellite: the elements
-    """
-
-    t: float
-    satellite: Satrec
+    t: float  # epoch of the elements [s since that of the looks]
+    satellite: Satrec  # the elements
 
     def states(self, t: np.ndarray) -> np.ndarray:
         """Return states (n, 6) in TEME [km, km/s] at times (n,) [s], NaN where SGP4 fails.
@@ -60,14 +48,10 @@ class Sgp4Orbit:
 
 @dataclass(frozen=True, eq=False)
 class Looks:
-    """States of our object at the closer looks.
+    """States of our object at the closer looks."""
 
-    t: (n,) [s]
-    states: (n, 6) TEME [km, km/s]
-    """
-
-    t: np.ndarray
-    states: np.ndarray
+    t: np.ndarray  # (n,) [s]
+    states: np.ndarray  # (n, 6) TEME [km, km/s]
 
     @classmethod
     def at(cls, path: Path, *, epoch: str) -> "Looks":

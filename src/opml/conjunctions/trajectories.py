@@ -20,8 +20,7 @@ from opml.interop.oem import Segment
 from opml.orbits.density_error import DensityErrors
 from opml.orbits.elements import rsw_rotation
 
-EPOCH = "2000-01-01T12:00:00"
-"""UTC text from which times of files count [s], to a microsecond."""
+EPOCH = "2000-01-01T12:00:00"  # UTC text from which times of files count [s], to a microsecond
 
 COVARIANCE_HELD = 600.0
 """Time for which a covariance holds before the first and beyond the last that is known [s]."""
@@ -51,19 +50,13 @@ def covariances_at(known: np.ndarray, covariances: np.ndarray, t: np.ndarray) ->
 
 @dataclass(frozen=True, eq=False)
 class Trajectory:
-    """Where an object is expected for a while, and how surely.
-
-    covariance_t: (m,) ascending [s]
-    covariances: (m, 6, 6) in RSW [m, m/s]
-    remark: what to know of these
-    density: the part of these that other objects share; None where unknown
-    """
+    """Where an object is expected for a while, and how surely."""
 
     path: Path
-    covariance_t: np.ndarray = field(default_factory=lambda: np.empty(0))
-    covariances: np.ndarray = field(default_factory=lambda: np.empty((0, 6, 6)))
-    remark: str = ""
-    density: DensityErrors | None = None
+    covariance_t: np.ndarray = field(default_factory=lambda: np.empty(0))  # (m,) ascending [s]
+    covariances: np.ndarray = field(default_factory=lambda: np.empty((0, 6, 6)))  # (m, 6, 6) in RSW [m, m/s]
+    remark: str = ""  # what to know of these
+    density: DensityErrors | None = None  # the part of these that other objects share; None where unknown
 
     @property
     def span(self) -> Span:
@@ -99,16 +92,11 @@ def span_of_days(path: FilePath, days: float) -> Span:
 
 @dataclass(frozen=True, eq=False)
 class FlownElements:
-    """Mean elements that SGP4 flies.
+    """Mean elements that SGP4 flies."""
 
-    identity: of the object
-    row: of a table `element_sets`, times from EPOCH, and when it was known
-    span: in which the object is looked for [s]
-    """
-
-    identity: ObjectId
-    row: pd.Series
-    span: Span
+    identity: ObjectId  # of the object
+    row: pd.Series  # of a table `element_sets`, times from EPOCH, and when it was known
+    span: Span  # in which the object is looked for [s]
 
     @cached_property
     def orbit(self) -> Sgp4Orbit:

@@ -27,9 +27,7 @@ from opml.learning.judge.model_choice import CHOSEN, Mornings
 from opml.orbits.rsw_covariance import AXES
 from opml.tables import SCHEMAS
 
-FORMAL, LEARNED = "the fit's own", "of past errors"
-"""Covariances that predictions go with."""
-
+FORMAL, LEARNED = "the fit's own", "of past errors"  # covariances that predictions go with
 _DRAWS, _AREAS = 1024, 256  # collisions, and areas of alarms; powers of two balance Sobol's points
 _HALF_DAY = 0.5 * DAY
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(4)
@@ -39,14 +37,10 @@ _FARTHEST = 60.0  # standard deviations beyond which no alarm is raised
 
 @dataclass(frozen=True)
 class Screening:
-    """How operators look at approaches.
+    """How operators look at approaches."""
 
-    radius: sum of the radii of two objects [m]
-    threshold: probability from which on an alarm is raised
-    """
-
-    radius: float
-    threshold: float
+    radius: float  # sum of the radii of two objects [m]
+    threshold: float  # probability from which on an alarm is raised
 
 
 def compare(

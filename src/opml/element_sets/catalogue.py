@@ -15,15 +15,13 @@ from opml.base.files import FilePath
 from opml.interop.element_sets import mean_elements
 from opml.interop.element_sets.element_set import ElementSet, each, mean_height, numbered
 
-LATENCY = 0.25
-"""Days from the epoch of a set to its publication, where the set does not say when it was made."""
+LATENCY = 0.25  # days from the epoch of a set to its publication, where the set does not say when it was made
 
 SUFFIXES = (".tle", ".txt", ".3le", ".json", ".csv", ".xml", ".kvn", ".omm")
 """Endings of the files of a folder that are read, `.gz` after them or not."""
 
 _MOST_DAYS = 1e6  # more than any modified Julian day
-_DAMAGED = 20
-"""A file is refused where more than one set of so many cannot be read."""
+_DAMAGED = 20  # a file is refused where more than one set of so many cannot be read
 
 _log = logging.getLogger(__name__)
 
@@ -35,11 +33,10 @@ class ElementCatalogue:
     table: columns number (of the catalogue), t (epoch), known (when it was public; modified Julian days,
         UTC), bstar [1/(6378.135 km)], motion [rad/min], eccentricity, inclination [rad], height [m] (mean,
         above the equatorial radius), file, place and line (where the set is)
-    satellites: what SGP4 propagates, a set a row
     """
 
     table: pd.DataFrame
-    satellites: list[Satrec]
+    satellites: list[Satrec]  # what SGP4 propagates, a set a row
 
     def until(self, date: float) -> "ElementCatalogue":
         """Return the sets that were known at a time (modified Julian day, UTC)."""

@@ -24,14 +24,9 @@ from opml.learning.models.boosting import BoostingModel
 from opml.learning.models.contract import Predictor
 from opml.learning.models.inputs import Training, subsample
 
-LEVEL = 0.9
-"""Share of the errors that the learned size holds."""
-
-FEWEST = 2000
-"""Rows below which nothing is learned for a part of the catalogue."""
-
-NORMAL = 1.6449
-"""Standard deviations within which LEVEL of normal errors lie."""
+LEVEL = 0.9  # share of the errors that the learned size holds
+FEWEST = 2000  # rows below which nothing is learned for a part of the catalogue
+NORMAL = 1.6449  # standard deviations within which LEVEL of normal errors lie
 
 _ALL_BANDS = tuple(range(len(BANDS) - 1))
 _GROUPS = (_ALL_BANDS[:4], _ALL_BANDS[4:5], _ALL_BANDS[5:])
@@ -60,24 +55,18 @@ _WIDER = 0.5  # part of a jump that sigmas are wider by
 _BATCH = 100_000  # rows that are corrected at a time: a catalogue's would need a third more memory
 
 
-Shares = Mapping[tuple[int, int], float]
-"""Shares of learned misses by band and lead."""
+Shares = Mapping[tuple[int, int], float]  # shares of learned misses by band and lead
 
 
 @dataclass(frozen=True, eq=False)
 class BandModels:
-    """Models of some bands and leads.
-
-    miss: of what is left of the density-scaled prediction, in scales
-    size: of the logarithm of the size of what the correction leaves, in scales
-    shares: by band and lead, how much of the miss is taken off
-    """
+    """Models of some bands and leads."""
 
     bands: tuple[int, ...]
     leads: tuple[int, ...]
-    miss: Predictor
-    size: BoostingModel
-    shares: Shares
+    miss: Predictor  # of what is left of the density-scaled prediction, in scales
+    size: BoostingModel  # of the logarithm of the size of what the correction leaves, in scales
+    shares: Shares  # by band and lead, how much of the miss is taken off
 
     def rows_of(self, rows: pd.DataFrame) -> np.ndarray:
         """Return the numbers of the rows that can be corrected and belong to this part."""
@@ -153,8 +142,7 @@ def widen_jumps(found: pd.DataFrame, jump: pd.Series) -> pd.DataFrame:
     return found.assign(sigma=found["sigma"] * (_WIDER * jump).where(jump > JUMP, 1.0))
 
 
-Fit = Callable[[pd.DataFrame, int], Predictor]
-"""Learns the target of rows; the seed is the second argument."""
+Fit = Callable[[pd.DataFrame, int], Predictor]  # learns the target of rows; the seed is the second argument
 
 
 def fit(rows: pd.DataFrame, learner: str, *, seed: int) -> Corrector:

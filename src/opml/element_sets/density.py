@@ -20,16 +20,13 @@ from opml.environment.weather import Weather
 HEIGHTS = 1e3 * np.array([250.0, 300.0, 350.0, 400.0, 450.0, 500.0, 550.0, 600.0, 700.0, 850.0, 1000.0])
 """Heights of the tables [m]; between them the logarithm is linear."""
 
-QUARTERS = 4
-"""Densities a day."""
+QUARTERS = 4  # densities a day
 
 DAYS_AHEAD = 9
 """Days of the forecast: seven, half a day to the set that judges, and what the newest weather may lack."""
 
 _FLUX_DAYS = 82  # of flux that a density asks for: the mean of 81 days up to the day before
-
-RUN_UP = 84
-"""Days of densities before a morning that its forecast and its levels of drag need."""
+RUN_UP = 84  # days of densities before a morning that its forecast and its levels of drag need
 
 _LATITUDES, _LONGITUDES = 4, 6
 _MEANS = (7, 27, 81)
@@ -42,14 +39,10 @@ _LEAST, _RIDGE, _TOLERANCE, _MOST = 2e-3, 1e-6, 1e-4, 25  # of the iteration for
 
 @dataclass(frozen=True, eq=False)
 class Densities:
-    """Logarithms of mean densities [ln kg/m3].
+    """Logarithms of mean densities [ln kg/m3]."""
 
-    first: the day (modified Julian day, UTC) at which the first quarter begins
-    log: (quarters, heights)
-    """
-
-    first: int
-    log: np.ndarray
+    first: int  # the day (modified Julian day, UTC) at which the first quarter begins
+    log: np.ndarray  # (quarters, heights)
 
     def quarter(self, time: float) -> int:
         """Return the number of quarters that are over at a time (modified Julian day)."""

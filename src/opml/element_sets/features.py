@@ -24,20 +24,14 @@ BANDS = 1e3 * np.array([300.0, 400.0, 450.0, 500.0, 550.0, 600.0, 700.0, 1000.0]
 MOST_ECCENTRICITY = 0.02
 """Largest eccentricity of an orbit that is corrected: its drag is that of its mean height."""
 
-FLOOR = 30.0
-"""What a prediction is off by without any drag [m/d]."""
-
-OWN = (3, 12)
-"""Numbers of the object's own mornings whose misses count."""
-
-_RECENT = (1, 2, 3)
-"""Days since the mornings whose common miss a day ahead still counts."""
+FLOOR = 30.0  # what a prediction is off by without any drag [m/d]
+OWN = (3, 12)  # numbers of the object's own mornings whose misses count
+_RECENT = (1, 2, 3)  # days since the mornings whose common miss a day ahead still counts
 
 _LASTING = dict(zip(LEADS, (0.3, 0.25, 0.2, 0.15), strict=True))
 """Part of a common miss that is there again, by lead [d]."""
 
-_FEWEST_OF_BAND = 5
-"""Objects below which a band has no common miss."""
+_FEWEST_OF_BAND = 5  # objects below which a band has no common miss
 
 _DAY_BEFORE = (-1.0, 0.0)
 _WINDOWS = ((-2.0, 0.0), (-1.0, 1.0), (-2.0, 1.0), (-3.0, 1.5), (0.0, 1.0))
@@ -49,12 +43,10 @@ _LEVELS = (
     ((-1.0, 1.0), 2),
     ((-2.0, 1.0), 2),
 )
-_SETS = 8
-"""Sets of an object that its levels look at."""
+_SETS = 8  # sets of an object that its levels look at
 
 _NODES = 9
-_OLD = 20.0
-"""Age [d] against the newest set beyond which a set says nothing about the level."""
+_OLD = 20.0  # age [d] against the newest set beyond which a set says nothing about the level
 
 _CLIP = 50.0
 
@@ -73,8 +65,7 @@ DISTANCES = (
 As features they are less their medians of the band, lead and morning, as the target is.
 """
 
-APART = tuple(f"{name}_apart" for name in DISTANCES)
-"""The features that these are."""
+APART = tuple(f"{name}_apart" for name in DISTANCES)  # the features that these are
 
 OWN_FEATURES = tuple(f"own_{count}_{what}" for count in OWN for what in ("mean", "size"))
 

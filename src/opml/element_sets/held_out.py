@@ -23,17 +23,10 @@ from opml.tables import catalogue_densities_schema, catalogue_rows_schema
 
 _HEIGHTS = [f"log_density_{height / 1e3:g}km" for height in density.HEIGHTS]
 
-DENSITIES = catalogue_densities_schema(_HEIGHTS)
-"""Schema of the table of mean densities."""
-
-ROWS = catalogue_rows_schema([name for name in FEATURES if name != "lead"])
-"""Schema of the table of rows."""
-
-_SETS_BEFORE = 30.0
-"""Days of sets before the first morning, for the levels of drag."""
-
-_SETS_AFTER = 10.0
-"""Days of sets after the last morning, which judge."""
+DENSITIES = catalogue_densities_schema(_HEIGHTS)  # schema of the table of mean densities
+ROWS = catalogue_rows_schema([name for name in FEATURES if name != "lead"])  # schema of the table of rows
+_SETS_BEFORE = 30.0  # days of sets before the first morning, for the levels of drag
+_SETS_AFTER = 10.0  # days of sets after the last morning, which judge
 
 
 @dataclass(frozen=True)

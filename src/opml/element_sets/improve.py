@@ -35,11 +35,8 @@ from opml.interop.element_sets.element_set import semi_major_axis
 from opml.interop.element_sets.rewriting import Better
 from opml.tables import check_suffix, write_as
 
-NEWER_WEATHER = "https://celestrak.org/SpaceData/SW-All.csv"
-"""Where newer space weather is."""
-
-OLDEST_WEATHER = 3.0
-"""Days before the date that the weather may end: the forecast begins there."""
+NEWER_WEATHER = "https://celestrak.org/SpaceData/SW-All.csv"  # where newer space weather is
+OLDEST_WEATHER = 3.0  # days before the date that the weather may end: the forecast begins there
 
 _FEWEST_SETS = 3
 _PAST_COLUMNS = ["number", "morning", "lead", "error", "left", "sigma"]
@@ -54,31 +51,24 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True, eq=False)
 class PublicData:
-    """What is public on a date: sets, and the weather up to it.
-
-    date: UTC text
-    weather: clean, no later than the date
-    """
+    """What is public on a date: sets, and the weather up to it."""
 
     catalogue: ElementCatalogue
-    weather: Weather
-    date: str
+    weather: Weather  # clean, no later than the date
+    date: str  # UTC text
 
 
 @dataclass(frozen=True, eq=False)
 class Improved:
     """Element sets for a date.
 
-    table: `improved_sets`, a row an object
-    sets: those of the table, as they are written
-    date: UTC text
     past: judged predictions of the mornings before: number, morning (modified Julian day), lead [d], error
         (of SGP4), left (of it, as the object's set is improved now), sigma [m]
     """
 
-    table: pd.DataFrame
-    sets: list[Better]
-    date: str
+    table: pd.DataFrame  # `improved_sets`, a row an object
+    sets: list[Better]  # those of the table, as they are written
+    date: str  # UTC text
     past: pd.DataFrame
 
     def write(self, path: FilePath) -> int:

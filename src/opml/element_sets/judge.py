@@ -14,17 +14,10 @@ from opml.base.seeds import derive
 from opml.element_sets import corrector
 from opml.element_sets.ways import UNCHANGED
 
-ALL = -1
-"""Number of the band that stands for all of them."""
-
-LEVEL = 100.0 * corrector.LEVEL
-"""Share of the errors [%] that the intervals of the learned sigma are to hold."""
-
-LARGEST = 5.0
-"""Standard deviations that an error counts at most in a log score."""
-
-DRAWS = 400
-"""Draws of weeks and objects."""
+ALL = -1  # number of the band that stands for all of them
+LEVEL = 100.0 * corrector.LEVEL  # share of the errors [%] that the intervals of the learned sigma are to hold
+LARGEST = 5.0  # standard deviations that an error counts at most in a log score
+DRAWS = 400  # draws of weeks and objects
 
 _WEEK = 7
 _INTERVAL = (2.5, 97.5)

@@ -21,8 +21,7 @@ from opml.element_sets.features import FEATURES
 from opml.learning.models.boosting import BoostingModel
 from opml.tables import read_metadata, read_table, write_table
 
-PACKAGED = "corrector.parquet"
-"""File of the model that comes with the package, in its folder of data."""
+PACKAGED = "corrector.parquet"  # file of the model that comes with the package, in its folder of data
 
 _QUANTITIES = ("miss", "size")
 _NODE = ("feature", "threshold", "left", "right", "value")
@@ -30,16 +29,11 @@ _NODE = ("feature", "threshold", "left", "right", "value")
 
 @dataclass(frozen=True, eq=False)
 class CatalogueModel:
-    """What a catalogue taught.
+    """What a catalogue taught."""
 
-    outlook: the forecast of the density
-    correctors: by the name of the population
-    card: what it was trained on, JSON values
-    """
-
-    outlook: Outlook
-    correctors: Mapping[str, Corrector]
-    card: Mapping[str, Any]
+    outlook: Outlook  # the forecast of the density
+    correctors: Mapping[str, Corrector]  # by the name of the population
+    card: Mapping[str, Any]  # what it was trained on, JSON values
 
 
 def check_suffix(path: FilePath) -> None:

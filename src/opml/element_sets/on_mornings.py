@@ -23,8 +23,7 @@ from opml.tables import IMPROVED_MODELS, SCHEMAS
 _REACH = 80
 """Days before a morning beyond which no set tells anything of it, those of the PAST mornings reckoned."""
 
-_SOON = 0.5
-"""Time after which a set is known for certain, as days in a double tell a microsecond at best [s]."""
+_SOON = 0.5  # time after which a set is known for certain, as days in a double tell a microsecond at best [s]
 
 _MINUTE = 60.0
 

@@ -14,21 +14,11 @@ from opml.element_sets.catalogue import ElementCatalogue
 from opml.interop.element_sets.element_set import fly, kick
 from opml.tables.element_tables import IMPROVED_LEADS
 
-LEADS = IMPROVED_LEADS
-"""Days from the morning to what is predicted."""
-
-BACK = 5
-"""Sets before the newest one that it is compared with."""
-
-OLDEST = 3.0
-"""Age of the newest set [d] beyond which an object has no prediction on a morning."""
-
-REACH = 0.5
-"""Largest distance of the set that judges from morning plus lead [d]."""
-
-_STEP = 0.05
-"""Part of B* by which it is changed to see what SGP4 makes of it."""
-
+LEADS = IMPROVED_LEADS  # days from the morning to what is predicted
+BACK = 5  # sets before the newest one that it is compared with
+OLDEST = 3.0  # age of the newest set [d] beyond which an object has no prediction on a morning
+REACH = 0.5  # largest distance of the set that judges from morning plus lead [d]
+_STEP = 0.05  # part of B* by which it is changed to see what SGP4 makes of it
 _SPAN = 1e6  # more days than any table has
 _MINUTES = 1440.0
 
@@ -92,14 +82,12 @@ class _Flights:
     """What SGP4 makes of the newest sets, NaN where it fails.
 
     positions, velocities: (rows, 3) at what is predicted
-    kicked: (rows, 3) positions there with a larger B*
-    back: (sets, BACK, 3) positions at the epochs of the sets before
     """
 
     positions: np.ndarray
     velocities: np.ndarray
-    kicked: np.ndarray
-    back: np.ndarray
+    kicked: np.ndarray  # (rows, 3) positions there with a larger B*
+    back: np.ndarray  # (sets, BACK, 3) positions at the epochs of the sets before
 
 
 def find(catalogue: ElementCatalogue, mornings: np.ndarray) -> tuple[pd.DataFrame, np.ndarray]:

@@ -16,12 +16,8 @@ from opml.interop import ccsds
 from opml.interop.predicted_orbit import PredictedOrbit
 from opml.orbits.rsw_covariance import half_width
 
-LOWEST = np.radians(5.0)
-"""Elevation above which an object passes [rad]."""
-
-LEVEL = 0.9
-"""Share of passes that are no earlier or later than told."""
-
+LOWEST = np.radians(5.0)  # elevation above which an object passes [rad]
+LEVEL = 0.9  # share of passes that are no earlier or later than told
 _STEP = 20.0  # between looks [s]
 _WGS84 = 1
 _BOUNDS = ((-90.0, 90.0), (-180.0, 360.0), (-500.0, 10_000.0))

@@ -48,15 +48,13 @@ from opml.interop.predicted_orbit import LEADS, PredictedOrbit
 from opml.orbits.density_error import DensityErrors
 from opml.orbits.elements import bent_rsw
 
-MORNINGS = 12
-"""Mornings before the date whose predictions tell an object's own sizes, radial and cross-track."""
+MORNINGS = 12  # mornings before the date whose predictions tell an object's own sizes, radial and cross-track
 
 ALONG_MORNINGS = 20
 """Mornings before the date whose predictions tell an object's own sigma along the track: more would hide a
 burn, or a month of storms."""
 
-USUAL = 8.0
-"""Predictions that err as the corrector says that an object's own count against."""
+USUAL = 8.0  # predictions that err as the corrector says that an object's own count against
 
 USUAL_SIZES = 2.0
 """Errors of the usual size that an object's own count against, axis by axis and lead by lead."""
@@ -71,11 +69,8 @@ Of what improved sets left of 749 objects on 523 mornings of 2022-23 and 2025, i
 after days up to an ap of 50, and 83 % above; with this 93 and 92 %.
 """
 
-STORM_DAYS = 3
-"""Days before the date whose storms count."""
-
-BURNED = 20.0
-"""Days before the date whose burns count: those of the mornings that tell sizes of errors."""
+STORM_DAYS = 3  # days before the date whose storms count
+BURNED = 20.0  # days before the date whose burns count: those of the mornings that tell sizes of errors
 
 LOW = 600e3
 """Height below which drag outweighs what else changes the size of an orbit: B* below 0 is thrust [m]."""

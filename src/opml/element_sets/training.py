@@ -19,14 +19,9 @@ from opml.element_sets.density import LearnedAir
 from opml.element_sets.model import CatalogueModel
 from opml.environment import knowledge
 
-HOUR_OF_MORNING = 0.25
-"""Time of day [d] of the mornings that are learned from, 06 UTC."""
-
-FIRST_DAY = 52275
-"""Modified Julian day from which the forecast of the density learns, 2002-01-01."""
-
-SEED = 42
-"""Seed of the draws of a training."""
+HOUR_OF_MORNING = 0.25  # time of day [d] of the mornings that are learned from, 06 UTC
+FIRST_DAY = 52275  # modified Julian day from which the forecast of the density learns, 2002-01-01
+SEED = 42  # seed of the draws of a training
 
 _log = logging.getLogger(__name__)
 

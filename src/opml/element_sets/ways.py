@@ -12,25 +12,15 @@ from opml.element_sets import corrector
 from opml.element_sets.corrector import Corrector
 from opml.element_sets.pairs import LEADS
 
-PAST = 40
-"""Mornings before the date whose predictions tell how much each way counts."""
-
-BURN = 25.0
-"""Scales by which a set misses those before it where the object has burned."""
+PAST = 40  # mornings before the date whose predictions tell how much each way counts
+BURN = 25.0  # scales by which a set misses those before it where the object has burned
 
 UNCHANGED, DENSITY, LEARNED = "unchanged", "density", "learned"
 
-_BORROWED = 30.0
-"""Rows of its band that count in an object's own past, so that a short one decides little."""
-
-_GROSS = 4.0
-"""Scales that a miss counts at most in the weights."""
-
-_MOST_DRAG = 0.9
-"""Largest part of its B* that is taken off a set."""
-
-Ways = Mapping[str, pd.DataFrame]
-"""By the name of the way, correction and sigma [m] of rows."""
+_BORROWED = 30.0  # rows of its band that count in an object's own past, so that a short one decides little
+_GROSS = 4.0  # scales that a miss counts at most in the weights
+_MOST_DRAG = 0.9  # largest part of its B* that is taken off a set
+Ways = Mapping[str, pd.DataFrame]  # by the name of the way, correction and sigma [m] of rows
 
 
 def candidates(rows: pd.DataFrame, correctors: Mapping[str, Corrector]) -> dict[str, pd.DataFrame]:

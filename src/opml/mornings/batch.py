@@ -41,8 +41,7 @@ from opml.mornings.weather_of_day import FIGURES
 from opml.orbits.sheets import Rso, Station
 from opml.tables import SCHEMAS, read_runs, read_table
 
-_FULL = (errno.ENOSPC, errno.EDQUOT)
-"""Errors of a disk that is full: of no object, and the job ends."""
+_FULL = (errno.ENOSPC, errno.EDQUOT)  # errors of a disk that is full: of no object, and the job ends
 
 _SHARED = {"epoch", "force_model", "integrator", "estimation", "models"}
 """Settings that all mornings of a run are made with."""

@@ -20,8 +20,7 @@ from opml.mornings.outcomes import GOOD, WIDE
 from opml.orbits.elements import in_rsw
 from opml.tables import STATE
 
-NAME = "sgp4"
-"""Name of the model that is flown along the track where SGP4 is."""
+NAME = "sgp4"  # name of the model that is flown along the track where SGP4 is
 
 _MINUTE = 60.0
 
@@ -30,13 +29,11 @@ _MINUTE = 60.0
 class Sgp4:
     """What anybody would have flown of an object, and with the same sets improved.
 
-    sets: table `element_sets` of the object
-    epoch: UTC text from which its times count
     improved: the sets of all objects that are watched; None where nothing improves them
     """
 
-    sets: pd.DataFrame
-    epoch: str
+    sets: pd.DataFrame  # table `element_sets` of the object
+    epoch: str  # UTC text from which its times count
     improved: ImprovedHistory | None = None
 
     def is_above(self, least: float, *, now: float) -> bool:

@@ -6,20 +6,15 @@ from datetime import date, timedelta
 from opml.base import epochs
 from opml.base.constants import HOUR
 
-HORIZON = 45
-"""Earlier mornings that count."""
+HORIZON = 45  # earlier mornings that count
 
 
 @dataclass(frozen=True)
 class Calendar:
-    """The dates of mornings.
+    """The dates of mornings."""
 
-    epoch: of the run, UTC text
-    hour: of the mornings, UTC
-    """
-
-    epoch: str
-    hour: float
+    epoch: str  # of the run, UTC text
+    hour: float  # of the mornings, UTC
 
     def time(self, day: date) -> float:
         """Return when the morning of a date is [s]."""

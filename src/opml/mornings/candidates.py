@@ -14,11 +14,8 @@ from opml.learning.models import learners
 from opml.learning.models.contract import Model, ResolvedSettings
 from opml.tables import SPREAD, STATE
 
-STEP = 300.0
-"""Time between the epochs of these ephemerides [s]: decimetres from those of a minute."""
-
-EVERY = 2
-"""So many epochs are to one that arcs fly to for the spread."""
+STEP = 300.0  # time between the epochs of these ephemerides [s]: decimetres from those of a minute
+EVERY = 2  # so many epochs are to one that arcs fly to for the spread
 
 
 def model(settings: ResolvedSettings, columns: pd.DataFrame) -> Model:

@@ -28,8 +28,7 @@ from opml.mornings.records import Records
 from opml.orbits.elements import coe_from_cartesian
 from opml.tables import STATE
 
-STRIP = 30
-"""Mornings whose verdicts the page of a day shows in a row."""
+STRIP = 30  # mornings whose verdicts the page of a day shows in a row
 
 AGAIN = 7
 """Newest mornings that can be run again: as many days ephemerides are kept after they were judged last."""
@@ -43,18 +42,13 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class BatchTask:
-    """What is asked of an object.
-
-    until: date of its last morning
-    settings: digest of those that its mornings are made with
-    has_message: whether its ephemerides are written as messages
-    """
+    """What is asked of an object."""
 
     rso: str
     calendar: Calendar
-    until: date
-    settings: str
-    has_message: bool = True
+    until: date  # date of its last morning
+    settings: str  # digest of those that its mornings are made with
+    has_message: bool = True  # whether its ephemerides are written as messages
 
 
 @dataclass

@@ -26,23 +26,17 @@ from opml.learning.judge.error_sizes import along_track
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import SCHEMAS, STATE
 
-NO_NUMBER = -1
-"""The number of a track that gets no estimate."""
+NO_NUMBER = -1  # the number of a track that gets no estimate
 
 
 @dataclass(frozen=True)
 class Recent:
-    """The tracks of the last days that are over.
+    """The tracks of the last days that are over."""
 
-    tracking: their measurements, of tracks numbered from 0
-    numbers: (tracks,) the number of each in the records of an object, or NO_NUMBER
-    ends: (tracks,) when each is over, or was made [s]
-    """
-
-    tracking: pd.DataFrame
-    numbers: np.ndarray
+    tracking: pd.DataFrame  # their measurements, of tracks numbered from 0
+    numbers: np.ndarray  # (tracks,) the number of each in the records of an object, or NO_NUMBER
     at: np.ndarray
-    ends: np.ndarray
+    ends: np.ndarray  # (tracks,) when each is over, or was made [s]
 
     @property
     def tracks(self) -> int:
@@ -83,24 +77,18 @@ def recent_tracks(tracking: pd.DataFrame, kept: pd.DataFrame, *, now: float, rea
     )
 
 
-LOST = 2.0 * DAY
-"""After so long without an estimate that converged, an orbit is determined anew [s]."""
+LOST = 2.0 * DAY  # after so long without an estimate that converged, an orbit is determined anew [s]
 
 
 @dataclass(frozen=True)
 class Fitting:
-    """What the fits of a morning share.
-
-    measured: the measurements of the recent tracks
-    settings: of fits over the base window
-    given: a state that the very first fits may start from
-    """
+    """What the fits of a morning share."""
 
     flight: Flight
-    measured: Measurements
+    measured: Measurements  # the measurements of the recent tracks
     recent: Recent
-    settings: Estimation
-    given: TimedState | None
+    settings: Estimation  # of fits over the base window
+    given: TimedState | None  # a state that the very first fits may start from
 
     def further(self, kept: pd.DataFrame) -> pd.DataFrame:
         """Return the estimates over the base window of the tracks that those kept have not.
@@ -161,14 +149,9 @@ class Fitting:
         return rows.assign(track=self.recent.places(rows["track"]))
 
 
-FAR = 6.0
-"""Standard deviations off from which on estimates may be of another orbit."""
-
-_NEWEST = 3
-"""Estimates that are off in the median."""
-
-_FRESH = 2.0 * DAY
-"""Ephemerides that are compared with them are no older [s]."""
+FAR = 6.0  # standard deviations off from which on estimates may be of another orbit
+_NEWEST = 3  # estimates that are off in the median
+_FRESH = 2.0 * DAY  # ephemerides that are compared with them are no older [s]
 
 _APART = 0.25 * DAY
 """Time between two burns that are told apart [s]: the same one may be found a little later."""

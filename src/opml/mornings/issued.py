@@ -30,13 +30,10 @@ _TIMES = ("days", "reach", "flat")
 
 @dataclass(frozen=True)
 class Flown:
-    """The model that is flown.
-
-    replay: how far its ephemerides of earlier mornings were off
-    """
+    """The model that is flown."""
 
     model: str
-    replay: pd.DataFrame
+    replay: pd.DataFrame  # how far its ephemerides of earlier mornings were off
     sizes: Sizes
 
 

@@ -69,20 +69,11 @@ def _ahead(
     return interpolate_spread(later[reached & ~across].assign(i=rows["i"].iloc[0]), rows)
 
 
-OLDEST = 1.5 * DAY
-"""Oldest estimate that an ephemeris should start from [s]."""
-
-FEWEST = 7
-"""Mornings whose ephemerides were judged, below which intervals are hardly known."""
-
-PAST = 14.0 * DAY
-"""How far back intervals are looked at [s]."""
-
-LEAST_INSIDE = 0.85
-"""Share of these that intervals of 90 % have to hold, on each day ahead."""
-
-RARE = 3.0
-"""Standard deviations that one of the newest errors hardly reaches by chance: drag rises, say."""
+OLDEST = 1.5 * DAY  # oldest estimate that an ephemeris should start from [s]
+FEWEST = 7  # mornings whose ephemerides were judged, below which intervals are hardly known
+PAST = 14.0 * DAY  # how far back intervals are looked at [s]
+LEAST_INSIDE = 0.85  # share of these that intervals of 90 % have to hold, on each day ahead
+RARE = 3.0  # standard deviations that one of the newest errors hardly reaches by chance: drag rises, say
 
 
 @dataclass(frozen=True)

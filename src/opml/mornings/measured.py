@@ -28,19 +28,15 @@ from opml.orbits.sheets import Rso, Station
 class MeasurementSource:
     """Where the measurements of an object are.
 
-    kind: tracks, fixes or elements
-    files: of them
     taking: how fixes or mean elements are taken; of fixes also the satellite, where files have several
-    start: file of a state that the very first fits may start from, if any
-    manoeuvres: UTC texts
     read_sets: `histories.read`, or what reads files once for all objects in them
     """
 
-    kind: str
-    files: list[str]
+    kind: str  # tracks, fixes or elements
+    files: list[str]  # of them
     taking: Mapping[str, Any]
-    start: str = ""
-    manoeuvres: Sequence[str] = ()
+    start: str = ""  # file of a state that the very first fits may start from, if any
+    manoeuvres: Sequence[str] = ()  # UTC texts
     read_sets: Callable[..., History] = histories.read
 
 
@@ -54,17 +50,12 @@ class Span:
 
 @dataclass(frozen=True)
 class Found:
-    """What was measured of an object.
+    """What was measured of an object."""
 
-    tracking: the table, or `fixes` in its place
-    identity: what its files tell of the object
-    sgp4: what anybody would have flown, where mean elements were taken
-    """
-
-    tracking: pd.DataFrame
+    tracking: pd.DataFrame  # the table, or `fixes` in its place
     manoeuvres: list[Manoeuvre]
-    identity: ObjectId = UNKNOWN
-    sgp4: Sgp4 | None = None
+    identity: ObjectId = UNKNOWN  # what its files tell of the object
+    sgp4: Sgp4 | None = None  # what anybody would have flown, where mean elements were taken
 
 
 def read(

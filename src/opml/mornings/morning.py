@@ -39,8 +39,7 @@ from opml.orbits.manoeuvres import Manoeuvre
 from opml.orbits.sheets import Station
 from opml.tables import SCHEMAS, STATE
 
-_LOOKED_AT = 4
-"""Newest estimates among which one is found to start from."""
+_LOOKED_AT = 4  # newest estimates among which one is found to start from
 
 _MARGIN = DAY
 """Tracks so long before the longest window are read [s]: an estimate of a morning is up to a day old."""
@@ -51,42 +50,26 @@ _NOT_FLOWN = Verdict(UNPROVEN, "nothing was issued yet")
 
 @dataclass(frozen=True)
 class FlightModel:
-    """How an object flies.
+    """How an object flies."""
 
-    fits: under what was measured of the weather by the time of each fit
-    predictions: under what was known of it by t_i
-    flattened: the same under the Earth's flattening alone, for the spread
-    weathers: expected, and as they may come
-    orientation: table `earth_orientation`
-    """
-
-    fits: Flight
-    predictions: Flight
-    flattened: Flight
-    weathers: Weathers
-    orientation: pd.DataFrame
+    fits: Flight  # under what was measured of the weather by the time of each fit
+    predictions: Flight  # under what was known of it by t_i
+    flattened: Flight  # the same under the Earth's flattening alone, for the spread
+    weathers: Weathers  # expected, and as they may come
+    orientation: pd.DataFrame  # table `earth_orientation`
 
 
 @dataclass(frozen=True)
 class MorningPlan:
-    """What is asked of every morning of an object.
+    """What is asked of every morning of an object."""
 
-    models: resolved settings of learners that learn nothing, by name
-    estimation: of the fits over the base window
-    max_days: length of an ephemeris
-    step: between its epochs [s]
-    end: of the run [s]
-    epoch: UTC text
-    fits_above: height of mean elements below which none of these models is flown [m]
-    """
-
-    models: Mapping[str, ResolvedSettings]
-    estimation: Estimation
-    max_days: float
-    step: float
-    end: float
-    epoch: str
-    fits_above: float = 0.0
+    models: Mapping[str, ResolvedSettings]  # resolved settings of learners that learn nothing, by name
+    estimation: Estimation  # of the fits over the base window
+    max_days: float  # length of an ephemeris
+    step: float  # between its epochs [s]
+    end: float  # of the run [s]
+    epoch: str  # UTC text
+    fits_above: float = 0.0  # height of mean elements below which none of these models is flown [m]
 
     @property
     def base(self) -> float:
@@ -106,24 +89,16 @@ class MorningPlan:
 
 @dataclass(frozen=True)
 class Watched:
-    """An object that is watched.
-
-    tracking: all that was measured, the table or one in its place
-    stations: of the tracks
-    manoeuvres: each counts from when it is known
-    given: a state that the very first fits may start from
-    identity: what else than its name in the run tells the object
-    sgp4: what anybody would have flown, where mean elements were taken
-    """
+    """An object that is watched."""
 
     model: FlightModel
     plan: MorningPlan
-    tracking: pd.DataFrame
-    stations: Sequence[Station]
-    manoeuvres: Sequence[Manoeuvre] = ()
-    given: TimedState | None = None
-    identity: ObjectId = UNKNOWN
-    sgp4: Sgp4 | None = None
+    tracking: pd.DataFrame  # all that was measured, the table or one in its place
+    stations: Sequence[Station]  # of the tracks
+    manoeuvres: Sequence[Manoeuvre] = ()  # each counts from when it is known
+    given: TimedState | None = None  # a state that the very first fits may start from
+    identity: ObjectId = UNKNOWN  # what else than its name in the run tells the object
+    sgp4: Sgp4 | None = None  # what anybody would have flown, where mean elements were taken
 
     def on(self, now: float) -> "Watched":
         """Return it with the models of a morning [s]: low down, fits lose against SGP4 and none is flown."""
@@ -138,19 +113,13 @@ class Watched:
 
 @dataclass(frozen=True)
 class Left:
-    """What a morning left.
+    """What a morning left."""
 
-    records: of this morning alone
-    recent: the tracks of the last days that were over
-    ephemeris: table `corrected`; None where none left
-    basis: what its covariances rest on, in words
-    """
-
-    records: Records
-    recent: Recent
+    records: Records  # of this morning alone
+    recent: Recent  # the tracks of the last days that were over
     verdict: Verdict
-    ephemeris: pd.DataFrame | None = None
-    basis: str = ""
+    ephemeris: pd.DataFrame | None = None  # table `corrected`; None where none left
+    basis: str = ""  # what its covariances rest on, in words
 
 
 def morning(watched: Watched, records: Records, *, now: float) -> Left:
@@ -180,21 +149,18 @@ def morning(watched: Watched, records: Records, *, now: float) -> Left:
 class _Morning:
     """A morning as far as it came: each step adds what it made, or raises InputError where it makes nothing.
 
-    watched: with the burns that are known by now
-    earlier: records of the mornings before
     estimates, judged, paths: of this morning
-    burn: that the estimates showed, with which they were made again
     starts: the estimate that ephemerides start from, a table of one row
     """
 
-    watched: Watched
-    earlier: Records
+    watched: Watched  # with the burns that are known by now
+    earlier: Records  # records of the mornings before
     recent: Recent
     now: float
     fitting: fits.Fitting = field(init=False)
     estimates: pd.DataFrame = field(default_factory=SCHEMAS["kept_estimates"].empty)
     judged: pd.DataFrame = field(default_factory=SCHEMAS["judged"].empty)
-    burn: Manoeuvre | None = None
+    burn: Manoeuvre | None = None  # that the estimates showed, with which they were made again
     starts: pd.DataFrame = field(default_factory=issued.no_start)
     paths: list[Paths] = field(default_factory=list)
     flown: Flown | None = None

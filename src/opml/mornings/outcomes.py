@@ -7,11 +7,8 @@ from typing import Any
 
 from opml.base.files import FilePath, replacing
 
-GOOD, UNPROVEN, WIDE, DO_NOT_USE = "good", "unproven", "wide", "do not use"
-"""Verdicts."""
-
-FAILED = "failed"
-"""The verdict where a morning could not be run."""
+GOOD, UNPROVEN, WIDE, DO_NOT_USE = "good", "unproven", "wide", "do not use"  # verdicts
+FAILED = "failed"  # the verdict where a morning could not be run
 
 NOTHING: dict[str, Any] = {
     "model": None,

@@ -47,18 +47,10 @@ from opml.mornings.records import Records
 from opml.orbits.sheets import Rso, Station
 from opml.tables import STATE, STATE_COVARIANCES, symmetric_matrices
 
-MORNINGS = 7
-"""Mornings before the date that are flown again."""
-
-STRETCH = 6.0
-"""Length of a stretch of points [h], whose estimate is at its first."""
-
-SIGMA = 10.0
-"""Standard deviation of positions whose file tells none [m]."""
-
-LONGEST = 7.0
-"""Days that a prediction reaches at most."""
-
+MORNINGS = 7  # mornings before the date that are flown again
+STRETCH = 6.0  # length of a stretch of points [h], whose estimate is at its first
+SIGMA = 10.0  # standard deviation of positions whose file tells none [m]
+LONGEST = 7.0  # days that a prediction reaches at most
 _EVERY = 120.0  # between points [s]: each is an end of a step
 _ANY = "2000-01-01T12:00:00"
 _SECONDS, _DAY = len("2016-09-28T12:09:45"), len("2016-09-28")
@@ -72,24 +64,15 @@ _USUAL = "usual errors of such fits: their own covariance, density, and the weat
 
 @dataclass(frozen=True)
 class Request:
-    """What is asked for.
+    """What is asked for."""
 
-    files: of one object, points (OEM, SP3, CPF, CSV) or tracks (TDM)
-    days: how long
-    object: name or number, where the files have several objects
-    date: UTC text; None: when the last was measured
-    weather: OBSERVED, the packaged weather, or a CSSI file
-    stations: by which tracks were measured
-    area_to_mass: [m2/kg]
-    """
-
-    files: Sequence[FilePath]
-    days: float = LONGEST
-    object: str | None = None
-    date: str | None = None
-    weather: FilePath = "OBSERVED"
-    stations: Sequence[Station] = ()
-    area_to_mass: float = 0.01
+    files: Sequence[FilePath]  # of one object, points (OEM, SP3, CPF, CSV) or tracks (TDM)
+    days: float = LONGEST  # how long
+    object: str | None = None  # name or number, where the files have several objects
+    date: str | None = None  # UTC text; None: when the last was measured
+    weather: FilePath = "OBSERVED"  # OBSERVED, the packaged weather, or a CSSI file
+    stations: Sequence[Station] = ()  # by which tracks were measured
+    area_to_mass: float = 0.01  # [m2/kg]
 
     @property
     def kind(self) -> str:

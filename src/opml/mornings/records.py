@@ -13,8 +13,7 @@ from opml.ephemerides.replays import arrivals
 from opml.orbits.manoeuvres import Manoeuvre, are_unaware
 from opml.tables import SCHEMAS
 
-_ALONG = "e_y_"
-"""How the columns of corrections begin; the name of the model follows."""
+_ALONG = "e_y_"  # how the columns of corrections begin; the name of the model follows
 
 
 @dataclass(frozen=True)
@@ -51,20 +50,14 @@ class Paths:
 
 @dataclass(frozen=True)
 class Records:
-    """What mornings left.
-
-    estimates: with the window of each, `window_hours`
-    judged: rows of `replay` tables, with the `model` of each
-    issued: a row a morning
-    paths: of mornings whose ephemerides tracks to come may reach
-    """
+    """What mornings left."""
 
     TABLES: ClassVar = ("kept_estimates", "judged", "issued")
 
-    estimates: pd.DataFrame
-    judged: pd.DataFrame
-    issued: pd.DataFrame
-    paths: Sequence[Paths] = ()
+    estimates: pd.DataFrame  # with the window of each, `window_hours`
+    judged: pd.DataFrame  # rows of `replay` tables, with the `model` of each
+    issued: pd.DataFrame  # a row a morning
+    paths: Sequence[Paths] = ()  # of mornings whose ephemerides tracks to come may reach
 
     @classmethod
     def empty(cls) -> Self:

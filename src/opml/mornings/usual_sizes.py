@@ -36,29 +36,17 @@ from opml.tables import (
     symmetric_matrices,
 )
 
-CONSTANT = np.array([1.0, 1.5, 1.0])
-"""What forces leave in a fit, in RSW [m]."""
-
-RATE = np.array([1.2, 2.0, 1.0])
-"""By what that grows [m/day]."""
-
-DAILY = 0.1
-"""Part of a tenth of a day's drag that is left in a fit along the track."""
-
-DENSITY = 0.6
-"""Error of the density that a fit over LONG hours estimates, in tenths of it."""
+CONSTANT = np.array([1.0, 1.5, 1.0])  # what forces leave in a fit, in RSW [m]
+RATE = np.array([1.2, 2.0, 1.0])  # by what that grows [m/day]
+DAILY = 0.1  # part of a tenth of a day's drag that is left in a fit along the track
+DENSITY = 0.6  # error of the density that a fit over LONG hours estimates, in tenths of it
 
 LONG = 48.0
 """Window over which density hardly errs more by chance; its mean over fewer hours does, by their root."""
 
-VAGUE = 5.0
-"""Most of that error. A fit that knows drag no better is flown with the mean of the past."""
-
-WEATHER = 0.6
-"""Part of the spread of the weather's futures that errors have."""
-
-USUAL = 3.0
-"""Independent errors of a past that the usual sizes count as."""
+VAGUE = 5.0  # most of that error. A fit that knows drag no better is flown with the mean of the past
+WEATHER = 0.6  # part of the spread of the weather's futures that errors have
+USUAL = 3.0  # independent errors of a past that the usual sizes count as
 
 _CONSTANT, _RATE = ([f"{name}_{axis}" for axis in AXES] for name in "ab")
 _COLUMNS = [*_CONSTANT, *_RATE, "c"]

@@ -11,12 +11,8 @@ from opml.base.constants import DAY
 from opml.mornings.calendar import Calendar
 from opml.tables import read_table
 
-FIGURES = ("f107", "f107_mean", "kp_24h")
-"""Columns of `solar_activity` that are told."""
-
-BEFORE, AHEAD = 3, 7
-"""Days before and after the morning."""
-
+FIGURES = ("f107", "f107_mean", "kp_24h")  # columns of `solar_activity` that are told
+BEFORE, AHEAD = 3, 7  # days before and after the morning
 _LOW, _HIGH = 0.1, 0.9  # quantiles of the futures
 
 

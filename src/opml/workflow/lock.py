@@ -13,7 +13,6 @@ from typing import IO
 from opml.base.errors import InputError
 
 NAME = "logs/.running"  # file in a folder of results that names the run that holds the folder
-
 _held: list[IO[str]] = []  # open for as long as the process lives
 
 

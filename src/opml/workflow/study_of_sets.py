@@ -15,7 +15,6 @@ from opml.interop.element_sets.element_set import elements_epoch
 
 LONGEST = 91  # days of sets that count at most, the newest
 FEWEST = 20  # least days of sets
-
 _AHEAD = 7  # days that predictions reach
 _TRAINED = 0.66  # of the days
 _CD = 2.2

@@ -23,7 +23,6 @@ LATITUDE_TERMS = 9
 """Number of terms of the latitude: a constant, P10 to P60, and P20 and P40 about the magnetic pole."""
 
 TESSERAL_TERMS = 30  # number of terms of the local time and the longitude
-
 _STEADY = 5  # after the terms of the flux
 _ANNUAL = _STEADY + LATITUDE_TERMS
 _DIURNAL = _ANNUAL + LATITUDE_TERMS

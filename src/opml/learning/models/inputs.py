@@ -14,20 +14,15 @@ from opml.base.errors import InputError
 class Training:
     """Rows to train on, in their own units.
 
-    x: (n, variables)
-    y: (n,) the target
-    variables: names of the columns of x
-    seed: of the learner's draws
-    groups: (n,) the estimate that a row starts from, where known
     weights: (n,) inverse variances of the target, up to a factor; None where all rows weigh the same. A
         squared loss takes them as they are, an absolute loss takes their roots.
     """
 
-    x: np.ndarray
-    y: np.ndarray
-    variables: Sequence[str]
-    seed: int
-    groups: np.ndarray | None = None
+    x: np.ndarray  # (n, variables)
+    y: np.ndarray  # (n,) the target
+    variables: Sequence[str]  # names of the columns of x
+    seed: int  # of the learner's draws
+    groups: np.ndarray | None = None  # (n,) the estimate that a row starts from, where known
     weights: np.ndarray | None = None
 
     @classmethod

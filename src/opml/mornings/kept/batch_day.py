@@ -28,8 +28,7 @@ from opml.mornings import outcomes
 from opml.mornings.records import Paths, Records
 from opml.tables import SCHEMAS, Schema, of_objects, paths_schema, read_metadata, read_table, write_table
 
-PATHS = "paths.parquet"
-"""The file of ephemerides."""
+PATHS = "paths.parquet"  # the file of ephemerides
 
 _DONE, _OUTCOMES = "done.json", "outcomes.json.gz"
 _ABSENT: dict[str, Any] = {"bool": False, "int64": 0, "float64": np.nan, "string": ""}
@@ -38,18 +37,12 @@ _ABSENT: dict[str, Any] = {"bool": False, "int64": 0, "float64": np.nan, "string
 
 @dataclass(frozen=True)
 class Mark:
-    """How a morning of an object was made.
+    """How a morning of an object was made."""
 
-    settings: their digest
-    stations: digests of those that measured the object, by name
-    optional: columns that its tables have beside those of their schemas
-    models: of its ephemerides; none where it made none
-    """
-
-    settings: str
-    stations: Mapping[str, str]
-    optional: Sequence[str]
-    models: Sequence[str]
+    settings: str  # their digest
+    stations: Mapping[str, str]  # digests of those that measured the object, by name
+    optional: Sequence[str]  # columns that its tables have beside those of their schemas
+    models: Sequence[str]  # of its ephemerides; none where it made none
 
 
 @dataclass(frozen=True)
