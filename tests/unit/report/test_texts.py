@@ -17,7 +17,7 @@ def test_each_piece_is_named_by_the_module_of_its_file_and_nothing_else_is():
         for path in (files("opml") / "data" / "reports").iterdir()
         for name in re.findall(r"^<!-- (\w+) -->$", path.read_text(encoding="utf-8"), re.MULTILINE)
     }
-    code = {path.stem: path.read_text(encoding="utf-8") for path in REPORTS.glob("*.py")}
+    code = {path.stem: path.read_text(encoding="utf-8") for path in REPORTS.rglob("*.py")}
     named = {f"{stem}.{name}" for stem in code for name in re.findall(rf'"{stem}\.(\w+)"', code[stem])}
     assert named <= there
     assert all(re.search(rf"\b{piece.split('.')[1]}\b", code[piece.split(".")[0]]) for piece in there - named)

@@ -23,9 +23,9 @@ def document(
     """
     rows = [_cells(row) for row in _ordered(scores).to_dict("records")]
     return [
-        *texts.blocks("catalogue.head"),
+        *texts.blocks("scores.head"),
         Items([_season(name, dates, teachers[name]) for name, dates in seasons.items()]),
-        *texts.blocks("catalogue.scores", rows, level=LEVEL),
+        *texts.blocks("scores.scores", rows, level=LEVEL),
     ]
 
 
