@@ -1,9 +1,7 @@
 """The picture of docs/inputs.md, from its table: python -m validation.pictures.accuracy_by_input."""
 
 import re
-import tempfile
 from collections.abc import Mapping
-from pathlib import Path
 
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, NullLocator
@@ -72,10 +70,7 @@ def accuracy(errors: Mapping[tuple[str, str], Mapping[int, float]]) -> Figure:
 
 def main() -> None:
     """Draw the picture and shrink it."""
-    with tempfile.TemporaryDirectory() as folder:
-        large = Path(folder) / "inputs.png"
-        style.save_png(accuracy(table()), large)
-        shrunk.shrink(large, shrunk.IMAGES / "inputs.png")
+    shrunk.save(accuracy(table()), "inputs")
 
 
 if __name__ == "__main__":

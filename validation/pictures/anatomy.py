@@ -4,9 +4,7 @@ The paper's RSO under the weather that was observed, fitted and predicted as the
 monthly weather. Each cause is what the error changes by once the catalogue knows it, one after the other.
 """
 
-import tempfile
 from importlib.resources import files
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -122,10 +120,7 @@ def _sizes(axes: Axes, sizes: pd.DataFrame) -> None:
 
 def main() -> None:
     """Draw the picture and shrink it."""
-    with tempfile.TemporaryDirectory() as folder:
-        large = Path(folder) / "anatomy.png"
-        style.save_png(anatomy(parts()), large)
-        shrunk.shrink(large, shrunk.IMAGES / "anatomy.png")
+    shrunk.save(anatomy(parts()), "anatomy")
 
 
 if __name__ == "__main__":

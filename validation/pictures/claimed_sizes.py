@@ -8,9 +8,7 @@ is known how far drag carries an object until the approach, and what public sets
 
 import re
 import sys
-import tempfile
 from collections.abc import Iterator, Sequence
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -116,10 +114,7 @@ def main(*paths: str) -> None:
     """Print rows and ratios, draw the picture and shrink it."""
     objects = table(paths)
     print(objects.round(2).to_string(), summary(objects), sep="\n")
-    with tempfile.TemporaryDirectory() as folder:
-        large = Path(folder) / "claimed.png"
-        style.save_png(claimed_sizes(objects), large)
-        shrunk.shrink(large, shrunk.IMAGES / "claimed.png")
+    shrunk.save(claimed_sizes(objects), "claimed")
 
 
 if __name__ == "__main__":

@@ -7,7 +7,6 @@ are README's; of sets after the date nothing is used but where the object was.
 """
 
 import sys
-import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -123,10 +122,7 @@ def _name(axes: Axes, text: str, point: tuple[float, float], color: str, side: t
 
 def main() -> None:
     """Draw the picture and shrink it."""
-    with tempfile.TemporaryDirectory() as folder:
-        large = Path(folder) / "morning.png"
-        style.save_png(one_morning(places(*map(Path, sys.argv[1:]))), large)
-        shrunk.shrink(large, shrunk.IMAGES / "morning.png")
+    shrunk.save(one_morning(places(*map(Path, sys.argv[1:]))), "morning")
 
 
 if __name__ == "__main__":

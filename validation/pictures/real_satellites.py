@@ -6,9 +6,7 @@ They are `swarm` and `satellites` of docs/reality.md, and `ellipsoids` of docs/u
 """
 
 import re
-import tempfile
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -203,11 +201,8 @@ def main() -> None:
         "satellites": overview(found),
         "ellipsoids": ellipsoids(coverage()),
     }
-    with tempfile.TemporaryDirectory() as folder:
-        for name, figure in drawn.items():
-            large = Path(folder) / f"{name}.png"
-            style.save_png(figure, large)
-            shrunk.shrink(large, shrunk.IMAGES / f"{name}.png")
+    for name, figure in drawn.items():
+        shrunk.save(figure, name)
 
 
 if __name__ == "__main__":

@@ -1,13 +1,16 @@
 """Pictures of the documentation: as large as a screen needs, with the digest of the code that drew them."""
 
 import re
+import tempfile
 from pathlib import Path
 
+from matplotlib.figure import Figure
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
 from opml.base.errors import InputError
 from opml.base.files import replacing
+from opml.figures import style
 from validation.case import ROOT
 from validation.pictures.drawing_code import ROOM, digest
 
@@ -53,6 +56,14 @@ def shrink(figure: Path, picture: Path) -> None:
     with replacing(picture) as temporary:
         few = small.quantize(COLORS, Image.Quantize.MAXCOVERAGE, kmeans=2, dither=Image.Dither.NONE)
         few.save(temporary, format="PNG", optimize=True, pnginfo=text)
+
+
+def save(figure: Figure, name: str) -> None:
+    """Write a figure as the picture of a name, as `shrink` does."""
+    with tempfile.TemporaryDirectory() as folder:
+        large = Path(folder) / f"{name}.png"
+        style.save_png(figure, large)
+        shrink(large, IMAGES / large.name)
 
 
 def stated_digest(picture: Path) -> str | None:

@@ -3,9 +3,7 @@
 python -m validation.pictures.where_learning_helps
 """
 
-import tempfile
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -86,10 +84,7 @@ def gains(seasons: Mapping[str, Sequence[float]], satellites: Mapping[str, float
 
 def main() -> None:
     """Draw the picture and shrink it."""
-    with tempfile.TemporaryDirectory() as folder:
-        large = Path(folder) / "learning.png"
-        style.save_png(gains(from_catalogue(), from_own_past()), large)
-        shrunk.shrink(large, shrunk.IMAGES / "learning.png")
+    shrunk.save(gains(from_catalogue(), from_own_past()), "learning")
 
 
 if __name__ == "__main__":
