@@ -80,13 +80,17 @@ def _scaled(morning: Morning) -> pd.DataFrame:
 
 def _chosen(morning: Morning) -> pd.DataFrame:
     """Correct as `opml improve` does: by what left least of an object's own predictions."""
-    return _by_weight(morning, ways.candidates(morning.rows, morning.model.correctors))
+    return _by_weight(morning, _candidates(morning))
 
 
 def _taught(morning: Morning) -> pd.DataFrame:
     """Correct by the model alone, by the populations that left least of an object's own predictions."""
-    tried = ways.candidates(morning.rows, morning.model.correctors)
-    return _by_weight(morning, {name: one for name, one in tried.items() if name not in _UNLEARNED})
+    tried = _candidates(morning).items()
+    return _by_weight(morning, {name: one for name, one in tried if name not in _UNLEARNED})
+
+
+def _candidates(morning: Morning) -> Ways:
+    return ways.candidates(morning.rows, morning.model.correctors, corrector.jumps(morning.rows))
 
 
 def _by_weight(morning: Morning, tried: Ways) -> pd.DataFrame:

@@ -114,8 +114,8 @@ def build(catalogue: ElementCatalogue, pairs: Pairs, air: Callable[[float], Morn
     )
     groups = made.groupby(["is_fit", "morning", "band", "lead"]).ngroup()
     made["missed"] = found[list(_MISSES)].abs().max(axis=1)
-    for name, values in found.items():  # one by one: all at once would take a quarter more memory
-        distances[:, found.columns.get_loc(name)] -= values.groupby(groups).transform("median").to_numpy()
+    for k, name in enumerate(DISTANCES):  # one by one: all at once would take a quarter more memory
+        distances[:, k] -= found[name].groupby(groups).transform("median").to_numpy()
     # A set that is not there says nothing: as if it agreed with the others.
     apart = pd.DataFrame(np.nan_to_num(distances, copy=False), columns=list(APART), copy=False)
     miss = ((made["error"] - made["density"]) / made["scale"]).where(made["is_fit"])

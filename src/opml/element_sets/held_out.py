@@ -127,7 +127,7 @@ def residuals(
     trained = _train(teach, seasons, learner, seed=seed)
     is_own = ~table["number"].isin(teach["number"].unique()) & _within(table, seasons.asked)
     asked = table[is_own].reset_index(drop=True).assign(is_fit=True)
-    made = _residuals(asked, ways.candidates(asked, {learner: trained}), learner)
+    made = _residuals(asked, ways.candidates(asked, {learner: trained}, corrector.jumps(asked)), learner)
     return made[_within(made, seasons.test) & np.isfinite(made["error"])]
 
 

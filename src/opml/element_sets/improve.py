@@ -151,10 +151,11 @@ def improve(known: PublicData, model: CatalogueModel, *, progress: Progress = _l
     today = modified_julian_day(known.date)
     rows = replayed(known, model, np.arange(-PAST, 1) + today)
     progress(f"{counted(len(rows), 'prediction')} of {PAST + 1} mornings")
-    tried = ways.candidates(rows, model.correctors)
+    jump = corrector.jumps(rows)
+    tried = ways.candidates(rows, model.correctors, jump)
     # What correctors alone look at is more than half of the rows' memory.
     rows = rows.drop(columns=list(features.APART))
-    now = rows[rows["morning"] == today].assign(jump=corrector.jumps(rows))
+    now = rows[rows["morning"] == today].assign(jump=jump)
     newest = newest_sets(known.catalogue)
     why = reasons(known.catalogue, newest, now, date=today)
     weights = where_usable(ways.weights(rows, tried), why)

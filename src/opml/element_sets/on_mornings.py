@@ -9,7 +9,7 @@ from sgp4.api import Satrec
 
 from opml.base.files import FilePath
 from opml.element_sets import catalogue as catalogues
-from opml.element_sets import density, features, improve, model, pairs, ways
+from opml.element_sets import corrector, density, features, improve, model, pairs, ways
 from opml.element_sets.catalogue import ElementCatalogue
 from opml.element_sets.density import LearnedAir
 from opml.element_sets.model import CatalogueModel
@@ -81,7 +81,7 @@ class ImprovedHistory:
             return {DENSITY: published, LEARNED: published}
         mornings = np.arange(-ways.PAST, 1) + morning
         rows = features.build(known, pairs.build(known, mornings), self._air)
-        tried = ways.candidates(rows, self._trained.correctors)
+        tried = ways.candidates(rows, self._trained.correctors, corrector.jumps(rows))
         taught = {name: one for name, one in tried.items() if name.startswith(LEARNED)}
         today = rows["morning"] == morning
         now, corrections = rows[today], {name: one[today] for name, one in tried.items()}

@@ -23,8 +23,12 @@ _MOST_DRAG = 0.9  # largest part of its B* that is taken off a set
 Ways = Mapping[str, pd.DataFrame]  # by the name of the way, correction and sigma [m] of rows
 
 
-def candidates(rows: pd.DataFrame, correctors: Mapping[str, Corrector]) -> dict[str, pd.DataFrame]:
+def candidates(
+    rows: pd.DataFrame, correctors: Mapping[str, Corrector], jump: pd.Series
+) -> dict[str, pd.DataFrame]:
     """Return correction and sigma [m] of rows by each way: not, by the density, as each population taught.
+
+    jump: of `corrector.jumps`
 
     A prediction apart from the learned one is as unsure as that, and as they are apart; after a jump of the
     sets all are unsurer.
@@ -40,7 +44,6 @@ def candidates(rows: pd.DataFrame, correctors: Mapping[str, Corrector]) -> dict[
         )
         for name, one in ways.items()
     }
-    jump = corrector.jumps(rows)
     return {name: corrector.widen_jumps(one, jump) for name, one in (plain | learned).items()}
 
 

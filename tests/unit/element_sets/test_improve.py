@@ -1,7 +1,6 @@
 """Better sets for a morning: nothing later counts, two numbers carry the correction, each set says why."""
 
 import re
-from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -99,7 +98,9 @@ def test_sets_flown_by_plain_sgp4_carry_the_correction(
     new = {one.number: one.satellite for one in mean_elements.read_sets(tmp_path / "better.tle")}
     today = catalogue.modified_julian_day(DATE)
     rows = improve.replayed(known, model, np.arange(-ways.PAST, 1) + today)
-    wanted = ways.candidates(rows, model.correctors)[way]["correction"][rows["morning"] == today]
+    wanted = ways.candidates(rows, model.correctors, corrector.jumps(rows))[way]["correction"][
+        rows["morning"] == today
+    ]
 
     for number, own in rows.loc[wanted.index].groupby("number"):
         assert new[number].jdsatepochF == old[number].jdsatepochF
@@ -236,7 +237,7 @@ def test_a_tenth_of_the_drag_stays_whatever_is_asked(
 ) -> None:
     """A correction of twice what drag does along the track would make an orbit rise."""
 
-    def twice(rows: pd.DataFrame, _: Mapping[str, corrector.Corrector]) -> dict[str, pd.DataFrame]:
+    def twice(rows: pd.DataFrame, *_: object) -> dict[str, pd.DataFrame]:
         return {ways.DENSITY: pd.DataFrame({"correction": 2e-4 * rows["response"], "sigma": rows["scale"]})}
 
     monkeypatch.setattr(ways, "candidates", twice)
