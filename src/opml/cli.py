@@ -34,11 +34,8 @@ class Command:
     run: Callable[[argparse.Namespace], None]
 
 
-INTERRUPTED = 130  # exit code of a command that its user interrupts, as of a shell's
-
-
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run a subcommand; return the exit code, 1 or INTERRUPTED after one line that tells why."""
+    """Run a subcommand; return the exit code, 1 after one line that tells why."""
     logging.basicConfig(format=f"{clear()}opml: %(message)s")
     options = _parser().parse_args(arguments)
     if isinstance(sys.stdout, io.TextIOWrapper):  # of names that the terminal has no letters for
@@ -51,9 +48,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except (InputError, OSError) as error:
         print(f"opml: {error}", file=sys.stderr)
         return 1
-    except KeyboardInterrupt:
-        print("opml: interrupted; what is written is whole", file=sys.stderr)
-        return INTERRUPTED
     return 0
 
 
@@ -484,7 +478,3 @@ GROUPS = {
 """The subcommands, in the order of the help, by what they are for."""
 
 COMMANDS = [command for commands in GROUPS.values() for command in commands]
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -5,6 +5,8 @@ import io
 import json
 import os
 import re
+import signal
+import subprocess
 import sys
 
 import numpy as np
@@ -12,6 +14,7 @@ import pandas as pd
 import pytest
 from support import REPOSITORY, refusals
 
+from opml import __main__ as started
 from opml import __version__, cli
 from opml.orbits.sheets import read_rsos
 from opml.study.settings import editor_schema
@@ -118,14 +121,36 @@ def test_every_page_of_the_documentation_is_listed_and_printed(capsys):
     assert text == (REPOSITORY / "CHANGELOG.md").read_text(encoding="utf-8")
 
 
-def test_an_interrupt_is_told_in_one_line(monkeypatch, capsys):
-    def interrupt(name):
-        raise KeyboardInterrupt
+@pytest.mark.parametrize("module", ["opml.cli", "erfa"])
+def test_an_interrupt_is_told_in_one_line_in_the_midst_of_imports(module):
+    """Compiled code whose import is broken off prints a traceback, whatever Python makes of its error."""
+    code = f"""
+import signal, sys
+class Finder:
+    def find_spec(name, path, target=None):
+        if name == {module!r}:
+            try:
+                signal.raise_signal(signal.SIGINT)
+            except KeyboardInterrupt:
+                raise ImportError
+sys.meta_path.insert(0, Finder)
+from opml.__main__ import main
+sys.argv = ["opml", "predict", "no.tle"]
+sys.exit(main())
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (130, "opml: interrupted; what is written is whole\n")
 
-    monkeypatch.setattr(manual, "page", interrupt)
-    assert cli.main(["docs", "operations"]) == cli.INTERRUPTED
-    expected = "opml: interrupted; what is written is whole\n"
-    assert capsys.readouterr() == ("", expected)
+
+def test_an_interrupt_of_a_command_is_told_in_one_line(monkeypatch, capsys):
+    monkeypatch.setattr(manual, "page", lambda name: signal.raise_signal(signal.SIGINT))
+    monkeypatch.setattr(sys, "argv", ["opml", "docs", "operations"])
+    before = signal.getsignal(signal.SIGINT)
+    try:
+        assert started.main() == started.INTERRUPTED
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert capsys.readouterr() == ("", "opml: interrupted; what is written is whole\n")
 
 
 def test_a_page_that_is_not_there_is_told_in_one_line(capsys):
