@@ -5,6 +5,7 @@ import io
 import json
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -240,9 +241,22 @@ def test_a_project_without_a_folder_is_refused(tmp_path, monkeypatch, capsys, fo
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize(("arguments", "line"), refusals("written_files"))
-def test_what_is_read_is_not_written_over(arguments, line, tmp_path, monkeypatch, capsys):
+POINTS = """\
+utc,x_gcrf_m,y_gcrf_m,z_gcrf_m
+2016-09-28T12:10:00,7000000.0,0.0,0.0
+2016-09-28T12:11:00,6990000.0,450000.0,0.0
+"""
+
+
+@pytest.mark.parametrize(("arguments", "line"), refusals("commands"))
+def test_what_cannot_be_is_refused_in_a_line_and_writes_nothing(
+    arguments, line, tmp_path, monkeypatch, capsys
+):
     monkeypatch.chdir(tmp_path)
+    (tmp_path / "points.csv").write_text(POINTS)
+    shutil.copy(REPOSITORY / "tests" / "reference" / "orekit.tdm", tmp_path / "tracks.tdm")
+    before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
     assert cli.main(arguments) == 1
-    assert capsys.readouterr().err.startswith(f"opml: {line}")
-    assert not any(tmp_path.iterdir())
+    told = capsys.readouterr().err.splitlines()
+    assert told[-1].startswith(f"opml: {line}")
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
