@@ -198,8 +198,9 @@ def _improve(options: argparse.Namespace) -> None:
     improve.check_written(
         options.output, options.table, [*options.sets, *filter(None, (options.weather, options.model))]
     )
-    date = options.date or datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%S")
-    latency = (6.0 if options.date else 0.0) if options.latency is None else options.latency
+    now = datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%S")
+    date, usual = (now, 0.0) if options.date is None else (options.date, 6.0)
+    latency = usual if options.latency is None else options.latency
     if not latency >= 0.0:
         raise InputError(f"--latency: expected 0 hours or more, got {latency:g}")
     known = improve.read(options.sets, date=date, weather=options.weather, latency=latency / 24.0)
@@ -316,7 +317,7 @@ def _day(options: argparse.Namespace) -> None:
     from opml.workflow import daily
 
     day = options.date or datetime.now(UTC).date()
-    if options.object:
+    if options.object is not None:
         return daily.show(options.object, day, options.configfile)
     call = daily.Call(day, options.since or day, options.configfile, _where(options), options.dry_run)
     if code := daily.run(call):

@@ -197,7 +197,7 @@ def predict(
     history = _history(paths, None if object is None else str(object))
     newest = history[-1]
     latency = 0.0 if date is None else catalogues.LATENCY
-    date = date or _known(newest)
+    date = _known(newest) if date is None else date
     known = improve.read([*paths, *catalogue], date=date, weather=str(weather), latency=latency)
     public = public_sets(history, date, latency)
     burns = burns_before(public, date)

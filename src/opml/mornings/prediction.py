@@ -149,7 +149,7 @@ class _Times:
         if not first < last:
             before = f" before {request.date}" if request.date else ""
             raise InputError(f"{request.files[0]}: expected measurements{before}, got fewer than two")
-        date = request.date or _text(_ANY, np.ceil(last))
+        date = _text(_ANY, np.ceil(last)) if request.date is None else request.date
         begin = max(first, last - DAY * (MORNINGS + _HISTORY))
         epoch = f"{_text(_ANY, begin)[:_DAY]}T00:00:00"
         offset = epochs.seconds_between(epoch, _ANY)

@@ -245,6 +245,8 @@ REFUSED = {
     ),
     "weather of later": (["--date", "1957-04-30T06:00:00"], "measured before 1957-04-30, got it from 19"),
     "another object": (["--object", "102"], "expected one object 102, got 101"),
+    "no name": (["--object", ""], "expected one object , got 101"),
+    "no date": (["--date", ""], "^opml: date: expected UTC text like .*, got ''"),
     "old weather": (
         ["--date", "2026-03-01T00:00:00"],
         "space weather measured up to 2026-03-01.*newer: https",
