@@ -300,22 +300,6 @@ def test_of_several_objects_one_is_named(tmp_path):
     assert prediction.predict(tmp_path / "sets.tle", object=102).identity.number == 102
 
 
-POINTS = {
-    "CSV": ("utc,x_itrf_m,y_itrf_m,z_itrf_m\n2019-09-03T00:00:00,7e6,0,0\n", "points of an orbit"),
-    "OEM": ("CCSDS_OEM_VERS = 2.0\n", "points of an orbit"),
-    "SP3": ("#cP2016  9 28 12  9 45.00000000\n", "points of an orbit"),
-    "TDM": ("COMMENT a test\nCCSDS_TDM_VERS = 1.0\n", "tracks"),
-}
-
-
-@pytest.mark.parametrize("kind", POINTS)
-def test_points_and_tracks_are_sent_to_where_they_are_fitted(kind, tmp_path):
-    text, got = POINTS[kind]
-    (tmp_path / "mine.txt").write_text(text)
-    with pytest.raises(InputError, match=f"mine.txt: expected element sets, got {got}: fit them"):
-        prediction.predict(tmp_path / "mine.txt")
-
-
 def burned_sets(path, day, metres):
     """Write daily sets of 40 days, of an orbit that is higher by metres from a day on."""
     days = np.arange(40.0)
