@@ -57,6 +57,7 @@ _SECONDS, _DAY = len("2016-09-28T12:09:45"), len("2016-09-28")
 _HISTORY = 5.0  # of measurements that the first morning fits [days]
 _AFTER = HOUR  # that paths reach beyond the end
 _LEAST_STRETCHES = 4.0
+_NO_ORBIT = 1e3  # root mean square of the weighted residuals of what no orbit fits
 _JUDGED = 3.0  # longest prediction that tells the verdict, as few mornings have longer ones [days]
 _NO_ELEMENTS = dict.fromkeys(("a", "e", "i", "argp", "raan", "mean_anomaly"), np.nan)
 _USUAL = "usual errors of such fits: their own covariance, density, and the weather that may come"
@@ -201,6 +202,12 @@ def predict(request: Request, settings: OrbitSettings, *, progress: Progress) ->
         records = records.and_then(left.records, since=now - DAY * watched.plan.max_days)
     if not records.paths:
         raise InputError(f"{request.files[0]}: expected what an orbit fits, got none: {left.verdict.reason}")
+    made = records.estimates[records.estimates["track"] == records.paths[-1].start]
+    if (rms := made["weighted_rms"].max()) > _NO_ORBIT:
+        got = (
+            f"expected measurements of an orbit, got some that miss the best by {rms:.0f} standard deviations"
+        )
+        raise InputError(f"{request.files[0]}: {got}: are object, frame and times right?")
     flown = _flown(watched, left, records, now=times.date)
     t = flown.table["t"].to_numpy() - times.date
     if t[-1] < DAY * request.days:

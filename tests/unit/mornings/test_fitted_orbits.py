@@ -124,6 +124,19 @@ def test_tracks_are_fitted_by_their_radars(orbit, earth_orientation, three_stati
     assert np.linalg.norm(made.state(when)[:3] - orbit[STATE[:3]].to_numpy()[late]) < 2e3
 
 
+def test_measurements_that_no_orbit_fits_are_refused(tmp_path):
+    """A circle whose plane does not turn."""
+    turn, t = 1.1e-3, np.arange(0.0, 0.75 * DAY, 120.0)
+    circle = 6.9e6 * np.array([np.cos(turn * t), 0.6 * np.sin(turn * t), 0.8 * np.sin(turn * t)])
+    utc = np.datetime64("2016-10-02T00:00:00") + t.astype("m8[s]")
+    table = pd.DataFrame(dict(zip(("utc", "x_gcrf_m", "y_gcrf_m", "z_gcrf_m"), [utc, *circle], strict=True)))
+    table.to_csv(tmp_path / "mine.csv", index=False, date_format="%Y-%m-%dT%H:%M:%S")
+    with pytest.raises(
+        InputError, match=r"mine.csv: expected measurements of an orbit, got .* object, frame"
+    ):
+        made_of(tmp_path / "mine.csv", date=None)
+
+
 SUFFIXES = ("oem", "tle", "kvn", "csv", "json", "czml", "html")
 
 
