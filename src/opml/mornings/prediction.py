@@ -42,8 +42,9 @@ from opml.mornings import issued, judged, measured, usual_sizes
 from opml.mornings.issued import Flown
 from opml.mornings.judged import OLDEST, Verdict
 from opml.mornings.measured import MeasurementSource, Span
-from opml.mornings.morning import FlightModel, Left, MorningPlan, Watched, morning
+from opml.mornings.morning import Left, morning
 from opml.mornings.records import Records
+from opml.mornings.watched import FlightModel, MorningPlan, Watched
 from opml.orbits.sheets import Rso, Station
 from opml.tables import STATE, STATE_COVARIANCES, symmetric_matrices
 
