@@ -115,7 +115,7 @@ def test_too_short_a_past_or_history_and_forecasts_that_begin_too_late_are_told(
 def test_tides_want_a_field_that_tells_its_tide_system(model, tmp_path):
     path = tmp_path / "field.gfc"
     text = gravity_field.resolve("EGM2008").read_text()
-    models = VALUES["force_models"] | {model: VALUES["force_models"][model] | {"solid_tides": True}}
+    models = VALUES["force_models"] | {model: VALUES["force_models"][model] | {"forces": ["solid_tides"]}}
     values = VALUES | {
         "force_models": models,
         "environment": VALUES["environment"] | {"gravity_field": str(path)},
@@ -127,6 +127,6 @@ def test_tides_want_a_field_that_tells_its_tide_system(model, tmp_path):
     with pytest.raises(InputError) as error:
         check(values)
     assert str(error.value) == (
-        f"force_models.{model}.solid_tides: expected a gravity field that is tide_free or zero_tide, "
+        f"force_models.{model}.forces: solid_tides: expected a gravity field that is tide_free or zero_tide, "
         "got tide_system mean_tide"
     )
