@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 from opml import __version__
 from opml.base.errors import InputError
-from opml.base.files import check_apart
+from opml.base.files import check_apart, suffix_of
 from opml.base.progress import clear, counted, on_stderr
 
 if TYPE_CHECKING:
@@ -170,7 +170,7 @@ def _compare(options: argparse.Namespace) -> None:
     from opml.conjunctions import comparison
 
     if options.output:
-        tables.check_suffix(options.output)
+        suffix_of(options.output, tables.TABLE_SUFFIXES)
         check_apart([options.output], [options.ours, *options.other])
     ours = comparison.read([options.ours], options.object)
     table = comparison.compare(ours, comparison.read(options.other, options.other_object))
@@ -300,7 +300,7 @@ def _train(options: argparse.Namespace) -> None:
     for one in options.sets:
         name, is_named, path = one.rpartition("=")
         populations.setdefault(name if is_named else "all", []).append(path)
-    model.check_suffix(options.output)
+    suffix_of(options.output, [model.SUFFIX])
     check_apart([options.output], [options.weather, *chain.from_iterable(populations.values())])
     with on_stderr() as progress:
         trained = training.train(populations, weather=options.weather, progress=progress)
@@ -406,7 +406,8 @@ def _add_score(parser: argparse.ArgumentParser) -> None:
 def _score(options: argparse.Namespace) -> None:
     from opml.report import benchmark
 
-    benchmark.check(*options.output)
+    for path in options.output:
+        suffix_of(path, benchmark.SUFFIXES)
     score = benchmark.score(options.task, options.answers, options.truth)
     for path in options.output:
         benchmark.write(path, score)

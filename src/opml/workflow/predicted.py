@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from opml.base.errors import InputError
-from opml.base.files import FilePath, replacing
+from opml.base.files import FilePath, replacing, suffix_of
 from opml.element_sets.passes import Place, passes
 from opml.element_sets.prediction import Prediction
 from opml.interop import czml
@@ -21,10 +21,7 @@ Writer = Callable[[FilePath, Any, Sequence[Place]], None]
 def check(paths: Sequence[FilePath]) -> None:
     """Raise InputError for a path whose suffix tells no format, and for a page without what draws it."""
     for path in paths:
-        suffix = Path(path).suffix.lower()
-        if suffix not in WRITERS:
-            raise InputError(f"{path}: expected a suffix {', '.join(WRITERS)}, got {suffix or 'none'}")
-        if suffix == ".html" and find_spec("matplotlib") is None:
+        if suffix_of(path, WRITERS) == ".html" and find_spec("matplotlib") is None:
             raise InputError(f"{path}: expected matplotlib, got none: pip install 'opml-orbits[workflow]'")
 
 
