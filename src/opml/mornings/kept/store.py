@@ -1,7 +1,7 @@
 """The folder of all days: what mornings left on them, as the job of a batch of objects reads and writes it.
 
-`days/2026-02-15/batch_0/` has what the mornings of a batch left (`batch_day`), days of older releases a
-folder of each object (`older_days`). Objects are found in whatever batch they were.
+`days/2026-02-15/batch_0/` has what the mornings of a batch left (`batch_day`). Objects are found in whatever
+batch they were.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -13,7 +13,6 @@ from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.mornings.calendar import HORIZON
 from opml.mornings.kept.batch_day import PATHS, BatchDay, Finished
-from opml.mornings.kept.older_days import ObjectDay
 from opml.mornings.records import Records, below
 
 _BATCH = "batch_"
@@ -25,7 +24,7 @@ class Store:
     def __init__(self, days: FilePath, batch: str, objects: Iterable[str]) -> None:
         """Take the folder of all days, the batch that is written, and the names of its objects."""
         self._days, self._own, self._objects = Path(days), f"{_BATCH}{batch}", list(objects)
-        self._places: dict[date, dict[str, BatchDay | ObjectDay]] = {}
+        self._places: dict[date, dict[str, BatchDay]] = {}
 
     def done(self, until: date) -> dict[str, list[date]]:
         """Return by object the dates up to one of the newest mornings that are over, HORIZON, ascending."""
@@ -39,19 +38,18 @@ class Store:
                 break
         return {name: found[::-1] for name, found in dates.items()}
 
-    def places(self, day: date) -> Mapping[str, BatchDay | ObjectDay]:
+    def places(self, day: date) -> Mapping[str, BatchDay]:
         """Return where what a morning left is, of each object whose morning is over."""
         if day not in self._places:
             folder, lacking = self._days / day.isoformat(), set(self._objects)
-            found: dict[str, BatchDay | ObjectDay] = {}
+            found: dict[str, BatchDay] = {}
             others = (one for one in sorted(folder.glob(f"{_BATCH}*")) if one.name != self._own)
             for place in map(BatchDay, (folder / self._own, *others)):
                 found |= dict.fromkeys(lacking & place.marks.keys(), place)
                 lacking -= found.keys()
                 if not lacking:
                     break
-            alone = {name: ObjectDay(folder / name) for name in lacking}
-            self._places[day] = found | {name: place for name, place in alone.items() if place.is_over}
+            self._places[day] = found
         return self._places[day]
 
     def message(self, day: date, name: str) -> Path:
@@ -115,7 +113,7 @@ class Store:
         yield from (day for day in map(date.fromisoformat, names) if day <= until)
 
 
-def _whole_paths(place: BatchDay | ObjectDay, name: str) -> Sequence[Any]:
+def _whole_paths(place: BatchDay, name: str) -> Sequence[Any]:
     paths = place.paths(name)
     if place.marks[name].models and not paths:
         raise InputError(
