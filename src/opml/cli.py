@@ -140,11 +140,11 @@ def _add_screen(parser: argparse.ArgumentParser) -> None:
 
 def _screen(options: argparse.Namespace) -> None:
     from opml import tables
-    from opml.conjunctions import as_text, asked, cdm
+    from opml.conjunctions import as_text, cdm, from_files
     from opml.conjunctions.trajectories import EPOCH
 
     limits = {name: getattr(options, name) for name in ("within", "radius", "days")}
-    found = asked.conjunctions([options.ours, *options.others], **limits)
+    found = from_files.conjunctions([options.ours, *options.others], **limits)
     if options.messages:
         found = list(found)
         cdm.write_all(options.messages, found, epoch=EPOCH)
@@ -241,9 +241,9 @@ def _predict(options: argparse.Namespace) -> None:
     from opml.element_sets import passes
     from opml.interop.measured_files import is_measured
     from opml.interop.predicted_orbit import UNKNOWABLE
-    from opml.workflow import predicted
+    from opml.workflow import prediction_files
 
-    predicted.check(options.output)
+    prediction_files.check(options.output)
     check_apart(
         options.output,
         [*options.files, *options.catalogue, options.radars, *filter(None, (options.weather, options.model))],
@@ -252,7 +252,7 @@ def _predict(options: argparse.Namespace) -> None:
     with on_stderr() as progress:
         made = (_fit if is_measured(options.files[0]) else _fly_sets)(options, progress)
     for path in options.output:
-        predicted.write(path, made, places)
+        prediction_files.write(path, made, places)
     print(f"{made.identity} from {made.date} UTC: {made.way} ({made.reason})")
     expected = made.expected().dropna(axis="columns", how="all").replace({"utc": r"\.0+$"}, "", regex=True)
     print(expected.to_string(index=False, float_format="{:.0f}".format))
@@ -275,9 +275,9 @@ def _fit(options: argparse.Namespace, progress: "Progress") -> "PredictedOrbit":
     from opml.mornings.prediction import Request
     from opml.orbits.sheets import read_stations
     from opml.study import prediction
-    from opml.workflow import predicted
+    from opml.workflow import prediction_files
 
-    predicted.check_fitted(options.output)
+    prediction_files.check_fitted(options.output)
     if options.catalogue or options.model:
         raise InputError("--catalogue, --model: expected element sets, got points or tracks")
     asked = {name: getattr(options, name) for name in ("days", "object", "date", "weather")}

@@ -8,7 +8,7 @@ from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.yaml_files import read_yaml
 from opml.environment import gravity_field, nodes, solar_activity
-from opml.study import coverage
+from opml.study import source_coverage
 from opml.study.settings.model.whole import RunSettings
 
 VALUES = read_yaml(REPOSITORY / "config" / "config.yaml") | {"study": None}
@@ -17,7 +17,7 @@ REACH = {name: solar_activity.reach(name) for name in solar_activity.PACKAGED}
 
 def check(values):
     """Look whether a run of these settings is covered."""
-    coverage.check(RunSettings(**values))
+    source_coverage.check(RunSettings(**values))
 
 
 def refusal(*, epoch=EPOCH, **sources):
