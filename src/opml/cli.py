@@ -114,18 +114,6 @@ def _rso(options: argparse.Namespace) -> None:
     print(mean_elements.line_of_sheet(options.file, options.name, options.epoch, body))
 
 
-def _add_sheet(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--count", type=int, required=True, help="number of RSOs")
-    parser.add_argument("--seed", type=int, required=True, help="seed of the draw")
-    parser.add_argument("--prefix", default="sky", help="first part of each name (sky)")
-
-
-def _sheet(options: argparse.Namespace) -> None:
-    from opml.orbits import random_sheet
-
-    print(random_sheet.sheet(options.prefix, options.count, options.seed).rstrip("\n"))
-
-
 def _add_screen(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("ours", help="our object's OEM or mean elements; alone, a catalogue or a CDM")
     parser.add_argument("others", nargs="*", help="ephemerides (OEM) and mean elements of other objects")
@@ -472,7 +460,6 @@ GROUPS = {
         Command("init", "create a project with a first study", _add_init, _init),
         Command("day", "process a day: fit, score and issue ephemerides of all objects", _add_day, _day),
         Command("rso", "print the line of the RSO sheet for an element set", _add_rso, _rso),
-        Command("sheet", "print a random sheet of RSOs", _add_sheet, _sheet),
         Command("train", "train a model that improves element sets", _add_train, _train),
         Command("table", "describe a table, or print it as CSV", _add_table, _table),
         Command("pack", "pack a finished run into one archive (RO-Crate)", _add_pack, _pack),
