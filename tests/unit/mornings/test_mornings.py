@@ -382,24 +382,28 @@ def track(number, begin, length=300.0):
     return pd.DataFrame({"track": number, "t": t})
 
 
-def test_a_late_track_is_in_the_fits_of_later_ones_and_told(watched, whole, tmp_path):
+@pytest.mark.parametrize("number", [1, 2])
+def test_late_tracks_are_in_the_fits_of_later_ones_and_told(watched, whole, tmp_path, number):
+    """The mornings before they came stay as they are."""
     before = LAST - timedelta(days=1)
     begins = watched.tracking.groupby("track")["t"].min()
-    late = begins.index[begins < CALENDAR.time(before)][-2]
-    without = watched.tracking[watched.tracking["track"] != late]
-    lacking = without.assign(track=without["track"] - (without["track"] > late))
+    late = begins.index[begins < CALENDAR.time(before)][-1 - number : -1]
+    without = watched.tracking[~watched.tracking["track"].isin(late)]
+    lacking = without.assign(track=np.searchsorted(without["track"].unique(), without["track"]))
     never, came = tmp_path / "never", tmp_path / "came"
     carried_on(whole, replace(watched, tracking=lacking), never, after=before - timedelta(days=1))
     carried_on(never, watched, came, after=before)
+    assert contents(came, before) == contents(never, before)
     found, absent = told(came), told(never)
-    assert (found["late"], absent["late"]) == (1, 0)
+    assert (found["late"], absent["late"]) == (number, 0)
     assert found["tracks"] == absent["tracks"]
     made, lesser = (
         rows(folder, "kept_estimates", [LAST]).query("window_hours == 12.0") for folder in (came, never)
     )
-    assert begins[late] not in made["t"].to_numpy()
+    assert not np.isin(begins[late], made["t"]).any()
     np.testing.assert_array_equal(made["t"], lesser["t"])
-    reached = made["t"].to_numpy() - begins[late] <= ESTIMATION.window_hours * HOUR
+    ages = made["t"].to_numpy()[:, None] - begins[late].to_numpy()
+    reached = (ages <= ESTIMATION.window_hours * HOUR).sum(axis=1)
     assert reached.any()
     np.testing.assert_array_equal(made["tracks_used"].to_numpy(), lesser["tracks_used"] + reached)
 
