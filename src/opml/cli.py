@@ -273,6 +273,7 @@ def _fit(options: argparse.Namespace, progress: "Progress") -> "PredictedOrbit":
 def _add_train(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("sets", nargs="+", metavar="[NAME=]PATH", help="files and folders by population")
     parser.add_argument("-o", "--output", required=True, help="the model, .parquet")
+    parser.add_argument("--date", type=_instant, help=f"{_UTC}; what became known later is not learned from")
     parser.add_argument("--weather", default="OBSERVED", help="space weather, CSSI (that of the package)")
 
 
@@ -286,7 +287,8 @@ def _train(options: argparse.Namespace) -> None:
     suffix_of(options.output, [model.SUFFIX])
     check_apart([options.output], [options.weather, *chain.from_iterable(populations.values())])
     with on_stderr() as progress:
-        trained = training.train(populations, weather=options.weather, progress=progress)
+        asked = {"weather": options.weather, "date": options.date}
+        trained = training.train(populations, **asked, progress=progress)
     model.write(options.output, trained)
     print(f"{options.output}: {', '.join(populations)}")
 

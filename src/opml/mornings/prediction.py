@@ -36,6 +36,7 @@ from opml.interop import ccsds, measured_files, points_from_files, tdm
 from opml.interop.object_ids import ObjectId
 from opml.interop.orbit_from_files import OrbitFiles
 from opml.interop.predicted_orbit import STEP, PredictedOrbit
+from opml.learning.models import learners
 from opml.learning.models.contract import ResolvedSettings
 from opml.learning.models.learners import JobLearner, arc_of
 from opml.mornings import issued, judged, measured, usual_sizes
@@ -58,6 +59,8 @@ _SECONDS, _DAY = len("2016-09-28T12:09:45"), len("2016-09-28")
 _HISTORY = 5.0  # of measurements that the first morning fits [days]
 _AFTER = HOUR  # that paths reach beyond the end
 _LEAST_STRETCHES = 4.0
+_FEWEST_TRACKS = 3  # in a fit: of fewer its state is hardly known
+_MOST_WITH_FEWER = 0.1  # part of the fits that may have fewer
 _JUDGED = 3.0  # longest prediction that tells the verdict, as few mornings have longer ones [days]
 _NO_ELEMENTS = dict.fromkeys(("a", "e", "i", "argp", "raan", "mean_anomaly"), np.nan)
 _USUAL = "usual errors of such fits: their own covariance, density, and the weather that may come"
@@ -252,9 +255,13 @@ def _watched(request: Request, settings: OrbitSettings, times: _Times) -> Watche
     source = MeasurementSource(request.kind, list(map(str, request.files)), sampling)
     span = Span(times.epoch, times.date)
     found = measured.read(source, span, request.stations, model.orientation, since=0.0)
+    estimation = settings.estimation
+    if request.kind == "tracks":
+        windows = sorted({estimation.window_hours, *learners.arc_windows(settings.models.values())})
+        estimation = estimation.evolve(window_hours=_window(found.tracking, windows))
     plan = MorningPlan(
         settings.models,
-        settings.estimation,
+        estimation,
         max_days,
         STEP,
         times.duration,
@@ -262,6 +269,17 @@ def _watched(request: Request, settings: OrbitSettings, times: _Times) -> Watche
     )
     identity = found.identity if found.identity.name else ObjectId(Path(request.files[0]).stem)
     return Watched(model, plan, found.tracking, request.stations, found.manoeuvres, None, identity)
+
+
+def _window(tracking: pd.DataFrame, windows: Sequence[float]) -> float:
+    """Return the shortest of windows [h], ascending, in which nearly all fits have tracks enough."""
+    begins = np.sort(tracking.groupby("track")["t"].min().to_numpy())
+    for hours in windows:
+        first = np.searchsorted(begins, begins - HOUR * hours)
+        fewer = (np.arange(len(begins)) - first + 1 < _FEWEST_TRACKS)[first > 0]
+        if fewer.sum() <= _MOST_WITH_FEWER * len(fewer):
+            return hours
+    return windows[-1]
 
 
 def _flight_model(
