@@ -27,6 +27,7 @@ from opml.mornings import days, fits, judged, morning
 from opml.mornings.beside_sgp4 import Sgp4
 from opml.mornings.calendar import Calendar
 from opml.mornings.days import BatchTask, UnderWay
+from opml.mornings.kept import older_days
 from opml.mornings.kept.store import Store
 from opml.mornings.morning import FlightModel, MorningPlan, Watched
 from opml.mornings.outcomes import DO_NOT_USE, UNPROVEN
@@ -184,6 +185,8 @@ def as_an_older_release(whole, folder, until):
 def test_mornings_of_an_older_release_are_built_on(watched, whole, tmp_path):
     before = LAST - timedelta(days=1)
     as_an_older_release(whole, tmp_path, before)
+    older_days.convert(tmp_path)
+    assert not [*tmp_path.rglob("morning.json")]
     run(watched, tmp_path)
     assert done(tmp_path) == done(whole)
     assert told(tmp_path, before) == told(whole, before)
