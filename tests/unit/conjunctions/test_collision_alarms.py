@@ -35,7 +35,9 @@ def alarms_and_flagged(stated, real):
 
 @pytest.mark.usefixtures("few_draws")
 def test_angles_divide_the_draws_and_head_on_the_error_along_the_track_hardly_counts():
-    table = alarms_by_day(replay([10, 500, 10], [10, 500, 10]), SCREENING, days=[1.0], seed=1).set_index("crossing")
+    table = alarms_by_day(replay([10, 500, 10], [10, 500, 10]), SCREENING, days=[1.0], seed=1).set_index(
+        "crossing"
+    )
     whole, *parts = table["alarms"]
     assert whole == pytest.approx(np.mean(parts), rel=0.1)
     assert table.loc["over 120", "alarms"] < 0.5 * table.loc["below 60", "alarms"]
