@@ -3,7 +3,7 @@
 import errno
 import os
 import tempfile
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -28,6 +28,14 @@ def project_file(path: FilePath) -> Path:
     """Return the path of a project's file; where the project has none, that of the package's own file."""
     packaged = PROJECT / path
     return packaged if packaged.is_file() and not Path(path).exists() else Path(path)
+
+
+def suffix_of(path: FilePath, allowed: Collection[str]) -> str:
+    """Return a path's suffix in small letters. Raises InputError where it is none of those allowed."""
+    suffix = Path(path).suffix.lower()
+    if suffix not in allowed:
+        raise InputError(f"{path}: expected a suffix {', '.join(allowed)}, got {suffix or 'none'}")
+    return suffix
 
 
 def check_apart(written: Iterable[FilePath], read: Iterable[FilePath]) -> None:

@@ -8,14 +8,16 @@ track of another object puts estimates off, too. Whether a burn does, the tracks
 (`opml.catalog.associate.quarantine`), all of the last days in turn.
 """
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 import pandas as pd
 
 from opml.base.constants import DAY
 from opml.catalog.associate import quarantine
+from opml.catalog.fit import fixes
 from opml.catalog.fit.estimation import estimate_further, estimate_over_windows
 from opml.catalog.fit.estimation_settings import Estimation
 from opml.catalog.fit.first import first_orbit
@@ -23,6 +25,8 @@ from opml.catalog.fit.first.first_orbit import TimedState
 from opml.catalog.fit.measurements import Measurements
 from opml.catalog.flight import Flight
 from opml.learning.judge.error_sizes import along_track
+from opml.mornings.records import Records
+from opml.mornings.watched import Watched
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import SCHEMAS, STATE
 
@@ -86,6 +90,14 @@ class Fitting:
     settings: Estimation  # of fits over the base window
     given: TimedState | None  # a state that the very first fits may start from
 
+    @classmethod
+    def of(cls, watched: Watched, recent: Recent) -> Self:
+        """Return what the fits of an object's recent tracks share."""
+        measured = fixes.measurements(
+            recent.tracking, watched.model.orientation, watched.stations, watched.manoeuvres
+        )
+        return cls(watched.model.fits, measured, recent, watched.plan.estimation, watched.given)
+
     def further(self, kept: pd.DataFrame) -> pd.DataFrame:
         """Return the estimates over the base window of the tracks that those kept have not.
 
@@ -105,12 +117,19 @@ class Fitting:
         hours = self.settings.window_hours
         return found.assign(track=self.recent.numbers[found["track"]], window_hours=hours)
 
-    def over(self, start: pd.DataFrame, kept: Mapping[float, pd.DataFrame]) -> pd.DataFrame:
-        """Return the estimates of one track over other windows.
+    def over(self, windows: Sequence[float], start: pd.DataFrame, records: Records) -> pd.DataFrame:
+        """Return the estimates of one track over other windows [h], where none are kept.
 
         start: the track's estimate over the base window, which the fits start from
-        kept: earlier estimates, by the window [h]
         """
+        kept = {hours: records.estimates_over(hours) for hours in windows}
+        lacking = {
+            hours: self._numbered(rows)
+            for hours, rows in kept.items()
+            if not rows["track"].isin(start["track"]).any()
+        }
+        if not lacking:
+            return SCHEMAS["kept_estimates"].empty()
         (track,) = np.flatnonzero(self.recent.numbers == start["track"].iloc[0])
         found = estimate_over_windows(
             self.flight,
@@ -118,7 +137,7 @@ class Fitting:
             self.measured,
             settings=self.settings,
             track=int(track),
-            earlier={hours: self._numbered(rows) for hours, rows in kept.items()},
+            earlier=lacking,
         )
         return found.assign(track=self.recent.numbers[found["track"]])
 

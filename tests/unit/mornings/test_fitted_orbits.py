@@ -131,10 +131,24 @@ def test_measurements_that_no_orbit_fits_are_refused(tmp_path):
     utc = np.datetime64("2016-10-02T00:00:00") + t.astype("m8[s]")
     table = pd.DataFrame(dict(zip(("utc", "x_gcrf_m", "y_gcrf_m", "z_gcrf_m"), [utc, *circle], strict=True)))
     table.to_csv(tmp_path / "mine.csv", index=False, date_format="%Y-%m-%dT%H:%M:%S")
-    with pytest.raises(
-        InputError, match=r"mine.csv: expected measurements of an orbit, got .* object, frame"
-    ):
+    with pytest.raises(InputError, match=r"mine.csv: expected measurements of an orbit, got .* off the"):
         made_of(tmp_path / "mine.csv", date=None)
+
+
+def test_one_track_of_one_radar_tells_no_drag_but_where_the_object_is(
+    orbit, earth_orientation, three_stations, tmp_path
+):
+    measured = tracking.simulate(orbit, earth_orientation, three_stations[:1], rso="iss", seed=1)
+    begins = measured.groupby("track")["t"].min()
+    alone = begins.index[begins.diff() > 12.5 * HOUR][-1]  # no other in the twelve hours before
+    tdm.write(tmp_path / "few.tdm", measured[measured["track"] <= alone], epoch=EPOCH, rso="iss")
+    made = api.predict(tmp_path / "few.tdm", days=1, stations=three_stations, area_to_mass=0.005)
+    last = np.ceil(measured.loc[measured["track"] == alone, "t"].max())
+    at = orbit[(orbit["t"] > last) & (orbit["t"] < last + HOUR)]
+    t, true = at["t"].to_numpy() - last, at[STATE].to_numpy()
+    errors, sigmas = in_rsw(made.states(t) - true, true)[:, :3], made.sigmas(t)
+    assert (np.abs(errors) < 3.0 * sigmas).all()
+    assert sigmas.max() < 1e3
 
 
 SUFFIXES = ("oem", "tle", "kvn", "csv", "json", "czml", "html")
