@@ -352,10 +352,11 @@ def test_malformed_answers_are_refused(edit, told, sgp4, tmp_path):
             ",".join([*answers.REQUIRED, "cov_z_z"]).encode(),
             "expected the columns cov_x_x, cov_x_y",
         ),
+        ("mine.csv", ",".join([*answers.REQUIRED, "x"]).encode(), "expected the columns x, each once, got"),
         ("about.json", b"[1, 2", "about.json: expected a JSON object"),
         ("mine.txt", b"", "expected answers as .csv or .oem, got none"),
     ],
-    ids=["bytes", "columns", "a part of a covariance", "about", "suffix"],
+    ids=["bytes", "columns", "a part of a covariance", "a column twice", "about", "suffix"],
 )
 def test_files_that_hold_no_answers_are_refused(name, content, told, sgp4, task, tmp_path):
     if name == "about.json":
