@@ -144,6 +144,7 @@ class Surroundings:
         of_fits, of_predictions = (read(one, settings=settings.force_model) for one in (fits, predictions))
         flattened = read(predictions, settings=spread.FLATTENED)
         futures = _futures(files.futures, since=since) if files.futures else None
+        activity = read_table(fits["solar_activity"], "solar_activity")
         return cls(
             (of_fits, near_part(of_fits)),
             (of_predictions, near_part(of_predictions)),
@@ -151,7 +152,7 @@ class Surroundings:
             Weathers.of(flattened, futures),
             read_table(fits["earth_orientation"], "earth_orientation"),
             settings.stations,
-            _last_seen(read_table(fits["solar_activity"], "solar_activity")),
+            float(activity.dropna(subset=list(FIGURES))["t"].max()),
             _improved(settings.catalogue),
             cache(histories.read),
             propagate,
@@ -239,11 +240,6 @@ def _improved(catalogue: CatalogueFiles) -> ImprovedHistory | None:
     except InputError as reason:
         _log.warning("element sets are not improved: %s", reason)
         return None
-
-
-def _last_seen(activity: pd.DataFrame) -> float:
-    """Return until when the weather of a table `solar_activity` was measured [s]."""
-    return float(activity.dropna(subset=list(FIGURES))["t"].max())
 
 
 def _futures(path: FilePath, *, since: float) -> pd.DataFrame:

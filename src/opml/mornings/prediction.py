@@ -32,8 +32,9 @@ from opml.environment.forecasts.methods import AnyForecast
 from opml.environment.knowledge import Issues
 from opml.environment.settings import EnvironmentSettings
 from opml.ephemerides.along_track_shift import through
-from opml.interop import ccsds, measured_files, points_from_files, tdm
+from opml.interop import ccsds, points_from_files, tdm
 from opml.interop.object_ids import ObjectId
+from opml.interop.orbit_arcs import contents
 from opml.interop.orbit_from_files import OrbitFiles
 from opml.interop.predicted_orbit import STEP, PredictedOrbit
 from opml.learning.models import learners
@@ -82,7 +83,7 @@ class Request:
     @property
     def kind(self) -> str:
         """Tracks or fixes."""
-        return "tracks" if measured_files.has_tracks(self.files[0]) else "fixes"
+        return "tracks" if tdm.matches(contents(self.files[0])) else "fixes"
 
 
 @dataclass(frozen=True, eq=False)

@@ -76,17 +76,15 @@ def run(call: Call) -> int:
     asked = _asked(call.configfiles)
     settings = asked.run
     check_dates(call, settings.epoch, settings.duration_days, today=datetime.now(UTC).date())
-    if not call.dry:
-        older_days.convert(Path(settings.results, "days"))
-    number = mornings_ahead(call.day, asked)
-    if number and not call.dry:
-        print(f"opml: {beforehand(number, asked)}", file=sys.stderr, flush=True)
     dates = [date.fromordinal(k).isoformat() for k in range(call.first.toordinal(), call.day.toordinal() + 1)]
     folders = [Path(settings.results, "days", text) for text in dates]
     if not call.dry:
         with lock.hold(Path(settings.results)):
+            older_days.convert(Path(settings.results, "days"))
             for folder in folders:
                 _forget_failed(folder)
+        if number := mornings_ahead(call.day, asked):
+            print(f"opml: {beforehand(number, asked)}", file=sys.stderr, flush=True)
     # The last day brings all others up to date, whose pages then only have to be written.
     for pages in [folders[-1:], folders[:-1]]:
         if pages and _snakemake(call, [str(folder / "day.html") for folder in pages]):

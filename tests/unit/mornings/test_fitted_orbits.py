@@ -181,28 +181,6 @@ def test_the_command_writes_every_format(hours, short, tmp_path, capsys):
     assert "SGP4" not in page
 
 
-REFUSED = {
-    "too many days": (["--days", "8"], "expected more than 0 and at most 7 days, got 8"),
-    "an area below 0": (["--area-to-mass", "-1"], "expected an area to mass above 0 m2/kg, got -1"),
-    "no area": (["--area-to-mass", "nan"], "expected an area to mass above 0 m2/kg, got nan"),
-    "a date before all": (["--date", "2016-09-01T00:00:00"], "expected measurements before 2016-09-01"),
-    "a set that is not fitted": (["-o", "mine.xml"], "mine.xml: expected .tle or .kvn"),
-    "other radars": (["--radars", "none.tsv"], "none.tsv: no such file"),
-}
-
-
-@pytest.mark.parametrize("case", REFUSED)
-def test_what_cannot_be_is_refused_in_a_line(case, hours, tmp_path, capsys, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    arguments, message = REFUSED[case]
-    assert cli.main(["predict", str(hours), *arguments]) == 1
-    (line,) = [
-        line for line in capsys.readouterr().err.splitlines() if "expected" in line or "no such" in line
-    ]
-    assert re.search(message, line)
-    assert list(tmp_path.iterdir()) == []
-
-
 def test_a_single_point_is_refused(tmp_path):
     (tmp_path / "one.csv").write_text("utc,x_gcrf_m,y_gcrf_m,z_gcrf_m\n2019-09-03T00:00:00,7e6,0,0\n")
     with pytest.raises(InputError, match=r"one\.csv: expected measurements, got fewer than two"):
