@@ -34,11 +34,8 @@ class Command:
     run: Callable[[argparse.Namespace], None]
 
 
-INTERRUPTED = 130  # exit code of a command that its user interrupts, as of a shell's
-
-
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run a subcommand; return the exit code, 1 or INTERRUPTED after one line that tells why."""
+    """Run a subcommand; return the exit code, 1 after one line that tells why."""
     logging.basicConfig(format=f"{clear()}opml: %(message)s")
     options = _parser().parse_args(arguments)
     if isinstance(sys.stdout, io.TextIOWrapper):  # of names that the terminal has no letters for
@@ -51,9 +48,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except (InputError, OSError) as error:
         print(f"opml: {error}", file=sys.stderr)
         return 1
-    except KeyboardInterrupt:
-        print("opml: interrupted; what is written is whole", file=sys.stderr)
-        return INTERRUPTED
     return 0
 
 
@@ -192,8 +186,9 @@ def _improve(options: argparse.Namespace) -> None:
     improve.check_written(
         options.output, options.table, [*options.sets, *filter(None, (options.weather, options.model))]
     )
-    date = options.date or datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%S")
-    latency = (6.0 if options.date else 0.0) if options.latency is None else options.latency
+    now = datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%S")
+    date, usual = (now, 0.0) if options.date is None else (options.date, 6.0)
+    latency = usual if options.latency is None else options.latency
     if not latency >= 0.0:
         raise InputError(f"--latency: expected 0 hours or more, got {latency:g}")
     known = improve.read(options.sets, date=date, weather=options.weather, latency=latency / 24.0)
@@ -278,6 +273,7 @@ def _fit(options: argparse.Namespace, progress: "Progress") -> "PredictedOrbit":
 def _add_train(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("sets", nargs="+", metavar="[NAME=]PATH", help="files and folders by population")
     parser.add_argument("-o", "--output", required=True, help="the model, .parquet")
+    parser.add_argument("--date", type=_instant, help=f"{_UTC}; what became known later is not learned from")
     parser.add_argument("--weather", default="OBSERVED", help="space weather, CSSI (that of the package)")
 
 
@@ -291,7 +287,8 @@ def _train(options: argparse.Namespace) -> None:
     suffix_of(options.output, [model.SUFFIX])
     check_apart([options.output], [options.weather, *chain.from_iterable(populations.values())])
     with on_stderr() as progress:
-        trained = training.train(populations, weather=options.weather, progress=progress)
+        asked = {"weather": options.weather, "date": options.date}
+        trained = training.train(populations, **asked, progress=progress)
     model.write(options.output, trained)
     print(f"{options.output}: {', '.join(populations)}")
 
@@ -310,7 +307,7 @@ def _day(options: argparse.Namespace) -> None:
     from opml.workflow import daily
 
     day = options.date or datetime.now(UTC).date()
-    if options.object:
+    if options.object is not None:
         return daily.show(options.object, day, options.configfile)
     call = daily.Call(day, options.since or day, options.configfile, _where(options), options.dry_run)
     if code := daily.run(call):
@@ -472,7 +469,3 @@ GROUPS = {
 """The subcommands, in the order of the help, by what they are for."""
 
 COMMANDS = [command for commands in GROUPS.values() for command in commands]
-
-
-if __name__ == "__main__":
-    sys.exit(main())

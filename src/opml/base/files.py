@@ -9,8 +9,11 @@ from pathlib import Path
 
 from opml.base.errors import InputError
 
-_REFUSED = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.EACCES, errno.EPERM)
-"""Reasons of the operating system's not to write a file: no space, no permission."""
+_REFUSED = (
+    *(errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.EACCES, errno.EPERM),
+    *(errno.EEXIST, errno.ENOTDIR, errno.ENAMETOOLONG),
+)
+"""Reasons of the operating system's not to write a file: no space, no permission, no such name."""
 
 FilePath = str | os.PathLike[str]  # a path as text or as a path object
 

@@ -52,10 +52,6 @@ class Recent:
         """Number of those that came after later ones had been estimated."""
         return int(np.sum(self.numbers == NO_NUMBER))
 
-    def places(self, numbers: pd.Series) -> np.ndarray:
-        """Return which of the tracks have some of these numbers."""
-        return np.asarray(pd.Index(self.numbers).get_indexer(numbers))
-
 
 def recent_tracks(tracking: pd.DataFrame, kept: pd.DataFrame, *, now: float, reach: float) -> Recent:
     """Return the tracks that are over by `now` [s] and whose estimates are at most `reach` [s] old.
@@ -165,7 +161,8 @@ class Fitting:
     def _numbered(self, kept: pd.DataFrame) -> pd.DataFrame:
         """Return those of the kept estimates whose tracks are recent, numbered as these."""
         rows = kept[kept["track"].isin(self.recent.numbers)]
-        return rows.assign(track=self.recent.places(rows["track"]))
+        places = {number: place for place, number in enumerate(self.recent.numbers)}
+        return rows.assign(track=rows["track"].map(places).astype(int))
 
 
 FAR = 6.0  # standard deviations off from which on estimates may be of another orbit

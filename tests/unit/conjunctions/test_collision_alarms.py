@@ -28,9 +28,20 @@ def replay(stated, real, count=300):
 
 
 def alarms_and_flagged(stated, real):
-    (row,) = alarms_by_day(replay(stated, real), SCREENING, days=[1.0, 5.0], seed=1).itertuples()
-    assert (row.day, row.predictions) == (1.0, 300)
+    row, *_ = alarms_by_day(replay(stated, real), SCREENING, days=[1.0, 5.0], seed=1).itertuples()
+    assert (row.day, row.crossing, row.predictions) == (1.0, "any", 300)
     return row.alarms, row.flagged
+
+
+@pytest.mark.usefixtures("few_draws")
+def test_angles_divide_the_draws_and_head_on_the_error_along_the_track_hardly_counts():
+    table = alarms_by_day(replay([10, 500, 10], [10, 500, 10]), SCREENING, days=[1.0], seed=1).set_index(
+        "crossing"
+    )
+    whole, *parts = table["alarms"]
+    assert whole == pytest.approx(np.mean(parts), rel=0.1)
+    assert table.loc["over 120", "alarms"] < 0.5 * table.loc["below 60", "alarms"]
+    np.testing.assert_allclose(table["per_approach"], table["alarms"] * 0.02**2)
 
 
 def test_small_errors_that_are_known_raise_few_alarms_and_miss_no_collision():
@@ -104,13 +115,17 @@ def test_seeds_hardly_matter():
 def test_models_are_compared_with_both_covariances_of_the_fits():
     one = replay([10, 100, 10], [10, 100, 10]).assign(i=range(300), j=range(1, 301), morning=0.0)
     best, worse = one, one.assign(e_y=3.0 * one["e_y"], e_x=one["e_x"])
-    mornings = Mornings({"none": worse, "running": best, "law": best}, best, {}, 0)
+    models = {"none": worse, "sgp4": worse, "fit96": worse, "running": best, "law": best}
+    mornings = Mornings(models, best, {}, 0)
     fits = one[["i", "j"]].assign(**{f"cov_{axis}_{axis}": 1.0 for axis in "xyz"})
     table = compare(mornings, fits, SCREENING, weather="forecast", laws=["law"], days=[1.0], seed=1)
+    table = table[table["crossing"] == "any"]
     assert table[["model", "covariance"]].to_numpy().tolist() == [
         ["none", "the fit's own"],
         ["none", "of past errors"],
+        ["sgp4", "of past errors"],
+        ["fit96", "of past errors"],
         ["running", "of past errors"],
         ["selected each day", "of past errors"],
     ]
-    assert table["flagged"].iloc[0] < 0.3 < table["flagged"].iloc[3]
+    assert table["flagged"].iloc[0] < 0.3 < table["flagged"].iloc[-1]

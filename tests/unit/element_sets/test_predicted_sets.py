@@ -245,6 +245,8 @@ REFUSED = {
     ),
     "weather of later": (["--date", "1957-04-30T06:00:00"], "measured before 1957-04-30, got it from 19"),
     "another object": (["--object", "102"], "expected one object 102, got 101"),
+    "no name": (["--object", ""], "expected one object , got 101"),
+    "no date": (["--date", ""], "^opml: date: expected UTC text like .*, got ''"),
     "old weather": (
         ["--date", "2026-03-01T00:00:00"],
         "space weather measured up to 2026-03-01.*newer: https",
@@ -296,22 +298,6 @@ def test_of_several_objects_one_is_named(tmp_path):
     with pytest.raises(InputError, match="expected --object for one of several objects, got 101, 102, 103"):
         prediction.predict(tmp_path / "sets.tle")
     assert prediction.predict(tmp_path / "sets.tle", object=102).identity.number == 102
-
-
-POINTS = {
-    "CSV": ("utc,x_itrf_m,y_itrf_m,z_itrf_m\n2019-09-03T00:00:00,7e6,0,0\n", "points of an orbit"),
-    "OEM": ("CCSDS_OEM_VERS = 2.0\n", "points of an orbit"),
-    "SP3": ("#cP2016  9 28 12  9 45.00000000\n", "points of an orbit"),
-    "TDM": ("COMMENT a test\nCCSDS_TDM_VERS = 1.0\n", "tracks"),
-}
-
-
-@pytest.mark.parametrize("kind", POINTS)
-def test_points_and_tracks_are_sent_to_where_they_are_fitted(kind, tmp_path):
-    text, got = POINTS[kind]
-    (tmp_path / "mine.txt").write_text(text)
-    with pytest.raises(InputError, match=f"mine.txt: expected element sets, got {got}: fit them"):
-        prediction.predict(tmp_path / "mine.txt")
 
 
 def burned_sets(path, day, metres):

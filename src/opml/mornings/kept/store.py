@@ -12,8 +12,9 @@ from typing import Any
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.mornings.calendar import HORIZON
-from opml.mornings.kept.batch_day import PATHS, BatchDay, Finished
-from opml.mornings.records import Records, below
+from opml.mornings.kept.batch_day import PATHS, BatchDay, Finished, ObjectRows, joined
+from opml.mornings.records import Records
+from opml.tables import SCHEMAS
 
 _BATCH = "batch_"
 
@@ -25,6 +26,7 @@ class Store:
         """Take the folder of all days, the batch that is written, and the names of its objects."""
         self._days, self._own, self._objects = Path(days), f"{_BATCH}{batch}", list(objects)
         self._places: dict[date, dict[str, BatchDay]] = {}
+        self._past: dict[tuple[str, tuple[date, ...]], ObjectRows] = {}
 
     def done(self, until: date) -> dict[str, list[date]]:
         """Return by object the dates up to one of the newest mornings that are over, HORIZON, ascending."""
@@ -87,12 +89,26 @@ class Store:
         Raises InputError where a table is missing or damaged, or ephemerides are gone.
         """
         places = [self.places(day)[name] for day in days]
-        kept, judged, issued = (
-            below([place.rows(table, name) for place in places], table) for table in Records.TABLES
+        optional = {column for place in places for column in place.marks[name].optional}
+        estimates, judged, issued = (
+            self._rows(table, tuple(days)).rows(name, optional) for table in Records.TABLES
         )
         recent = [place for day, place in zip(days, places, strict=True) if day >= since]
         paths = [one for place in recent for one in _whole_paths(place, name)]
-        return Records(kept, judged, issued, paths)
+        return Records(estimates, judged, issued, paths)
+
+    def _rows(self, table: str, days: tuple[date, ...]) -> ObjectRows:
+        """Return the rows of days of all objects, read once: those of an object in the order of the days."""
+        if (table, days) not in self._past:
+            schema, found = SCHEMAS[table], []
+            for places in map(self.places, days):
+                for place in dict.fromkeys(places.values()):
+                    rows = place.table(table).table
+                    own = [name for name in place.marks if places.get(name) is place]
+                    found.append(rows[rows["object"].isin(own)])
+            rows = joined(found, schema)[0].sort_values("object", kind="stable", ignore_index=True)
+            self._past[table, days] = ObjectRows.of(rows, schema)
+        return self._past[table, days]
 
     def write(self, day: date, made: Mapping[str, Finished], *, metadata: Mapping[str, Any]) -> None:
         """Write mornings of a day that are over; metadata: of the tables."""
