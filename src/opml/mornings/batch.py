@@ -121,12 +121,11 @@ class BatchSettings(JobSettings):
 
 @dataclass(frozen=True)
 class Surroundings:
-    """What all objects of a job fly in: force models as of `morning.FlightModel`, and the stations.
+    """What all objects of a job fly in: force models as of `watched.FlightModel`, and the stations.
 
     The weather was seen until `seen_until` [s]. The models of fits and predictions stand with the parts of
     them that neighbours fly under, made once: arcs under one model fly together. Mean elements are improved
-    beside those of all objects of the run, whose
-    files are read once.
+    beside those of all objects of the run, whose files are read once.
     """
 
     fits: tuple[ForceModel, ForceModel]
