@@ -43,8 +43,9 @@ from opml.mornings import issued, judged, measured, usual_sizes
 from opml.mornings.issued import Flown
 from opml.mornings.judged import OLDEST, Verdict
 from opml.mornings.measured import MeasurementSource, Span
-from opml.mornings.morning import FlightModel, Left, MorningPlan, Watched, morning
+from opml.mornings.morning import Left, morning
 from opml.mornings.records import Records
+from opml.mornings.watched import FlightModel, MorningPlan, Watched
 from opml.orbits.sheets import Rso, Station
 from opml.tables import STATE, STATE_COVARIANCES, symmetric_matrices
 
@@ -152,7 +153,7 @@ class _Times:
         if not first < last:
             before = f" before {request.date}" if request.date else ""
             raise InputError(f"{request.files[0]}: expected measurements{before}, got fewer than two")
-        date = request.date or _text(_ANY, np.ceil(last))
+        date = _text(_ANY, np.ceil(last)) if request.date is None else request.date
         begin = max(first, last - DAY * (MORNINGS + _HISTORY))
         epoch = f"{_text(_ANY, begin)[:_DAY]}T00:00:00"
         offset = epochs.seconds_between(epoch, _ANY)
@@ -231,8 +232,12 @@ def _text(epoch: str, t: float) -> str:
 def _span(request: Request) -> tuple[float, float]:
     """Return when the first and the last was measured [s since _ANY]."""
     if request.kind == "tracks":
-        t = tdm.measurements(request.files, epoch=_ANY)["t"]
-        return float(t.min()), float(t.max())
+        found = tdm.measurements(request.files, epoch=_ANY)
+        tracked = tdm.identity(found)
+        if request.object is not None and not tracked.is_called(request.object):
+            got = f"expected tracks of {request.object}, got those of {tracked.identifier or tracked}"
+            raise InputError(f"{request.files[0]}: {got}")
+        return float(found["t"].min()), float(found["t"].max())
     return points_from_files.reach(OrbitFiles(request.files, _ANY, np.inf, request.object))
 
 
