@@ -211,11 +211,14 @@ def predict(request: Request, settings: OrbitSettings, *, progress: Progress) ->
     if (rms := made["weighted_rms"].max()) > _NO_ORBIT:
         got = f"got some {rms:.0f} standard deviations off the best: are object, frame and times right?"
         raise InputError(f"{request.files[0]}: expected measurements of an orbit, {got}")
-    flown = _flown(watched, left, records, now=times.date)
+    expected = f"{request.files[0]}: expected an orbit for {request.days:g} days, got"
+    try:
+        flown = _flown(watched, left, records, now=times.date)
+    except InputError:
+        raise InputError(f"{expected} fits over several windows that differ too fast") from None
     t = flown.table["t"].to_numpy() - times.date
     if t[-1] < DAY * request.days:
-        got = f"got one of {t[-1] / DAY:.1f}: {flown.verdict.reason}"
-        raise InputError(f"{request.files[0]}: expected an orbit for {request.days:g} days, {got}")
+        raise InputError(f"{expected} one that comes down, or is hardly determined, after {t[-1] / DAY:.1f}")
     past = flown.past.assign(lead=flown.past["duration"] / DAY, left=flown.past["e_y"])
     return FittedOrbit(
         watched.identity,

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
-from support import EPOCH
+from support import EPOCH, refusal
 
 from opml import api, cli
 from opml.base.constants import DAY, HOUR
@@ -15,8 +15,10 @@ from opml.base.errors import InputError
 from opml.catalog.flight import Flight
 from opml.catalog.simulate import tracking, truth
 from opml.dynamics.settings import ForceModelSettings
+from opml.ephemerides import along_track_shift
 from opml.interop import oem, tdm
 from opml.interop.element_sets import mean_elements
+from opml.mornings import issued
 from opml.mornings.outcomes import UNPROVEN
 from opml.mornings.prediction import Request
 from opml.orbits.elements import in_rsw
@@ -185,6 +187,20 @@ def test_a_single_point_is_refused(tmp_path):
     (tmp_path / "one.csv").write_text("utc,x_gcrf_m,y_gcrf_m,z_gcrf_m\n2019-09-03T00:00:00,7e6,0,0\n")
     with pytest.raises(InputError, match=r"one\.csv: expected measurements, got fewer than two"):
         made_of(tmp_path / "one.csv", date=None)
+
+
+def test_an_orbit_that_is_hardly_determined_is_refused(hours, monkeypatch):
+    made = issued.ephemeris
+    monkeypatch.setattr(issued, "ephemeris", lambda *path, step: made(*path, step=step).head(200))
+    said = refusal(made_of, hours, date=None)
+    assert re.fullmatch(
+        r".*iss\.oem: expected an orbit for 1 days, got one that comes down, or .* after 0\.\d", said
+    )
+    monkeypatch.setattr(along_track_shift, "ROUGH", 0.0)
+    said = refusal(made_of, hours, date=None)
+    assert said.endswith(
+        "iss.oem: expected an orbit for 1 days, got fits over several windows that differ too fast"
+    )
 
 
 def test_points_of_no_orbit_are_refused(tmp_path):
