@@ -35,8 +35,8 @@ from opml.mornings.calendar import Calendar
 from opml.mornings.days import BatchTask, UnderWay
 from opml.mornings.kept.store import Store
 from opml.mornings.measured import MeasurementSource, Span
-from opml.mornings.morning import FlightModel, MorningPlan, Watched
 from opml.mornings.outcomes import FAILED
+from opml.mornings.watched import FlightModel, MorningPlan, Watched
 from opml.mornings.weather_of_day import FIGURES
 from opml.orbits.sheets import Rso, Station
 from opml.tables import SCHEMAS, read_runs, read_table

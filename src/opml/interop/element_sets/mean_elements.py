@@ -8,6 +8,7 @@ adds an RSO to the sheet. Source: CCSDS 502.0-B-2, section 4 (OMM).
 
 import logging
 import math
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import fields, replace
 from functools import partial
@@ -37,6 +38,11 @@ week by more than the median error of the paper case's predictions, 5 km.
 
 MOST_DAYS = 30.0
 """Days from the elements' epoch beyond which they are refused: drag has moved a low orbit too far by then."""
+
+_OTHER = re.compile(
+    r"\s*(?:COMMENT\b.*\s*)*(CCSDS_(?!OMM)[A-Z]+|#[a-d][PV]\d{4}|H1\s+C(?:PF|RD)\b)", re.IGNORECASE
+)
+"""How orbits, tracks and other messages begin."""
 
 Piece = omm.Record | Sequence[tle.Line]
 """The notation of a set: of an OMM, or lines of a TLE."""
@@ -69,7 +75,9 @@ def read_sets(path: FilePath, damaged: list[InputError] | None = None) -> list[E
 
 
 def pieces(path: FilePath, text: str) -> Iterator[Piece]:
-    """Return the parts of a text, one for each set. Raises InputError for a broken notation."""
+    """Return the parts of a text, one for each set. Raises InputError for a broken notation, and another."""
+    if other := _OTHER.match(text):
+        raise InputError(f"{path}: expected a TLE or an OMM, got {other[1]}, points or measurements")
     if omm.matches(text) and not tle.begins_with_name(text):
         return omm.records(path, text)
     return tle.pieces(text)
