@@ -12,6 +12,7 @@ from pathlib import Path
 from opml.base.errors import InputError
 from opml.base.progress import counted
 from opml.mornings import outcomes
+from opml.mornings.kept import older_days
 from opml.mornings.kept.store import Store
 from opml.mornings.outcomes import DO_NOT_USE
 from opml.report.day import document, summary
@@ -75,6 +76,8 @@ def run(call: Call) -> int:
     asked = _asked(call.configfiles)
     settings = asked.run
     check_dates(call, settings.epoch, settings.duration_days, today=datetime.now(UTC).date())
+    if not call.dry:
+        older_days.convert(Path(settings.results, "days"))
     number = mornings_ahead(call.day, asked)
     if number and not call.dry:
         print(f"opml: {beforehand(number, asked)}", file=sys.stderr, flush=True)

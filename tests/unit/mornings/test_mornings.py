@@ -1,5 +1,6 @@
 """Mornings of an object: each once, from nothing that came after it, the same in whatever pieces they run."""
 
+import json
 import shutil
 from dataclasses import replace
 from datetime import date, timedelta
@@ -25,12 +26,13 @@ from opml.learning.models import learners
 from opml.mornings import candidates, days, fits, judged
 from opml.mornings.calendar import Calendar
 from opml.mornings.days import BatchTask, UnderWay
+from opml.mornings.kept import older_days
 from opml.mornings.kept.store import Store
 from opml.mornings.outcomes import DO_NOT_USE, UNPROVEN
 from opml.mornings.records import Records
 from opml.mornings.watched import FlightModel, MorningPlan, Sgp4, Watched
 from opml.orbits.manoeuvres import Manoeuvre
-from opml.tables import FIX_SIGMAS, SCHEMAS, STATE
+from opml.tables import FIX_SIGMAS, SCHEMAS, STATE, paths_schema, write_table
 
 ARC = {"window_hours": 18.0, "memory_days": 30.0}
 MODELS = {
@@ -163,6 +165,36 @@ def test_a_morning_that_was_cut_short_runs_again(watched, whole, tmp_path):
     run(watched, tmp_path)
     assert contents(tmp_path) == contents(whole)
     assert (before / "done.json").stat().st_mtime_ns == made
+
+
+def as_an_older_release(whole, folder, until):
+    """Mornings up to a date as they were kept once: a folder of each day and object."""
+    for day in (day for day in done(whole) if day <= until):
+        place, old = left(whole, day), folder / day.isoformat() / "iss"
+        metadata = METADATA | {"stations": dict(place.marks["iss"].stations)}
+        for table in Records.TABLES:
+            write_table(old / f"{table}.parquet", place.rows(table, "iss"), table, metadata=metadata)
+        for paths in place.paths("iss"):
+            schema = paths_schema(paths.models)
+            told_of = metadata | {"models": paths.models}
+            write_table(old / "paths.parquet", paths.table, schema, metadata=told_of)
+        (old / "morning.json").write_text(json.dumps(place.outcomes["iss"]))
+
+
+def test_mornings_of_an_older_release_are_built_on(watched, whole, tmp_path):
+    before = LAST - timedelta(days=1)
+    as_an_older_release(whole, tmp_path, before)
+    older_days.convert(tmp_path)
+    assert not [*tmp_path.rglob("morning.json")]
+    run(watched, tmp_path)
+    assert done(tmp_path) == done(whole)
+    assert told(tmp_path, before) == told(whole, before)
+    last = f"{LAST.isoformat()}/"
+    now, then = (
+        {path: made for path, made in contents(folder).items() if path.startswith(last)}
+        for folder in (tmp_path, whole)
+    )
+    assert now == then
 
 
 def test_every_track_is_estimated_once_and_judges_what_was_flown_before(watched, whole):
