@@ -2,11 +2,13 @@
 
 from collections.abc import Mapping, Sequence
 from functools import cached_property
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
 from sgp4.api import Satrec
 
+from opml.base import epochs
 from opml.base.files import FilePath
 from opml.element_sets import catalogue as catalogues
 from opml.element_sets import corrector, density, features, improve, model, pairs, ways
@@ -18,7 +20,7 @@ from opml.environment import knowledge, nrlmsis
 from opml.environment.weather import Weather
 from opml.interop import ccsds
 from opml.interop.element_sets.element_set import changed, seconds_since
-from opml.tables import IMPROVED_MODELS, SCHEMAS
+from opml.tables import IMPROVED_MODELS, SCHEMAS, read_table, write_table
 
 _REACH = 80
 """Days before a morning beyond which no set tells anything of it, those of the PAST mornings reckoned."""
@@ -27,14 +29,25 @@ _SOON = 0.5  # time after which a set is known for certain, as days in a double 
 
 _MINUTE = 60.0
 
+_KEYS = ["model", "number"]
+
 
 class ImprovedHistory:
     """Sets of objects as they were improved on any morning: from sets and weather that were known on it."""
 
-    def __init__(self, catalogue: ElementCatalogue, weather: Weather, trained: CatalogueModel) -> None:
-        """Take all sets, clean weather, and what another catalogue taught."""
+    def __init__(
+        self,
+        catalogue: ElementCatalogue,
+        weather: Weather,
+        trained: CatalogueModel,
+        kept: FilePath | None = None,
+    ) -> None:
+        """Take all sets, clean weather, and what another catalogue taught.
+
+        kept: folder of days, where the table `improved_numbers` of each morning is kept for other jobs
+        """
         self._catalogue, self._weather, self._trained = catalogue, weather, trained
-        self._numbers: dict[float, Mapping[str, pd.DataFrame]] = {}
+        self._kept, self._numbers = kept, dict[float, pd.DataFrame]()
 
     @classmethod
     def read(cls, paths: Sequence[FilePath], weather: FilePath) -> "ImprovedHistory":
@@ -48,11 +61,15 @@ class ImprovedHistory:
         sets = catalogues.read(paths, latency=0.0, leave_out_damaged=True)
         return cls(sets, density.clean(knowledge.read(str(weather))), model.read())
 
-    def within(self, first: float, last: float) -> "ImprovedHistory":
-        """Return what mornings from one to another need of it, both modified Julian days (UTC)."""
+    def within(self, first: float, last: float, kept: FilePath | None = None) -> "ImprovedHistory":
+        """Return what mornings from one to another need of it, both modified Julian days (UTC).
+
+        kept: as of the class
+        """
         t, known = (self._catalogue.table[name] for name in ("t", "known"))
         rows = np.flatnonzero((t >= first - _REACH) & (known <= last))
-        return ImprovedHistory(self._catalogue.take(rows), self._weather.keep_known(last), self._trained)
+        weather = self._weather.keep_known(last)
+        return ImprovedHistory(self._catalogue.take(rows), weather, self._trained, kept)
 
     def newest(self, name: str, number: int, morning: float) -> Satrec | None:
         """Return the newest set of an object as a model improves it, None where none was known.
@@ -68,16 +85,32 @@ class ImprovedHistory:
         known = np.flatnonzero((table["number"] == number) & (table["known"] <= morning))
         if not known.size:
             return None
-        if morning not in self._numbers:
-            self._numbers[morning] = self._improve(morning)
-        motion, bstar = self._numbers[morning][name].loc[number]
+        numbers = self._numbers_on(morning, number, float(table["t"].iloc[known[-1]]))
+        motion, bstar = numbers.loc[(name, number), ["motion", "bstar"]]
         return changed(self._catalogue.satellites[known[-1]], motion, bstar)
 
+    def _numbers_on(self, morning: float, number: int, t: float) -> pd.DataFrame:
+        """Return the table `improved_numbers` by model and number, with those of an object's set of a time.
+
+        What is kept from before the set came is made again.
+        """
+        path = Path(self._kept, epochs.calendar(morning), "improved.parquet") if self._kept else None
+        if morning not in self._numbers and path and path.exists():
+            self._numbers[morning] = read_table(path, "improved_numbers").set_index(_KEYS)
+        found = self._numbers.get(morning)
+        if found is None or found["t"].get((DENSITY, number)) != t:
+            tables = {name: one.rename_axis("number") for name, one in self._improve(morning).items()}
+            self._numbers[morning] = pd.concat(tables, names=_KEYS)
+            if path:
+                made = self._numbers[morning].reset_index()
+                write_table(path, made, "improved_numbers", metadata={"morning": morning})
+        return self._numbers[morning]
+
     def _improve(self, morning: float) -> Mapping[str, pd.DataFrame]:
-        """Return mean motion and B* of the newest sets, by model."""
+        """Return mean motion, B* and epoch `t` of the newest sets, by model."""
         known = self._catalogue.until(morning).daily()
         if morning - density.end_of(self._weather.keep_known(morning)) > improve.OLDEST_WEATHER:
-            published = improve.newest_sets(known)[["motion", "bstar"]]
+            published = improve.newest_sets(known)[["motion", "bstar", "t"]]
             return {DENSITY: published, LEARNED: published}
         mornings = np.arange(-ways.PAST, 1) + morning
         rows = features.build(known, pairs.build(known, mornings), self._air)
@@ -93,7 +126,9 @@ class ImprovedHistory:
         }
         usable = {name: improve.where_usable(one, why) for name, one in weights.items()}
         return {
-            name: improve.numbers(newest, ways.mixed(now, corrections, ways.of_objects(one, now)))
+            name: improve.numbers(newest, ways.mixed(now, corrections, ways.of_objects(one, now))).assign(
+                t=newest["t"]
+            )
             for name, one in usable.items()
         }
 

@@ -94,8 +94,10 @@ def _is_sparse(columns: pd.DataFrame, grid: Grid) -> pd.Series:
 
 def interpolate_spread(rows: pd.DataFrame, causes: pd.DataFrame) -> pd.DataFrame:
     """Return rows of one estimate with the columns of a spread that is known at part of their epochs."""
-    finite = causes[np.isfinite(causes[SPREAD].to_numpy()).all(axis=1)]
-    return rows.assign(**{name: np.interp(rows["t_j"], finite["t_j"], finite[name]) for name in SPREAD})
+    t, spreads = causes["t_j"].to_numpy(), causes[SPREAD].to_numpy()
+    finite, at = np.isfinite(spreads).all(axis=1), rows["t_j"].to_numpy()
+    columns = zip(SPREAD, spreads[finite].T, strict=True)
+    return rows.assign(**{name: np.interp(at, t[finite], known) for name, known in columns})
 
 
 def morning(t: float, *, first: float = 0.0) -> float:

@@ -26,6 +26,7 @@ from opml.dynamics.ensemble import Arcs
 from opml.dynamics.kernels.surroundings import ForceModel
 from opml.dynamics.settings import ForceModelSettings, Integrator
 from opml.dynamics.shared_blocks import SharedBlocks
+from opml.element_sets.catalogue import modified_julian_day
 from opml.element_sets.on_mornings import ImprovedHistory
 from opml.interop.element_sets import histories
 from opml.interop.element_sets.histories import History
@@ -162,7 +163,7 @@ class Surroundings:
             read_table(fits["earth_orientation"], "earth_orientation"),
             settings.stations,
             float(activity.dropna(subset=list(FIGURES))["t"].max()),
-            _improved(settings.catalogue),
+            _improved(settings, since),
             cache(histories.read),
             propagate,
         )
@@ -240,12 +241,18 @@ class _Attempts:
         return None
 
 
-def _improved(catalogue: CatalogueFiles) -> ImprovedHistory | None:
-    """Return what improves mean elements; None without any, or where the log says what is missing."""
-    if not catalogue.files:
+def _improved(settings: BatchSettings, since: float) -> ImprovedHistory | None:
+    """Return what improves mean elements; None without any, or where the log says what is missing.
+
+    since: a time before all mornings to be run [s]
+    """
+    if not settings.catalogue.files:
         return None
+    zero = modified_julian_day(settings.epoch)
+    first, last = (zero + t / DAY for t in (since, settings.calendar.time(settings.date)))
     try:
-        return ImprovedHistory.read(catalogue.files, catalogue.weather)
+        improved = ImprovedHistory.read(settings.catalogue.files, settings.catalogue.weather)
+        return improved.within(first, last, kept=settings.days)
     except InputError as reason:
         _log.warning("element sets are not improved: %s", reason)
         return None

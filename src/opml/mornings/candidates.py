@@ -122,9 +122,11 @@ def _held_arcs(settings: Iterable[ResolvedSettings]) -> list[tuple[float, float]
 
 def _along(part: Part, settings: ResolvedSettings) -> np.ndarray:
     """Return the e_y (n,) [m] that a model expects along a part's ephemeris, NaN where none reaches."""
-    columns = part.columns(settings.variables, arc=learners.arc_of(settings))
+    asked = [*STATE, *settings.variables]
+    columns = part.columns(settings.variables, arc=learners.arc_of(settings))[["i", *asked]]
     along = np.full(len(columns), np.nan)
-    finite = np.isfinite(columns[[*STATE, *settings.variables]].to_numpy()).all(axis=1)
+    finite = np.isfinite(columns[asked].to_numpy()).all(axis=1)
     if finite.any():
-        along[finite] = expected(columns[finite], model(settings, columns[finite]))
+        rows = columns[finite]
+        along[finite] = expected(rows, model(settings, rows))
     return along

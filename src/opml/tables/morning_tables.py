@@ -47,6 +47,17 @@ MORNING_SCHEMAS = (
             real("flat", "s", "least duration that radial and cross-track sizes count, 0 but for sets"),
         ),
     ),
+    Schema(
+        "improved_numbers",
+        "an object, of which a model improves the newest set on a morning",
+        (
+            text("model", "density or learned"),
+            count("number", "of the catalogue"),
+            real("t", "days", "epoch of the set, modified Julian day (UTC)"),
+            real("motion", "rad/min", "its mean motion, improved"),
+            real("bstar", "1/(6378.135 km)", "its B*, improved"),
+        ),
+    ),
 )
 
 

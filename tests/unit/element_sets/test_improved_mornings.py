@@ -59,6 +59,27 @@ def test_no_later_set_and_no_later_weather_changes_one(history: Path, name: str)
     assert not set(found) & set(published)
 
 
+def test_the_numbers_of_a_morning_are_made_once_for_all_jobs(
+    history: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """And again when a newer set has come, by that of the job that has it."""
+    sets, weather = catalogue.read([history], latency=0.0), density.clean(knowledge.read("OBSERVED"))
+    whole = ImprovedHistory(sets, weather, model.read())
+    fewer = ImprovedHistory(sets.until(MORNING - 1.0), weather, model.read())
+    ends = MORNING - 7.0, MORNING
+    made: list[float] = []
+    improve_sets = ImprovedHistory._improve
+    monkeypatch.setattr(
+        ImprovedHistory, "_improve", lambda *asked: made.append(asked[1]) or improve_sets(*asked)
+    )
+    early = numbers(fewer.within(*ends, kept=tmp_path), LEARNED)
+    assert early == numbers(fewer.within(*ends, kept=tmp_path), LEARNED)
+    assert made == [MORNING]
+    late = [numbers(whole.within(*ends, kept=tmp_path), LEARNED) for _ in range(2)]
+    assert made == [MORNING, MORNING]
+    assert late[0] == late[1] == numbers(whole, LEARNED) != early
+
+
 def test_sets_are_as_published_where_the_weather_ends_too_early(history: Path) -> None:
     sets, weather = catalogue.read([history], latency=0.0), density.clean(knowledge.read("OBSERVED"))
     old = ImprovedHistory(sets, weather.keep_known(MORNING - 10.0), model.read())

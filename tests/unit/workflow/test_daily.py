@@ -50,9 +50,11 @@ def test_what_is_ahead_is_told(tmp_path):
     mark = {"settings": "", "stations": {}, "optional": [], "models": []}
     (done / "done.json").write_text(json.dumps({"second": mark}))
     assert mornings_ahead(TODAY, settings) == 6 + 1
-    assert beforehand(7, settings) == (
-        f"2 objects, at most 7 mornings: about 1 min of one core, 10 MB in {tmp_path}"
-    )
+    for messages, megabytes in ((None, 15), (["first"], 9), ([], 3)):
+        settings.run = SimpleNamespace(day=SimpleNamespace(messages=messages))
+        assert beforehand(7, settings) == (
+            f"2 objects, at most 7 mornings: about 1 min of one core, {megabytes} MB in {tmp_path}"
+        )
 
 
 def test_a_workflow_that_fails_without_a_word_is_told(monkeypatch, capsys):

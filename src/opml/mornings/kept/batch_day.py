@@ -101,11 +101,19 @@ class BatchDay:
 
     def paths(self, name: str) -> list[Paths]:
         """Return the ephemerides of an object, if any are there."""
-        models, file = self.marks[name].models, self.folder / PATHS
-        if not models or not file.exists():
+        models = self.marks[name].models
+        if not models or self._flown is None:
             return []
-        rows = self._read(PATHS, paths_schema(read_metadata(file)["models"])).rows(name)
-        return [Paths(rows[paths_schema(models).names].reset_index(drop=True))] if len(rows) else []
+        rows = self._flown.rows(name)
+        return [Paths(rows[paths_schema(models).names])] if len(rows) else []
+
+    @cached_property
+    def _flown(self) -> "ObjectRows | None":
+        """The ephemerides, if any are there."""
+        file = self.folder / PATHS
+        if not file.exists():
+            return None
+        return self._read(PATHS, paths_schema(read_metadata(file)["models"]))
 
     def write(self, made: Mapping[str, Finished], *, metadata: Mapping[str, Any]) -> None:
         """Write mornings of objects beside those that are there; metadata: of the tables."""
