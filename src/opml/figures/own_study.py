@@ -34,7 +34,7 @@ from opml.figures.style import (
     panel_figure,
 )
 from opml.figures.ticks import mark_dates, metres
-from opml.learning.judge.errors_by_duration import REACH_DAYS, by_duration
+from opml.learning.judge.errors_by_duration import REACH_DAYS
 from opml.learning.judge.model_choice import Mornings
 from opml.tables.convergence import none_converged
 
@@ -126,14 +126,8 @@ def sizes(table: pd.DataFrame, column: str) -> pd.DataFrame:
     bins = size.groupby(np.ceil(days / width))
     percentiles = bins.quantile([0.05, 0.25, 0.5, 0.75, 0.95]).unstack()
     percentiles = percentiles.set_axis(days.groupby(np.ceil(days / width)).mean(), axis=0)
-    percentiles = percentiles.set_axis(["5", "25", "50", "75", "95"], axis=1)
-    return percentiles[_that_tell(bins.size().to_numpy())]
-
-
-def _that_tell(rows: np.ndarray) -> np.ndarray:
-    """Return which bins of so many rows (n,) are drawn: those of LEAST_ROWS, or all where none has them."""
-    enough: np.ndarray = rows >= LEAST_ROWS
-    return enough if enough.any() else rows > 0
+    enough = bins.size().to_numpy() >= LEAST_ROWS
+    return percentiles.set_axis(["5", "25", "50", "75", "95"], axis=1)[enough if enough.any() else ~enough]
 
 
 def _draw_bands(axes: Axes, percentiles: pd.DataFrame, color: str, marker: str, label: str) -> None:
@@ -157,18 +151,14 @@ def _size_axis(axes: Axes, component: str) -> None:
 
 
 def _draw_growth(axes: Axes, evaluation: pd.DataFrame, component: str) -> None:
-    reach = evaluation["duration"].max() / DAY
-    growth = by_duration(evaluation, width_days=min(BIN_DAYS, reach / 4.0))
-    growth = growth[_that_tell(growth["rows"].to_numpy())]
-    for when, color, marker, label in (
-        ("before", TRUE_COLOR, "o", "no correction"),
-        ("after", RESIDUAL, "^", "corrected"),
+    for column, color, marker, label in (
+        ("true", TRUE_COLOR, "o", "no correction"),
+        ("residual", RESIDUAL, "^", "corrected"),
     ):
-        median, most = growth[f"{when}_50"], growth[f"{when}_95"]
-        axes.plot(growth["day"], median, f"{marker}-", color=color, ms=3.0, label=f"{label}, median")
-        axes.fill_between(
-            growth["day"], median, most, color=color, alpha=0.18, lw=0.0, label=f"{label}, to 95 %"
-        )
+        growth = sizes(evaluation, column)
+        axes.plot(growth["50"], f"{marker}-", color=color, ms=3.0, label=f"{label}, median")
+        look: dict[str, Any] = {"color": color, "alpha": 0.18, "lw": 0.0, "label": f"{label}, to 95 %"}
+        axes.fill_between(growth.index, growth["50"], growth["95"], **look)
     _size_axis(axes, component)
 
 
