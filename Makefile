@@ -27,9 +27,6 @@ MAKE_VENV := $(UV) venv --quiet --seed --allow-existing --python $(PYTHON)
 INSTALL := $(UV) pip install --quiet --python $(BIN)/python
 endif
 
-# Scripts get `snakemake` from Snakemake.
-MYPY_SCRIPTS := $(BIN)/mypy --scripts-are-modules --disable-error-code=name-defined workflow/scripts
-
 .PHONY: all check test faults draws lint docs pictures wheel crate validate weather bench clean
 
 all: $(INSTALLED)
@@ -41,7 +38,6 @@ PYTEST := $(BIN)/python -m pytest --numprocesses auto --dist loadfile --no-loads
 check: $(INSTALLED)
 	$(BIN)/ruff check
 	$(BIN)/mypy
-	$(MYPY_SCRIPTS)
 	$(BIN)/lint-imports
 	$(PYTEST) -m "not slow" tests/unit tests/project
 
@@ -65,7 +61,6 @@ lint: $(INSTALLED)
 	$(BIN)/snakemake --lint
 	$(BIN)/lint-imports
 	$(BIN)/mypy
-	$(MYPY_SCRIPTS)
 
 docs: $(VENV)/.docs
 	$(BIN)/python -m sphinx -W --keep-going -q -d build/doctrees docs build/site

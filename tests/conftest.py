@@ -3,9 +3,13 @@
 No test may change in place what tests share: `unchanged.py` sees to it; `case_names.py` to names of cases.
 """
 
+import os
+
+# As in a job; there are as many processes of tests as cores, and threads that wait for a core keep it busy.
+os.environ["OMP_NUM_THREADS"] = "1"  # read where numpy and scikit-learn are loaded
+
 import numpy as np
 import pytest
-import threadpoolctl
 from case_names import pytest_make_parametrize_id  # noqa: F401
 from hypothesis import settings
 
@@ -17,9 +21,6 @@ from support import ASSUMED_BODIES, environment, force_model, rsos, stations  # 
 from unchanged import pytest_fixture_setup, shared_values_stay  # noqa: E402, F401
 
 from opml.catalog.flight import Flight  # noqa: E402
-
-# As in a job; there are as many processes of tests as cores.
-threadpoolctl.threadpool_limits(1, user_api="blas")
 
 # Drawn cases are the same in every run, but for `make draws`. A loaded machine may take its time over each.
 settings.register_profile("same", derandomize=True, deadline=None)

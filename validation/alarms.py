@@ -16,7 +16,7 @@ import pandas as pd
 
 from opml.base.constants import DAY
 from opml.base.seeds import derive
-from opml.conjunctions.worth import Screening, worth
+from opml.conjunctions.collision_alarms import Screening, alarms_by_day
 from opml.element_sets import corrector
 from opml.interop.element_sets import usual_errors
 from opml.orbits.rsw_covariance import half_width
@@ -74,7 +74,7 @@ def table(residuals: pd.DataFrame) -> pd.DataFrame:
         for name, errors in pairs(residuals[residuals["band"].isin(bands)]):
             shared = errors.assign(common=np.sqrt(usual_errors.COMMON) * errors["sigma_y"])
             for case, told in ((f"{name}, independent", errors), (f"{name}, shared", shared)):
-                found = worth(told, SCREENING, days=LEADS, seed=SEED)
+                found = alarms_by_day(told, SCREENING, days=LEADS, seed=SEED)
                 rows.append(found.assign(height=height, case=case, flagged=100.0 * found["flagged"]))
     values = ["alarms", "per_approach", "flagged"]
     return pd.concat(rows).pivot(index=["height", "case", "crossing"], columns="day", values=values)

@@ -7,8 +7,8 @@ from validation import alarms
 
 
 def test_what_objects_share_flags_more_collisions(monkeypatch):
-    monkeypatch.setattr("opml.conjunctions.worth._DRAWS", 256)
-    monkeypatch.setattr("opml.conjunctions.worth._AREAS", 16)
+    monkeypatch.setattr("opml.conjunctions.collision_alarms._DRAWS", 256)
+    monkeypatch.setattr("opml.conjunctions.collision_alarms._AREAS", 16)
     rng, objects = np.random.default_rng(1), np.arange(40)
     rows = [
         pd.DataFrame(

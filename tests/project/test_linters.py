@@ -28,9 +28,8 @@ def run(*command):
         ["-m", "ruff", "check"],
         ["-m", "snakefmt", "--check", "Snakefile", "workflow"],
         ["-m", "mypy"],
-        ["-m", "mypy", "--scripts-are-modules", "--disable-error-code=name-defined", "workflow/scripts"],
     ],
-    ids=["rules", "style", "style of rules", "types", "types of scripts"],
+    ids=["rules", "style", "style of rules", "types"],
 )
 def test_linters_are_content(command):
     done = run(sys.executable, *command)

@@ -39,7 +39,7 @@ def weather_comes(folder, until):
 def opml_day(folder, *arguments):
     """Run `opml day` in a folder; its exit code and its last lines."""
     done = subprocess.run(
-        [sys.executable, "-m", "opml.cli", "day", "--configfile", "mine.yaml", *arguments],
+        [sys.executable, "-m", "opml", "day", "--configfile", "mine.yaml", *arguments],
         cwd=folder,
         env=os.environ | {"PYTHONPATH": str(ROOT / "src")},
         capture_output=True,
@@ -111,7 +111,7 @@ def test_a_day_later_the_days_between_are_caught_up(operator):
 def test_without_the_setting_one_line_says_what_is_missing(operator):
     (operator / "other.yaml").write_text("study: {}\n")
     done = subprocess.run(
-        [sys.executable, "-m", "opml.cli", "day", "--configfile", "other.yaml", "-n"],
+        [sys.executable, "-m", "opml", "day", "--configfile", "other.yaml", "-n"],
         cwd=operator,
         env=os.environ | {"PYTHONPATH": str(ROOT / "src")},
         capture_output=True,

@@ -4,7 +4,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from opml.base.errors import InputError
-from opml.conjunctions.worth import ANY
+from opml.conjunctions.collision_alarms import ANY
 from opml.figures.display_names import display_learner
 from opml.figures.style import (
     ESTIMATE,

@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 from opml.base.constants import DAY
-from opml.conjunctions.worth import Screening, _alarm_area, _crossing, compare, worth
+from opml.conjunctions.collision_alarms import Screening, _alarm_area, _crossing, alarms_by_day, compare
 from opml.learning.judge.model_choice import Mornings
 
 SCREENING = Screening(radius=20.0, threshold=1e-4)
@@ -14,8 +14,8 @@ SCREENING = Screening(radius=20.0, threshold=1e-4)
 @pytest.fixture
 def few_draws(monkeypatch):
     """Draw few collisions, and fewer areas of alarms."""
-    monkeypatch.setattr("opml.conjunctions.worth._DRAWS", 128)
-    monkeypatch.setattr("opml.conjunctions.worth._AREAS", 32)
+    monkeypatch.setattr("opml.conjunctions.collision_alarms._DRAWS", 128)
+    monkeypatch.setattr("opml.conjunctions.collision_alarms._AREAS", 32)
 
 
 def replay(stated, real, count=300):
@@ -28,14 +28,16 @@ def replay(stated, real, count=300):
 
 
 def alarms_and_flagged(stated, real):
-    row, *_ = worth(replay(stated, real), SCREENING, days=[1.0, 5.0], seed=1).itertuples()
+    row, *_ = alarms_by_day(replay(stated, real), SCREENING, days=[1.0, 5.0], seed=1).itertuples()
     assert (row.day, row.crossing, row.predictions) == (1.0, "any", 300)
     return row.alarms, row.flagged
 
 
 @pytest.mark.usefixtures("few_draws")
 def test_angles_divide_the_draws_and_head_on_the_error_along_the_track_hardly_counts():
-    table = worth(replay([10, 500, 10], [10, 500, 10]), SCREENING, days=[1.0], seed=1).set_index("crossing")
+    table = alarms_by_day(replay([10, 500, 10], [10, 500, 10]), SCREENING, days=[1.0], seed=1).set_index(
+        "crossing"
+    )
     whole, *parts = table["alarms"]
     assert whole == pytest.approx(np.mean(parts), rel=0.1)
     assert table.loc["over 120", "alarms"] < 0.5 * table.loc["below 60", "alarms"]
@@ -67,7 +69,7 @@ def test_what_both_share_leaves_their_distance_as_it_was(few_draws):
         morning=np.arange(50).repeat(6), e_y=own["e_y"] + late, sigma_y=np.hypot(50.0, 20_000.0)
     )
     told = [known, known.assign(common=20_000.0), known.assign(common=20_000.0).drop(columns="morning")]
-    alone, shared, apart = (worth(one, SCREENING, days=[1.0], seed=1).iloc[0] for one in told)
+    alone, shared, apart = (alarms_by_day(one, SCREENING, days=[1.0], seed=1).iloc[0] for one in told)
     assert shared["flagged"] > 0.9
     assert shared["alarms"] < 0.5 * alone["alarms"]
     assert apart["flagged"] < 0.2
@@ -96,7 +98,7 @@ def test_the_plane_lies_across_the_relative_velocity(angle):
 @pytest.mark.usefixtures("few_draws")
 def test_draws_repeat_by_seed():
     table = replay([10, 100, 10], [10, 100, 10])
-    one, again, other = (worth(table, SCREENING, days=[1.0], seed=seed) for seed in (1, 1, 2))
+    one, again, other = (alarms_by_day(table, SCREENING, days=[1.0], seed=seed) for seed in (1, 1, 2))
     pd.testing.assert_frame_equal(one, again)
     assert not one.equals(other)
 
@@ -105,7 +107,7 @@ def test_seeds_hardly_matter():
     """Predictions state sizes over two decades, as mornings do."""
     table = replay([10, 100, 10], [10, 100, 10])
     wide = table.assign(sigma_y=np.random.default_rng(4).permutation(np.geomspace(20.0, 2000.0, len(table))))
-    alarms = [worth(wide, SCREENING, days=[1.0], seed=seed)["alarms"].iloc[0] for seed in range(3)]
+    alarms = [alarms_by_day(wide, SCREENING, days=[1.0], seed=seed)["alarms"].iloc[0] for seed in range(3)]
     assert max(alarms) < 1.02 * min(alarms)
 
 

@@ -1,4 +1,4 @@
-"""What a prediction, and the covariance that goes with it, are worth where two objects may collide.
+"""Alarms that predictions with their covariances raise where two objects may collide.
 
 A true approach may pass anywhere across the relative velocity, as often per area. So the alarms that are
 raised per collision are the area of those expected misses whose probability reaches the threshold, in units
@@ -73,7 +73,7 @@ def compare(
     fits: table `covariances` of the fits that are not corrected
     weather: that the predictions knew, in a word
     laws: models that learned
-    days, seed: as in `worth`
+    days, seed: as in `alarms_by_day`
     """
     plain = mornings.tables[UNCORRECTED]
     best = mornings.best(name for name in mornings.tables if name not in laws)
@@ -84,7 +84,7 @@ def compare(
         (CHOSEN, LEARNED, mornings.flown),
     ]
     tables = [
-        worth(table, screening, days=days, seed=seed).assign(model=model, covariance=covariance)
+        alarms_by_day(table, screening, days=days, seed=seed).assign(model=model, covariance=covariance)
         for model, covariance, table in cases
     ]
     return pd.concat(tables, ignore_index=True).assign(weather=weather)[SCHEMAS["conjunctions"].names]
@@ -97,8 +97,10 @@ def _with_covariances(replay: pd.DataFrame, fits: pd.DataFrame) -> pd.DataFrame:
     return replay.assign(**sizes)
 
 
-def worth(replay: pd.DataFrame, screening: Screening, *, days: Sequence[float], seed: int) -> pd.DataFrame:
-    """Return what the predictions of a `replay` table are worth.
+def alarms_by_day(
+    replay: pd.DataFrame, screening: Screening, *, days: Sequence[float], seed: int
+) -> pd.DataFrame:
+    """Return what alarms the predictions of a `replay` table raise.
 
     days: durations, each with the predictions of half a day about it
     seed: of the draws
