@@ -14,6 +14,7 @@ from opml.report.results import NO_VALUE
 from opml.report.skill import NO_CORRECTION
 
 TITLE = "Benefit in conjunctions"
+_NAMES = {UNCORRECTED: NO_CORRECTION, CHOSEN: CHOSEN}
 
 
 def section(tables: Mapping[Dataset, pd.DataFrame], screening: Mapping[str, float]) -> Iterator[Block]:
@@ -29,18 +30,13 @@ def section(tables: Mapping[Dataset, pd.DataFrame], screening: Mapping[str, floa
         days = list(dict.fromkeys(table["day"]))
         shown = table[(table["crossing"] == ANY) | (table["model"] == CHOSEN)]
         rows = [
-            [_named(str(model)), *map(str, others), *_cells(found, days)]
+            [_NAMES.get(str(model), f"`{model}`"), *map(str, others), *_cells(found, days)]
             for (model, *others), found in shown.groupby(
                 ["model", "covariance", "weather", "crossing"], sort=False
             )
         ]
         names = {"rso": rso, "stations": stations, "days": texts.across(f"{day:g} d" for day in days)}
         yield from texts.blocks("conjunctions.dataset", rows, **names)
-
-
-def _named(model: str) -> str:
-    names = {UNCORRECTED: NO_CORRECTION, CHOSEN: CHOSEN}
-    return names.get(model, f"`{model}`")
 
 
 def _cells(found: pd.DataFrame, days: list[float]) -> list[str]:
