@@ -36,12 +36,7 @@ _ALONG = np.array([0.0, 1.0, 0.0])
 _FARTHEST = 60.0  # standard deviations beyond which no alarm is raised
 
 ANY = "any"
-CROSSINGS = {
-    ANY: (0.0, 180.0),
-    "below 60": (0.0, 60.0),
-    "60 to 120": (60.0, 120.0),
-    "over 120": (120.0, 180.0),
-}
+CROSSINGS = {ANY: (0, 180), "below 60": (0, 60), "60 to 120": (60, 120), "over 120": (120, 180)}
 """Angles at which the directions of two objects cross [deg]."""
 
 NEAR = 1e3  # distance of approaches that screenings count [m]

@@ -208,13 +208,8 @@ def drag_figure(
 
 def _draw_cd(axes: Axes, usable: Mapping[str, pd.DataFrame]) -> None:
     for k, (name, table) in enumerate(usable.items()):
-        look: dict[str, Any] = {
-            "ls": "",
-            "marker": MARKERS[k % len(MARKERS)],
-            "ms": 2.2,
-            "color": RAMP[k % len(RAMP)],
-        }
-        axes.plot(table["t"] / DAY, table["cd"], label=name, **look)
+        look: dict[str, Any] = {"ls": "", "ms": 2.2, "color": RAMP[k % len(RAMP)], "label": name}
+        axes.plot(table["t"] / DAY, table["cd"], marker=MARKERS[k % len(MARKERS)], **look)
     every = pd.concat(list(usable.values()))
     low, high = np.quantile(every["cd"], [0.05, 0.95])
     room = OUTSIDE * (high - low)

@@ -182,12 +182,6 @@ def add_note(figure: Figure, note: str) -> None:
         figure.suptitle(_wrap(figure, note), x=0.01, ha="left", fontsize=NOTE_SIZE, color=PUBLISHED)
 
 
-def add_headline(axes: Axes, headline: str, note: str) -> None:
-    """Put a sentence that says what a figure shows above its only axes, and a note in small type."""
-    axes.figure.suptitle(headline, x=0.01, ha="left", fontsize=9.0, fontweight="bold")
-    axes.set_title(note, loc="left", fontsize=NOTE_SIZE, color=PUBLISHED)
-
-
 def add_head(figure: Figure, headline: str, note: str) -> None:
     """Put a sentence that says what a figure shows above its panels, and a note in small type under it."""
     wrapped = _wrap(figure, note)
