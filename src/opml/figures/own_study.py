@@ -28,12 +28,13 @@ from opml.figures.style import (
     SERIES,
     TRACK_COLOR,
     TRUE_COLOR,
+    add_head_and_legend,
     add_note,
     legend,
     page_figure,
     panel_figure,
 )
-from opml.figures.ticks import mark_dates, metres
+from opml.figures.ticks import mark_dates, metres, rounded
 from opml.learning.judge.errors_by_duration import REACH_DAYS
 from opml.learning.judge.model_choice import Mornings
 from opml.tables.convergence import none_converged
@@ -103,7 +104,11 @@ def residuals(mornings: Mornings, *, laws: Collection[str], note: str = "") -> F
     ends = {display_learner(name): float(medians[name].iloc[-1]) for name in named}
     name_ends(axes, ends, dict.fromkeys(ends, BASELINE))
     reading = "lines: medians, in grey of the other models; bands: the middle 50 % and 90 % of the errors"
-    legend(figure, columns=4, note=lines(note, reading))
+    left, without = (metres(rounded(float(one["50"].iloc[-1]))) for one in (after, before))
+    headline = (
+        f"After {after.index[-1]:.2g} d the model selected each day leaves {left}, no correction {without}"
+    )
+    add_head_and_legend(figure, headline, lines(note, reading), columns=4)
     return figure
 
 
