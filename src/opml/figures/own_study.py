@@ -240,9 +240,7 @@ def _draw_activity(upper: Axes, lower: Axes, activity: pd.DataFrame) -> None:
     upper.plot(days, activity["f107"], color=TRUE_COLOR, label="F10.7")
     upper.plot(days, activity["f107_mean"], color=MUTED, ls="--", label="its 81-day mean")
     upper.set_ylabel("F10.7 [sfu]")
-    lower.plot(
-        days, activity["kp_3h"], color=PREDICTED_COLOR, lw=0.9, drawstyle="steps-post", label="$K_p$, 3 h"
-    )
+    lower.plot(days, activity["kp_3h"], PREDICTED_COLOR, lw=0.9, drawstyle="steps-post", label="$K_p$, 3 h")
     lower.set_ylabel("$K_p$")
 
 

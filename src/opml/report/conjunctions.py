@@ -41,9 +41,5 @@ def section(tables: Mapping[Dataset, pd.DataFrame], screening: Mapping[str, floa
 
 def _cells(found: pd.DataFrame, days: list[float]) -> list[str]:
     by_day = found.assign(flagged=100.0 * found["flagged"]).set_index("day")
-    return [
-        "{alarms:.0f} / {per_approach:.2g} / {flagged:.0f}".format(**by_day.loc[day])
-        if day in by_day.index
-        else NO_VALUE
-        for day in days
-    ]
+    cell = "{alarms:.0f} / {per_approach:.2g} / {flagged:.0f}".format
+    return [cell(**by_day.loc[day]) if day in by_day.index else NO_VALUE for day in days]
