@@ -104,10 +104,9 @@ def residuals(mornings: Mornings, *, laws: Collection[str], note: str = "") -> F
     ends = {display_learner(name): float(medians[name].iloc[-1]) for name in named}
     name_ends(axes, ends, dict.fromkeys(ends, BASELINE))
     reading = "lines: medians, in grey of the other models; bands: the middle 50 % and 90 % of the errors"
-    left, without = (metres(rounded(float(one["50"].iloc[-1]))) for one in (after, before))
-    headline = (
-        f"After {after.index[-1]:.2g} d the model selected each day leaves {left}, no correction {without}"
-    )
+    selected, without = (metres(rounded(float(one["50"].iloc[-1]))) for one in (after, before))
+    by_day = f"{selected} with the model selected each day, {without} uncorrected"
+    headline = f"After {after.index[-1]:.2g} d the median error is {by_day}"
     add_head_and_legend(figure, headline, lines(note, reading), columns=4)
     return figure
 

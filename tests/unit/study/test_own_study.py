@@ -472,7 +472,7 @@ def test_figure_of_residuals_has_bands_of_what_was_flown_and_lines_of_the_models
     assert looks["learned"].get_linestyle() == "--"
     assert looks["nothing learned"].get_linestyle() == "-"
     assert len(axes.collections) == 4  # the middle 50 and 90 % of both
-    assert figure.get_suptitle().startswith("After 6.9 d the model selected each day leaves 510 m")
+    assert figure.get_suptitle().startswith("After 6.9 d the median error is 510 m with the model selected")
     assert figure.texts[-1].get_text().startswith("lares\n")
 
 
