@@ -79,17 +79,7 @@ def test_a_sheet_of_random_rsos_is_read_as_one(tmp_path, capsys):
     assert list(read_rsos(tmp_path / "rsos.tsv")) == ["sat01", "sat02", "sat03"]
 
 
-@pytest.mark.parametrize(
-    ("count", "prefix", "told"),
-    [
-        ("-1", "sat", "--count: expected a whole number from 1, got -1"),
-        (
-            "2",
-            "../x",
-            "--prefix: expected up to 60 lower-case letters and digits, a letter first, got '../x'",
-        ),
-    ],
-)
+@pytest.mark.parametrize(("count", "prefix", "told"), refusals("sheets_that_are_drawn"))
 def test_a_sheet_that_none_could_read_is_not_drawn(count, prefix, told, capsys):
     assert cli.main(["sheet", "--count", count, "--seed", "7", "--prefix", prefix]) == 1
     assert capsys.readouterr() == ("", f"opml: {told}\n")
