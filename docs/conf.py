@@ -17,7 +17,7 @@ from docutils import nodes
 from docutils.utils.math.latex2mathml import tex2mathml
 
 import opml
-from opml.workflow import predicted
+from opml.workflow import prediction_files
 
 sys.path.insert(0, str(Path(__file__).parent))
 from run_figures import RunFigures
@@ -137,7 +137,7 @@ def write_prediction(app, exception):
     if exception is None:
         made = opml.predict(SAMPLE / "sets.tle", object=101, date=SAMPLE_DATE, weather=SAMPLE / "weather.csv")
         for suffix in ("html", "czml"):
-            predicted.write(app.outdir / "_static" / f"prediction.{suffix}", made, [])
+            prediction_files.write(app.outdir / "_static" / f"prediction.{suffix}", made, [])
 
 
 def setup(app):

@@ -117,19 +117,19 @@ def environment(days=50.0):
 def force_model(degree, bodies=BODIES, field="EGM2008"):
     """A force model under a field given by its name or path."""
     settings = ForceModelSettings(degree=degree, order=degree, third_bodies=list(bodies))
-    return forces.build(_surroundings(field), settings)
+    return forces.build(surroundings(field), settings)
 
 
 @made_once
 def precise_model(degree):
     """A force model with tides and relativity."""
     settings = ForceModelSettings(
-        degree=degree, order=degree, third_bodies=list(BODIES), solid_tides=True, relativity=True
+        degree=degree, order=degree, third_bodies=list(BODIES), forces=["solid_tides", "relativity"]
     )
-    return forces.build(_surroundings("EGM2008"), settings)
+    return forces.build(surroundings("EGM2008"), settings)
 
 
-def _surroundings(field):
+def surroundings(field):
     read = gravity_field.read_icgem(gravity_field.resolve(field))
     return Environment(
         EPOCH,

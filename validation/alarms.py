@@ -1,5 +1,5 @@
 """Prints how many alarms public element sets raise per collision and per approach below a kilometre, and what
-share of collisions they flag:
+share of collisions they flag, by height and by the angle at which two objects cross:
 
     python -m validation.alarms results/catalogue/catalogue/residuals/summer/trees.parquet
 
@@ -16,7 +16,7 @@ import pandas as pd
 
 from opml.base.constants import DAY
 from opml.base.seeds import derive
-from opml.conjunctions.worth import Screening, worth
+from opml.conjunctions.collision_alarms import Screening, alarms_by_day
 from opml.element_sets import corrector
 from opml.interop.element_sets import usual_errors
 from opml.orbits.rsw_covariance import half_width
@@ -24,8 +24,13 @@ from opml.tables import read_table
 
 LEADS = (1, 3, 5, 7)
 SCREENING = Screening(radius=20.0, threshold=1e-4)
-NEAR = 1e3
-"""Distance of an approach [m]: how many an object has in a year makes of alarms those of a year."""
+HEIGHTS = {
+    "all": range(7),
+    "300 to 450 km": range(2),
+    "450 to 600 km": range(2, 5),
+    "600 to 1000 km": range(5, 7),
+}
+"""Bands of a catalogue's study."""
 
 LEVEL = 0.9
 SEED = 42
@@ -65,14 +70,14 @@ def _sigma(errors: pd.Series) -> float:
 def table(residuals: pd.DataFrame) -> pd.DataFrame:
     """Return alarms per collision and approach, and the share of collisions flagged [%], by case and day."""
     rows = []
-    for name, errors in pairs(residuals):
-        shared = errors.assign(common=np.sqrt(usual_errors.COMMON) * errors["sigma_y"])
-        for case, told in ((f"{name}, independent", errors), (f"{name}, shared", shared)):
-            found = worth(told, SCREENING, days=LEADS, seed=SEED)
-            per_approach = found["alarms"] * (SCREENING.radius / NEAR) ** 2
-            rows.append(found.assign(case=case, per_approach=per_approach, flagged=100.0 * found["flagged"]))
+    for height, bands in HEIGHTS.items():
+        for name, errors in pairs(residuals[residuals["band"].isin(bands)]):
+            shared = errors.assign(common=np.sqrt(usual_errors.COMMON) * errors["sigma_y"])
+            for case, told in ((f"{name}, independent", errors), (f"{name}, shared", shared)):
+                found = alarms_by_day(told, SCREENING, days=LEADS, seed=SEED)
+                rows.append(found.assign(height=height, case=case, flagged=100.0 * found["flagged"]))
     values = ["alarms", "per_approach", "flagged"]
-    return pd.concat(rows).pivot(index="case", columns="day", values=values)
+    return pd.concat(rows).pivot(index=["height", "case", "crossing"], columns="day", values=values)
 
 
 def main(path: str) -> None:

@@ -64,7 +64,7 @@ class Case:
     @property
     def models(self) -> dict[str, dict[str, Any]]:
         """The settings' force models, and the assumed one with all that opml has: PRECISE."""
-        more = {"solid_tides": True, "relativity": True}
+        more = {"forces": ["solid_tides", "relativity"]}
         return self.force_models | {PRECISE: self.force_models["assumed"] | more}
 
     @property

@@ -42,7 +42,7 @@ OFFSET, SIGMA = 0.251, 0.02
 def flight(environment: opml.Environment) -> opml.Flight:
     """Return LAGEOS-2 under the model that real satellites are flown under."""
     model = opml.force_model(
-        environment, degree=DEGREE, order=DEGREE, third_bodies=BODIES, solid_tides=True, relativity=True
+        environment, degree=DEGREE, order=DEGREE, third_bodies=BODIES, forces=["solid_tides", "relativity"]
     )
     unknown = dict.fromkeys(("a", "e", "i", "argp", "raan", "mean_anomaly"), np.nan)
     return opml.Flight(

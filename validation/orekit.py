@@ -218,9 +218,9 @@ class Orekit:
             *(self.third_body(name) for name in settings["third_bodies"]),
             *(force(rso) for coefficient, force in surface if coefficient),
         ]
-        if settings.get("solid_tides"):
+        if "solid_tides" in settings.get("forces", ()):
             forces.append(self.solid_tides(settings["degree"], settings["order"]))
-        if settings.get("relativity"):
+        if "relativity" in settings.get("forces", ()):
             gm = self.field(settings["degree"], settings["order"]).getMu()
             forces += [self.schwarzschild(gm), self.lense_thirring(gm), self.de_sitter()]
         return forces

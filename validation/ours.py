@@ -17,7 +17,7 @@ from opml.dynamics.kernels.gravity import gravity
 from opml.dynamics.kernels.lanes import entry, load, rows, splat, sqrt, store
 from opml.dynamics.kernels.radiation_pressure import illumination, radiation_pressure
 from opml.dynamics.kernels.relativity import de_sitter, lense_thirring, schwarzschild
-from opml.dynamics.kernels.surroundings import AXIS, PRECESSION, SPIN, SUN_ITRF, ForceModel, look_up
+from opml.dynamics.kernels.surroundings import AXIS, SPIN, SUN_ITRF, ForceModel, look_up
 from opml.dynamics.kernels.third_body import third_bodies
 from opml.dynamics.settings import ForceModelSettings, Integrator
 from opml.environment import celestial_bodies, earth_orientation, gravity_field
@@ -177,7 +177,7 @@ def _precise_terms(model, t, state, values, factors, out):
     _store_vector(out, 3, schwarzschild(x, y, z, vx, vy, vz, inverse_r, model.gm))
     axis = values[AXIS : AXIS + 3]
     _store_vector(out, 6, lense_thirring(x, y, z, vx, vy, vz, inverse_r, model.gm, axis))
-    _store_vector(out, 9, de_sitter(vx, vy, vz, values[PRECESSION : PRECESSION + 3]))
+    _store_vector(out, 9, de_sitter(vx, vy, vz, values[surroundings.BODIES + model.bodies.shape[1] :]))
 
 
 @entry

@@ -134,11 +134,11 @@ def force_model(
     degree: int = 40,
     order: int = 40,
     third_bodies: Sequence[str] = BODIES,
-    **forces: bool,
+    forces: Sequence[str] = (),
 ) -> ForceModel:
     """Make a force model: the field to a degree and order, bodies that pull, drag and radiation pressure.
 
-    forces: whether `solid_tides` and `relativity` count, too
+    forces: that count, too: `solid_tides`, `relativity`
 
     The defaults are the paper's truth model (`TRUTH`); `ASSUMED` holds those of its assumed one.
     Raises InputError for a degree above the environment's, for an unknown body, and where no tides can be
@@ -154,7 +154,7 @@ def force_model(
         )
     if unknown := [name for name in third_bodies if name not in BODIES]:
         raise InputError(f"force_model: third_bodies: expected {', '.join(BODIES)}, got {unknown[0]}")
-    given = {"degree": degree, "order": order, "third_bodies": list(third_bodies), **forces}
+    given = {"degree": degree, "order": order, "third_bodies": list(third_bodies), "forces": list(forces)}
     return build(environment, ForceModelSettings.read(given, "force_model"))
 
 

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 from opml import __version__
 from opml.base.errors import InputError
-from opml.base.files import check_apart
+from opml.base.files import check_apart, suffix_of
 from opml.base.progress import clear, counted, on_stderr
 
 if TYPE_CHECKING:
@@ -34,11 +34,8 @@ class Command:
     run: Callable[[argparse.Namespace], None]
 
 
-INTERRUPTED = 130  # exit code of a command that its user interrupts, as of a shell's
-
-
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run a subcommand; return the exit code, 1 or INTERRUPTED after one line that tells why."""
+    """Run a subcommand; return the exit code, 1 after one line that tells why."""
     logging.basicConfig(format=f"{clear()}opml: %(message)s")
     options = _parser().parse_args(arguments)
     if isinstance(sys.stdout, io.TextIOWrapper):  # of names that the terminal has no letters for
@@ -51,9 +48,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except (InputError, OSError) as error:
         print(f"opml: {error}", file=sys.stderr)
         return 1
-    except KeyboardInterrupt:
-        print("opml: interrupted; what is written is whole", file=sys.stderr)
-        return INTERRUPTED
     return 0
 
 
@@ -114,18 +108,6 @@ def _rso(options: argparse.Namespace) -> None:
     print(mean_elements.line_of_sheet(options.file, options.name, options.epoch, body))
 
 
-def _add_sheet(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--count", type=int, required=True, help="number of RSOs")
-    parser.add_argument("--seed", type=int, required=True, help="seed of the draw")
-    parser.add_argument("--prefix", default="sky", help="first part of each name (sky)")
-
-
-def _sheet(options: argparse.Namespace) -> None:
-    from opml.orbits import random_sheet
-
-    print(random_sheet.sheet(options.prefix, options.count, options.seed).rstrip("\n"))
-
-
 def _add_screen(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("ours", help="our object's OEM or mean elements; alone, a catalogue or a CDM")
     parser.add_argument("others", nargs="*", help="ephemerides (OEM) and mean elements of other objects")
@@ -140,11 +122,11 @@ def _add_screen(parser: argparse.ArgumentParser) -> None:
 
 def _screen(options: argparse.Namespace) -> None:
     from opml import tables
-    from opml.conjunctions import as_text, asked, cdm
+    from opml.conjunctions import as_text, cdm, from_files
     from opml.conjunctions.trajectories import EPOCH
 
     limits = {name: getattr(options, name) for name in ("within", "radius", "days")}
-    found = asked.conjunctions([options.ours, *options.others], **limits)
+    found = from_files.conjunctions([options.ours, *options.others], **limits)
     if options.messages:
         found = list(found)
         cdm.write_all(options.messages, found, epoch=EPOCH)
@@ -170,7 +152,7 @@ def _compare(options: argparse.Namespace) -> None:
     from opml.conjunctions import comparison
 
     if options.output:
-        tables.check_suffix(options.output)
+        suffix_of(options.output, tables.TABLE_SUFFIXES)
         check_apart([options.output], [options.ours, *options.other])
     ours = comparison.read([options.ours], options.object)
     table = comparison.compare(ours, comparison.read(options.other, options.other_object))
@@ -204,8 +186,9 @@ def _improve(options: argparse.Namespace) -> None:
     improve.check_written(
         options.output, options.table, [*options.sets, *filter(None, (options.weather, options.model))]
     )
-    date = options.date or datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%S")
-    latency = (6.0 if options.date else 0.0) if options.latency is None else options.latency
+    now = datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%S")
+    date, usual = (now, 0.0) if options.date is None else (options.date, 6.0)
+    latency = usual if options.latency is None else options.latency
     if not latency >= 0.0:
         raise InputError(f"--latency: expected 0 hours or more, got {latency:g}")
     known = improve.read(options.sets, date=date, weather=options.weather, latency=latency / 24.0)
@@ -241,9 +224,9 @@ def _predict(options: argparse.Namespace) -> None:
     from opml.element_sets import passes
     from opml.interop.measured_files import is_measured
     from opml.interop.predicted_orbit import UNKNOWABLE
-    from opml.workflow import predicted
+    from opml.workflow import prediction_files
 
-    predicted.check(options.output)
+    prediction_files.check(options.output)
     check_apart(
         options.output,
         [*options.files, *options.catalogue, options.radars, *filter(None, (options.weather, options.model))],
@@ -252,7 +235,7 @@ def _predict(options: argparse.Namespace) -> None:
     with on_stderr() as progress:
         made = (_fit if is_measured(options.files[0]) else _fly_sets)(options, progress)
     for path in options.output:
-        predicted.write(path, made, places)
+        prediction_files.write(path, made, places)
     print(f"{made.identity} from {made.date} UTC: {made.way} ({made.reason})")
     expected = made.expected().dropna(axis="columns", how="all").replace({"utc": r"\.0+$"}, "", regex=True)
     print(expected.to_string(index=False, float_format="{:.0f}".format))
@@ -275,9 +258,9 @@ def _fit(options: argparse.Namespace, progress: "Progress") -> "PredictedOrbit":
     from opml.mornings.prediction import Request
     from opml.orbits.sheets import read_stations
     from opml.study import prediction
-    from opml.workflow import predicted
+    from opml.workflow import prediction_files
 
-    predicted.check_fitted(options.output)
+    prediction_files.check_fitted(options.output)
     if options.catalogue or options.model:
         raise InputError("--catalogue, --model: expected element sets, got points or tracks")
     asked = {name: getattr(options, name) for name in ("days", "object", "date", "weather")}
@@ -290,6 +273,7 @@ def _fit(options: argparse.Namespace, progress: "Progress") -> "PredictedOrbit":
 def _add_train(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("sets", nargs="+", metavar="[NAME=]PATH", help="files and folders by population")
     parser.add_argument("-o", "--output", required=True, help="the model, .parquet")
+    parser.add_argument("--date", type=_instant, help=f"{_UTC}; what became known later is not learned from")
     parser.add_argument("--weather", default="OBSERVED", help="space weather, CSSI (that of the package)")
 
 
@@ -300,10 +284,11 @@ def _train(options: argparse.Namespace) -> None:
     for one in options.sets:
         name, is_named, path = one.rpartition("=")
         populations.setdefault(name if is_named else "all", []).append(path)
-    model.check_suffix(options.output)
+    suffix_of(options.output, [model.SUFFIX])
     check_apart([options.output], [options.weather, *chain.from_iterable(populations.values())])
     with on_stderr() as progress:
-        trained = training.train(populations, weather=options.weather, progress=progress)
+        asked = {"weather": options.weather, "date": options.date}
+        trained = training.train(populations, **asked, progress=progress)
     model.write(options.output, trained)
     print(f"{options.output}: {', '.join(populations)}")
 
@@ -322,7 +307,7 @@ def _day(options: argparse.Namespace) -> None:
     from opml.workflow import daily
 
     day = options.date or datetime.now(UTC).date()
-    if options.object:
+    if options.object is not None:
         return daily.show(options.object, day, options.configfile)
     call = daily.Call(day, options.since or day, options.configfile, _where(options), options.dry_run)
     if code := daily.run(call):
@@ -406,7 +391,8 @@ def _add_score(parser: argparse.ArgumentParser) -> None:
 def _score(options: argparse.Namespace) -> None:
     from opml.report import benchmark
 
-    benchmark.check(*options.output)
+    for path in options.output:
+        suffix_of(path, benchmark.SUFFIXES)
     score = benchmark.score(options.task, options.answers, options.truth)
     for path in options.output:
         benchmark.write(path, score)
@@ -471,7 +457,6 @@ GROUPS = {
         Command("init", "create a project with a first study", _add_init, _init),
         Command("day", "process a day: fit, score and issue ephemerides of all objects", _add_day, _day),
         Command("rso", "print the line of the RSO sheet for an element set", _add_rso, _rso),
-        Command("sheet", "print a random sheet of RSOs", _add_sheet, _sheet),
         Command("train", "train a model that improves element sets", _add_train, _train),
         Command("table", "describe a table, or print it as CSV", _add_table, _table),
         Command("pack", "pack a finished run into one archive (RO-Crate)", _add_pack, _pack),
@@ -484,7 +469,3 @@ GROUPS = {
 """The subcommands, in the order of the help, by what they are for."""
 
 COMMANDS = [command for commands in GROUPS.values() for command in commands]
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -71,7 +71,7 @@ def test_mornings_on_two_workers_leave_the_bytes_of_one(tmp_path):
             profile.write("slurm-status-command: squeue\n")
         shutil.copy(ROOT / "tests" / "faults" / "days.yaml", folder / "mine.yaml")
         shutil.copy(ROOT / "tests" / "reference" / "orekit.tdm", folder / "mine.tdm")
-        line = [sys.executable, "-m", "opml.cli", "day", "--date", "2016-10-01", "--configfile", "mine.yaml"]
+        line = [sys.executable, "-m", "opml", "day", "--date", "2016-10-01", "--configfile", "mine.yaml"]
         return products(folder, [*line, *options], environment)
 
     (tmp_path / "slurm").mkdir()

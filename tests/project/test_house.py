@@ -6,6 +6,7 @@ from graphlib import TopologicalSorter
 from pathlib import Path
 
 import grimp
+import pytest
 from support import REPOSITORY
 
 PACKAGE = REPOSITORY / "src" / "opml"
@@ -44,3 +45,27 @@ def test_functions_are_named_by_verbs_or_nouns():
     functions = definitions(ast.FunctionDef)
     assert len(functions) > 1000
     assert [(name, str(path)) for name, path in functions if name in PARTICIPLES] == []
+
+
+def top_level(tree: ast.Module) -> set[str]:
+    """Return the names that a module itself defines."""
+    stored = (ast.FunctionDef, ast.ClassDef)
+    own = [node for node in tree.body if not isinstance(node, (*stored, ast.Import, ast.ImportFrom))]
+    names = {node.id for part in own for node in ast.walk(part) if isinstance(node, ast.Name)}
+    return names | {node.name for node in tree.body if isinstance(node, stored)}
+
+
+@pytest.mark.parametrize("facade", ["naming", "tables"])
+def test_what_is_taken_from_a_facade_is_its_own(facade):
+    """The star imports of a facade pass on what its modules import, too."""
+    trees = {path: ast.parse(path.read_text(encoding="utf-8")) for path in PACKAGE.rglob("*.py")}
+    own = set().union(*(top_level(tree) for path, tree in trees.items() if path.parent.name == facade))
+    taken = {
+        alias.name
+        for tree in trees.values()
+        for node in ast.walk(tree)
+        if isinstance(node, ast.ImportFrom) and node.module == f"opml.{facade}"
+        for alias in node.names
+    }
+    assert len(taken) > 5
+    assert sorted(taken - own) == []

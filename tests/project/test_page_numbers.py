@@ -101,6 +101,23 @@ def test_alarms_are_those_of_the_notes():
     assert [tuple(map(int, cell.split(" / "))) for cell in larets[2:]] == alarms("Larets, selected each day")
 
 
+def test_alarms_of_public_sets_are_those_of_the_notes():
+    noted = {tuple(cells[:3]): cells[3:] for cells in rows("notes/conjunctions", "## What objects share")}
+    improved = "improved, shared"
+    shown = {
+        "SGP4": ("all", "SGP4, independent", "any"),
+        "improved, `correlated`": ("all", improved, "any"),
+        "below 450 km": ("300 to 450 km", improved, "any"),
+        "above 600 km": ("600 to 1000 km", improved, "any"),
+    }
+    stated = {first: cells for first, *cells in rows("docs/conjunctions", "## How much corrections help")}
+    for name, key in shown.items():
+        assert [cell.replace("/", " / ") for cell in stated[name]] == noted[key]
+    low, high = (noted["all", improved, angle][1].split(" / ")[1] for angle in ("below 60", "over 120"))
+    said = f"After three days {low} % are flagged below 60 deg between directions, {high} % above 120"
+    assert said in sentences("docs/conjunctions")
+
+
 def test_every_conjunction_of_cara_is_counted_once():
     inside, all_of_them = re.search(
         r"Of (\d+) conjunctions of NASA's CARA (\d+) are within", sentences("docs/conjunctions")

@@ -57,7 +57,7 @@ def test_lageos_2_is_predicted_ten_times_as_well_with_tides_and_relativity(orbit
         predicted(
             opml.force_model(environment, degree=20, order=20, third_bodies=ASSUMED_BODIES, **options), *orbit
         )
-        for options in ({}, {"solid_tides": True}, {"solid_tides": True, "relativity": True})
+        for options in ({}, {"forces": ["solid_tides"]}, {"forces": ["solid_tides", "relativity"]})
     )
     assert without[1] > 1.5
     assert without[2] > 2.5

@@ -10,7 +10,7 @@ from opml.conjunctions import cdm
 from opml.conjunctions.probability import chance
 from opml.ephemerides.along_track_shift import corrected
 from opml.interop import ocm, oem, tdm
-from opml.interop.element_sets import ephemeris_elements, mean_elements, omm, tle
+from opml.interop.element_sets import element_fits, mean_elements, omm, tle
 from opml.interop.object_ids import ObjectId
 from opml.orbits.elements import cartesian_from_coe, true_from_mean_anomaly
 from opml.tables import SCHEMAS, STATE, STATE_COVARIANCES
@@ -144,8 +144,8 @@ def test_orekit_reads_an_ephemeris_as_ocm(org, ephemeris, tmp_path):
 def test_orekit_flies_the_mean_elements_of_an_ephemeris(org, ephemeris, tmp_path):
     """It reads the OMM, and from the TLE it is as far from the ephemeris as the OMM says."""
     (segment,) = oem.corrected_segments(ephemeris, rso="iss")
-    satellite = ephemeris_elements.fit_elements(segment, epoch=EPOCH)
-    comment = ephemeris_elements.residual(satellite, segment, epoch=EPOCH)
+    satellite = element_fits.fit_ephemeris(segment, epoch=EPOCH)
+    comment = element_fits.residual(satellite, segment, epoch=EPOCH)
     identity = ObjectId("iss", "1998-067A", 25544)
     omm.write(tmp_path / "c.omm", satellite, identity=identity, epoch=EPOCH, comment=comment)
     message = parsed(org, "Omm", tmp_path / "c.omm")

@@ -22,7 +22,7 @@ MODELS = {
     "truth": {"degree": 40, "order": 40, "third_bodies": list(BODIES)},
     "assumed": {"degree": 20, "order": 20, "third_bodies": list(ASSUMED_BODIES)},
 }
-MODELS[PRECISE] = MODELS["assumed"] | {"solid_tides": True, "relativity": True}
+MODELS[PRECISE] = MODELS["assumed"] | {"forces": ["solid_tides", "relativity"]}
 
 
 def around(t):

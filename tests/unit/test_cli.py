@@ -5,6 +5,9 @@ import io
 import json
 import os
 import re
+import shutil
+import signal
+import subprocess
 import sys
 
 import numpy as np
@@ -12,11 +15,13 @@ import pandas as pd
 import pytest
 from support import REPOSITORY, refusals
 
+from opml import __main__ as started
 from opml import __version__, cli
 from opml.orbits.sheets import read_rsos
 from opml.study.settings import editor_schema
 from opml.tables import STATE, write_table
 from opml.workflow import manual
+from validation import random_sheet
 
 
 def test_a_new_project_holds_the_workflow_and_the_study_of_the_howto(tmp_path, capsys):
@@ -74,15 +79,9 @@ def test_each_shell_completes_commands_and_their_options(shell, capsys):
 
 
 def test_a_sheet_of_random_rsos_is_read_as_one(tmp_path, capsys):
-    assert cli.main(["sheet", "--count", "3", "--seed", "7", "--prefix", "sat"]) == 0
+    random_sheet.main(["--count", "3", "--seed", "7", "--prefix", "sat"])
     (tmp_path / "rsos.tsv").write_text(capsys.readouterr().out)
     assert list(read_rsos(tmp_path / "rsos.tsv")) == ["sat01", "sat02", "sat03"]
-
-
-@pytest.mark.parametrize(("count", "prefix", "told"), refusals("sheets_that_are_drawn"))
-def test_a_sheet_that_none_could_read_is_not_drawn(count, prefix, told, capsys):
-    assert cli.main(["sheet", "--count", count, "--seed", "7", "--prefix", prefix]) == 1
-    assert capsys.readouterr() == ("", f"opml: {told}\n")
 
 
 def test_a_terminal_without_the_letters_of_a_name_shows_others(table, monkeypatch):
@@ -108,14 +107,36 @@ def test_every_page_of_the_documentation_is_listed_and_printed(capsys):
     assert text == (REPOSITORY / "CHANGELOG.md").read_text(encoding="utf-8")
 
 
-def test_an_interrupt_is_told_in_one_line(monkeypatch, capsys):
-    def interrupt(name):
-        raise KeyboardInterrupt
+@pytest.mark.parametrize("module", ["opml.cli", "erfa"])
+def test_an_interrupt_is_told_in_one_line_in_the_midst_of_imports(module):
+    """Compiled code whose import is broken off prints a traceback, whatever Python makes of its error."""
+    code = f"""
+import signal, sys
+class Finder:
+    def find_spec(name, path, target=None):
+        if name == {module!r}:
+            try:
+                signal.raise_signal(signal.SIGINT)
+            except KeyboardInterrupt:
+                raise ImportError
+sys.meta_path.insert(0, Finder)
+from opml.__main__ import main
+sys.argv = ["opml", "predict", "no.tle"]
+sys.exit(main())
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (130, "opml: interrupted; what is written is whole\n")
 
-    monkeypatch.setattr(manual, "page", interrupt)
-    assert cli.main(["docs", "operations"]) == cli.INTERRUPTED
-    expected = "opml: interrupted; what is written is whole\n"
-    assert capsys.readouterr() == ("", expected)
+
+def test_an_interrupt_of_a_command_is_told_in_one_line(monkeypatch, capsys):
+    monkeypatch.setattr(manual, "page", lambda name: signal.raise_signal(signal.SIGINT))
+    monkeypatch.setattr(sys, "argv", ["opml", "docs", "operations"])
+    before = signal.getsignal(signal.SIGINT)
+    try:
+        assert started.main() == started.INTERRUPTED
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert capsys.readouterr() == ("", "opml: interrupted; what is written is whole\n")
 
 
 def test_a_page_that_is_not_there_is_told_in_one_line(capsys):
@@ -205,9 +226,22 @@ def test_a_project_without_a_folder_is_refused(tmp_path, monkeypatch, capsys, fo
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize(("arguments", "line"), refusals("written_files"))
-def test_what_is_read_is_not_written_over(arguments, line, tmp_path, monkeypatch, capsys):
+POINTS = """\
+utc,x_gcrf_m,y_gcrf_m,z_gcrf_m
+2016-09-28T12:10:00,7000000.0,0.0,0.0
+2016-09-28T12:11:00,6990000.0,450000.0,0.0
+"""
+
+
+@pytest.mark.parametrize(("arguments", "line"), refusals("commands"))
+def test_what_cannot_be_is_refused_in_a_line_and_writes_nothing(
+    arguments, line, tmp_path, monkeypatch, capsys
+):
     monkeypatch.chdir(tmp_path)
+    (tmp_path / "points.csv").write_text(POINTS)
+    shutil.copy(REPOSITORY / "tests" / "reference" / "orekit.tdm", tmp_path / "tracks.tdm")
+    before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
     assert cli.main(arguments) == 1
-    assert capsys.readouterr().err.startswith(f"opml: {line}")
-    assert not any(tmp_path.iterdir())
+    told = capsys.readouterr().err.splitlines()
+    assert told[-1].startswith(f"opml: {line}")
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before

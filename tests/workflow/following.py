@@ -49,7 +49,7 @@ class Reader:
         self.project = Project(folder)
         opml = folder / ".venv" / "bin" / "opml"
         opml.parent.mkdir(parents=True)
-        opml.write_text(f'#!/bin/sh\nexec {shlex.join([sys.executable, "-m", "opml.cli"])} "$@"\n')
+        opml.write_text(f'#!/bin/sh\nexec {shlex.join([sys.executable, "-m", "opml"])} "$@"\n')
         opml.chmod(0o755)
 
     def save(self, text):

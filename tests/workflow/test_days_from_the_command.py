@@ -37,7 +37,9 @@ def weather_comes(folder, until):
 def opml_day(folder, *arguments, settings="mine.yaml"):
     """Run `opml day` in a folder; its exit code and what it prints."""
     command = ["day", "--configfile", settings, *arguments]
-    return forked(command, cwd=folder, env=os.environ | {"PYTHONPATH": str(ROOT / "src")}, program="opml.cli")
+    return forked(
+        command, cwd=folder, env=os.environ | {"PYTHONPATH": str(ROOT / "src")}, program="opml.__main__"
+    )
 
 
 def page(folder, date):

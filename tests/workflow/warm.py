@@ -25,7 +25,7 @@ import opml.study.checks
 import opml.study.own_study
 import opml.workflow.command_line
 import opml.workflow.inputs
-import opml.workflow.records
+import opml.workflow.settings_in_tables
 import opml.workflow.starting  # noqa: F401
 from opml.base.provenance import script_digest
 from opml.dynamics.ensemble import Departures, propagate

@@ -152,7 +152,11 @@ if PLAN.settings.catalogue:
         params:
             **drawing(
                 "catalogue_shares",
-                lambda wildcards: PARAMS.catalogue_season(wildcards) | {"test": wildcards.test},
+                lambda wildcards: {
+                    **PARAMS.catalogue_season(wildcards),
+                    "test": wildcards.test,
+                    "population": PLAN.catalogue_test(wildcards.test).population,
+                },
             ),
         message:
             "Figure: share of SGP4's errors by band of height and lead, {wildcards.test}"
@@ -167,7 +171,7 @@ if PLAN.settings.catalogue:
         benchmark:
             CATALOGUE_SEASONS.benchmark
         params:
-            **drawing("catalogue_seasons", PARAMS.catalogue_seasons),
+            **drawing("catalogue_seasons", PARAMS.catalogue_labels(PLAN.settings.catalogue.tests)),
         message:
             "Figure: what improved sets leave of SGP4's errors, test by test"
 
@@ -196,6 +200,6 @@ if PLAN.settings.catalogue:
         benchmark:
             CATALOGUE_GAINS.benchmark
         params:
-            **drawing("catalogue_gains", {"epoch": config["epoch"], "tests": PLAN.catalogue_gains}),
+            **drawing("catalogue_gains", PARAMS.catalogue_labels(PLAN.catalogue_gains)),
         message:
             "Figure: when learning helps, by height, drag and number of sets"

@@ -15,7 +15,7 @@ from opml.study.settings.overlay import COMMAND_LINE, Layer, with_numbers
 from opml.workflow.inputs import Inputs, at_window, checks, path_of, paths_of, tables_of, target
 from opml.workflow.params import Params
 from opml.workflow.plan import Plan, end_plan
-from opml.workflow.records import compare_tables_with_settings
+from opml.workflow.settings_in_tables import compare_tables_with_settings
 from opml.workflow.starting import date_back_to_now, hold_results, lift_job_rate, project_settings
 from opml.workflow.host import name_python
 

@@ -8,12 +8,12 @@ from opml.workflow.jobs import job, read_by_key
 
 
 class Settings(JobSettings):
-    tests: list[str]
+    labels: dict[str, str]
 
 
 with job(snakemake):
-    tests = Settings(**snakemake.params.settings).tests
-    residuals = read_by_key(tests, snakemake.input.residuals, "catalogue_residuals")
-    rows = read_by_key(tests, snakemake.input.rows, held_out.ROWS)
-    figure = gains.gains(residuals, rows)
+    labels = Settings(**snakemake.params.settings).labels
+    residuals = read_by_key(labels, snakemake.input.residuals, "catalogue_residuals")
+    rows = read_by_key(labels, snakemake.input.rows, held_out.ROWS)
+    figure = gains.gains(residuals, rows, labels)
     style.save_all([figure], snakemake.output.pdf, snakemake.output.png)

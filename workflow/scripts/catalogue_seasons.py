@@ -8,11 +8,11 @@ from opml.workflow.jobs import job
 
 
 class Settings(JobSettings):
-    seasons_of_tests: dict[str, dict[str, list[str]]]
+    labels: dict[str, str]
 
 
 with job(snakemake):
     settings = Settings(**snakemake.params.settings)
     scores = read_table(snakemake.input[0], "catalogue_scores")
-    figure = shares.every_season(scores, settings.seasons_of_tests)
+    figure = shares.every_season(scores, settings.labels)
     style.save_all([figure], snakemake.output.pdf, snakemake.output.png)

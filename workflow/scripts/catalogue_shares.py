@@ -9,11 +9,13 @@ from opml.workflow.jobs import job
 
 class Settings(JobSettings):
     test: str
+    population: str
     seasons: dict[str, list[str]]
 
 
 with job(snakemake):
     settings = Settings(**snakemake.params.settings)
     scores = read_table(snakemake.input[0], "catalogue_scores")
-    figure = shares.shares(scores[scores["test"] == settings.test], settings.seasons, name=settings.test)
+    own = scores[scores["test"] == settings.test]
+    figure = shares.shares(own, settings.seasons, name=settings.population)
     style.save_all([figure], snakemake.output.pdf, snakemake.output.png)

@@ -1,6 +1,6 @@
 """Tell what the predictions of a study's mornings are worth where objects may collide."""
 
-from opml.conjunctions import worth
+from opml.conjunctions import collision_alarms
 from opml.tables import read_table, write_table
 from opml.workflow.jobs import job
 from opml.workflow.replayed import ReplayedSettings, read_mornings
@@ -14,10 +14,10 @@ class Settings(ReplayedSettings):
 
 with job(snakemake) as metadata:
     settings, files = Settings(**snakemake.params.settings), snakemake.input
-    table = worth.compare(
+    table = collision_alarms.compare(
         read_mornings(files, settings),
         read_table(files.fits, "covariances"),
-        worth.Screening(settings.radius_m, settings.threshold),
+        collision_alarms.Screening(settings.radius_m, settings.threshold),
         weather=settings.weather,
         laws=settings.laws,
         days=settings.days,

@@ -2,7 +2,7 @@
 
 from opml.base.section import JobSettings
 from opml.interop import object_ids, oem
-from opml.interop.element_sets import ephemeris_elements, omm
+from opml.interop.element_sets import element_fits, omm
 from opml.tables import read_table
 from opml.workflow.jobs import job
 
@@ -15,11 +15,11 @@ class Settings(JobSettings):
 with job(snakemake):
     settings = Settings(**snakemake.params.settings)
     (ephemeris,) = oem.corrected_segments(read_table(snakemake.input[0], "corrected"), rso=settings.rso)
-    satellite = ephemeris_elements.fit_elements(ephemeris, epoch=settings.epoch)
+    satellite = element_fits.fit_ephemeris(ephemeris, epoch=settings.epoch)
     omm.write(
         snakemake.output[0],
         satellite,
         identity=object_ids.of_tables(snakemake.input.source, name=settings.rso),
         epoch=settings.epoch,
-        comment=ephemeris_elements.residual(satellite, ephemeris, epoch=settings.epoch),
+        comment=element_fits.residual(satellite, ephemeris, epoch=settings.epoch),
     )

@@ -2,7 +2,7 @@
 
 from opml.base.section import JobSettings
 from opml.interop import object_ids, oem
-from opml.interop.element_sets import ephemeris_elements, mean_elements, tle
+from opml.interop.element_sets import element_fits, mean_elements, tle
 from opml.tables import read_table
 from opml.workflow.jobs import job
 
@@ -15,8 +15,8 @@ class Settings(JobSettings):
 with job(snakemake):
     settings = Settings(**snakemake.params.settings)
     (ephemeris,) = oem.corrected_segments(read_table(snakemake.input[0], "corrected"), rso=settings.rso)
-    satellite = ephemeris_elements.fit_elements(ephemeris, epoch=settings.epoch)
+    satellite = element_fits.fit_ephemeris(ephemeris, epoch=settings.epoch)
     identity = object_ids.of_tables(snakemake.input.source, name=settings.rso)
     tle.write(snakemake.output[0], satellite, identity)
     written = mean_elements.read(snakemake.output[0])
-    ephemeris_elements.residual(written, ephemeris, epoch=settings.epoch)
+    element_fits.residual(written, ephemeris, epoch=settings.epoch)

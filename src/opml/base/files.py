@@ -3,14 +3,17 @@
 import errno
 import os
 import tempfile
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from opml.base.errors import InputError
 
-_REFUSED = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.EACCES, errno.EPERM)
-"""Reasons of the operating system's not to write a file: no space, no permission."""
+_REFUSED = (
+    *(errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.EACCES, errno.EPERM),
+    *(errno.EEXIST, errno.ENOTDIR, errno.ENAMETOOLONG),
+)
+"""Reasons of the operating system's not to write a file: no space, no permission, no such name."""
 
 FilePath = str | os.PathLike[str]  # a path as text or as a path object
 
@@ -25,6 +28,14 @@ def project_file(path: FilePath) -> Path:
     """Return the path of a project's file; where the project has none, that of the package's own file."""
     packaged = PROJECT / path
     return packaged if packaged.is_file() and not Path(path).exists() else Path(path)
+
+
+def suffix_of(path: FilePath, allowed: Collection[str]) -> str:
+    """Return a path's suffix in small letters. Raises InputError where it is none of those allowed."""
+    suffix = Path(path).suffix.lower()
+    if suffix not in allowed:
+        raise InputError(f"{path}: expected a suffix {', '.join(allowed)}, got {suffix or 'none'}")
+    return suffix
 
 
 def check_apart(written: Iterable[FilePath], read: Iterable[FilePath]) -> None:

@@ -1,6 +1,6 @@
 """Types of settings: what may stand under a key, and how a refusal calls it."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Annotated, Any, TypeVar
 
@@ -35,7 +35,7 @@ class Pattern:
 class OneOf:
     """Mark of a text that is one of some names."""
 
-    names: tuple[str, ...]
+    names: Iterable[str]  # which are asked when a setting of the type is first checked
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Handler) -> TypeSchema:
         return {"type": "literal", "expected": list(self.names)}

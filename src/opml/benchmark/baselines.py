@@ -17,7 +17,7 @@ from sgp4.api import Satrec
 from opml import __version__
 from opml.base.constants import DAY
 from opml.base.errors import InputError
-from opml.base.files import FilePath, check_apart, replacing
+from opml.base.files import FilePath, check_apart, replacing, suffix_of
 from opml.base.progress import Progress
 from opml.benchmark import tasks
 from opml.benchmark.answers import COVARIANCE, REQUIRED, about_file
@@ -156,8 +156,7 @@ WAYS = (*CORRECTIONS, FIT)
 
 def _check_written(path: FilePath, task: BenchmarkTask, trained: FilePath | None) -> None:
     """Raise InputError for a file of answers that is no CSV, that is read, or inside the task."""
-    if Path(path).suffix.lower() != ".csv":
-        raise InputError(f"{path}: expected a suffix .csv, got {Path(path).suffix or 'none'}")
+    suffix_of(path, [".csv"])
     check_apart([path, about_file(Path(path))], [trained] if trained else [])
     if task.folder.resolve() in Path(path).resolve().parents:
         raise InputError(f"{path}: expected a file outside {task.folder}, the task")

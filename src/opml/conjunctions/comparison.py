@@ -146,7 +146,9 @@ def read(paths: Sequence[FilePath], wanted: str | None = None) -> ComparedOrbit:
         return _of_orbit(paths, wanted, is_message=oem.matches(content))
     if not fixes_csv.matches(content):
         return _of_sets(paths, wanted)
-    return _of_arcs([fixes_csv.read(path, contents(path), epoch=EPOCH)[0] for path in paths])
+    return _of_arcs(
+        [fixes_csv.read(path, contents(path), epoch=EPOCH, satellite=wanted)[0] for path in paths]
+    )
 
 
 def compare(ours: ComparedOrbit, other: ComparedOrbit) -> pd.DataFrame:

@@ -12,7 +12,7 @@ from opml.base.thermosphere_grid import ALTITUDES, DENSITIES, LATITUDES, LOCAL_T
 from opml.dynamics import solid_tides as solid_earth
 from opml.dynamics.frames import ORIENTATION, spin
 from opml.dynamics.kernels import dtm2000
-from opml.dynamics.kernels.acceleration import SWITCHES
+from opml.dynamics.kernels.added_forces import FORCES, OFF
 from opml.dynamics.kernels.gravity import weights
 from opml.dynamics.kernels.surroundings import ForceModel
 from opml.dynamics.kernels.tides import DEGREE, ORDER, no_tides, tides
@@ -67,18 +67,19 @@ def build(
     midnight, days = days_of_year(environment.epoch, t[-1])
     coefficients = dtm2000.coefficients()
     c, s = _coefficients(environment.gravity_field, settings.degree, settings.order)
-    if settings.solid_tides:
+    if "solid_tides" in settings.forces:
         c, s = _padded(c), _padded(s)
     factors, earth_tides = weights(c, s), no_tides()
-    if settings.solid_tides:
+    if "solid_tides" in settings.forces:
         earth_tides = tides(solid_earth.nodes(environment), factors, len(c) - 1)
+    added, columns_of_added = _added(environment, settings.forces)
     return ForceModel(
         first=float(t[0]),
         step=float(t[1] - t[0]),
         orientation=np.ascontiguousarray(earth_orientation[ORIENTATION].to_numpy(float)),
         spin=np.ascontiguousarray(spin(earth_orientation)),
-        switched=np.array([getattr(settings, name) for name in SWITCHES]),
-        precession=_precession(environment) if settings.relativity else np.empty((0, 3)),
+        added=added,
+        columns_of_added=columns_of_added,
         bodies=np.ascontiguousarray(environment.ephemerides[columns].to_numpy(float)),
         gms=np.array([environment.gms[name] if name in pulling else 0.0 for name in names]),
         activity=activity[None],
@@ -104,6 +105,15 @@ def _padded(coefficients: np.ndarray) -> np.ndarray:
     return np.pad(coefficients, [(0, count) for count in missing])
 
 
+def _added(environment: Environment, asked: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
+    """Return the first column of each added force, OFF where it is not asked for, and the columns of all."""
+    nothing = np.empty((len(environment.ephemerides), 0))
+    needing = {*TABULATED} & {*asked}
+    parts = [TABULATED[name](environment) if name in needing else nothing for name in FORCES]
+    first = np.cumsum([0, *(part.shape[1] for part in parts[:-1])])
+    return np.where([name in asked for name in FORCES], first, OFF), np.hstack(parts)
+
+
 def _precession(environment: Environment) -> np.ndarray:
     """Return the vector (nodes, 3) by which velocities turn about the moving Earth [rad/s].
 
@@ -115,6 +125,10 @@ def _precession(environment: Environment) -> np.ndarray:
     distance = np.linalg.norm(earth, axis=1, keepdims=True)
     turning: np.ndarray = np.cross(earth, velocity) / distance**3
     return 3.0 * environment.gms["sun"] / SPEED_OF_LIGHT**2 * turning
+
+
+TABULATED = {"relativity": _precession}
+"""What added forces need of time, (nodes, columns) of an environment, by name; one without needs none."""
 
 
 def logarithms(thermosphere: pd.DataFrame) -> np.ndarray:

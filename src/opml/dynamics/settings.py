@@ -14,6 +14,11 @@ Body = Annotated[str, OneOf(BODIES)]
 
 Bodies = Annotated[list[Body], Unique()]
 
+FORCES = {"solid_tides": "tides of the solid Earth", "relativity": "general relativity"}
+"""Forces that a force model may have or not, in words."""
+
+Forces = Annotated[list[Annotated[str, OneOf(FORCES)]], Unique()]
+
 
 class Integrator(Section):
     """The Dormand-Prince 8(5,3) method."""
@@ -37,16 +42,12 @@ class ForceModelSettings(Section):
     degree: Degree = setting("highest degree of the gravity field")
     order: Degree = setting("highest order of the gravity field")
     third_bodies: Bodies = setting("attracting bodies besides the Earth", unit="names")
-    solid_tides: bool = setting(
-        "whether Moon and Sun deform the Earth", see="physics.md#tides-of-the-solid-earth", default=False
+    forces: Forces = setting(
+        "forces beyond gravity, drag and radiation pressure: `solid_tides`, `relativity`",
+        unit="names",
+        see="physics.md",
+        default=[],
     )
-    relativity: bool = setting(
-        "whether the terms of general relativity count", see="physics.md#relativity", default=False
-    )
-
-
-FORCES = {"solid_tides": "tides of the solid Earth", "relativity": "general relativity"}
-"""Forces that are switched on, by their settings, in words."""
 
 
 class TrueForceModel(ForceModelSettings):

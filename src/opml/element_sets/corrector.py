@@ -134,7 +134,7 @@ def jumps(rows: pd.DataFrame) -> pd.Series:
         of_lead.groupby("number")["missed"].rolling(**_USUAL, closed="left").quantile(LEVEL).droplevel(0)
         for _, of_lead in rows[["number", "missed"]].groupby(rows["lead"])
     ]
-    return rows["missed"] / pd.concat(usual).reindex(rows.index)
+    return rows["missed"] / pd.concat([rows["missed"][:0], *usual]).reindex(rows.index)
 
 
 def widen_jumps(found: pd.DataFrame, jump: pd.Series) -> pd.DataFrame:

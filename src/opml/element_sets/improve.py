@@ -20,7 +20,7 @@ import pandas as pd
 
 from opml.base import epochs
 from opml.base.errors import InputError
-from opml.base.files import FilePath, check_apart
+from opml.base.files import FilePath, check_apart, suffix_of
 from opml.base.progress import Progress, counted
 from opml.element_sets import catalogue as catalogues
 from opml.element_sets import corrector, density, features, pairs, ways
@@ -33,7 +33,7 @@ from opml.environment.weather import Weather
 from opml.interop.element_sets import rewriting
 from opml.interop.element_sets.element_set import semi_major_axis
 from opml.interop.element_sets.rewriting import Better
-from opml.tables import check_suffix, write_as
+from opml.tables import TABLE_SUFFIXES, write_as
 
 NEWER_WEATHER = "https://celestrak.org/SpaceData/SW-All.csv"  # where newer space weather is
 OLDEST_WEATHER = 3.0  # days before the date that the weather may end: the forecast begins there
@@ -109,9 +109,9 @@ def check_written(better: FilePath, table: FilePath | None, paths: Iterable[File
 
     better: of sets; table: None for none; paths: files and folders of element sets
     """
-    rewriting.check_suffix(better)
+    suffix_of(better, rewriting.WRITERS)
     if table:
-        check_suffix(table)
+        suffix_of(table, TABLE_SUFFIXES)
     written = [better, *([table] if table else [])]
     check_apart(written, paths)
     for path, folder in product(written, map(Path, paths)):

@@ -7,7 +7,6 @@ and how it was judged.
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib import resources
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -20,6 +19,8 @@ from opml.element_sets.density import DAYS_AHEAD, HEIGHTS, Outlook
 from opml.element_sets.features import FEATURES
 from opml.learning.models.boosting import BoostingModel
 from opml.tables import read_metadata, read_table, write_table
+
+SUFFIX = ".parquet"  # of a model's file
 
 PACKAGED = "corrector.parquet"  # file of the model that comes with the package, in its folder of data
 
@@ -34,12 +35,6 @@ class CatalogueModel:
     outlook: Outlook  # the forecast of the density
     correctors: Mapping[str, Corrector]  # by the name of the population
     card: Mapping[str, Any]  # what it was trained on, JSON values
-
-
-def check_suffix(path: FilePath) -> None:
-    """Raise InputError for a path that is not called a table in Parquet."""
-    if (suffix := Path(path).suffix.lower()) != ".parquet":
-        raise InputError(f"{path}: expected a suffix .parquet, got {suffix or 'none'}")
 
 
 def write(path: FilePath, model: CatalogueModel) -> None:

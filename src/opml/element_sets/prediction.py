@@ -30,7 +30,7 @@ from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day
 from opml.element_sets.improve import Improved
 from opml.environment import nrlmsis
 from opml.environment.space_weather import INTERVALS
-from opml.interop import ccsds, fixes_csv, tdm
+from opml.interop import ccsds
 from opml.interop.element_sets import mean_elements, rewriting, usual_errors
 from opml.interop.element_sets.burns_in_sets import KnownSet, burns_among
 from opml.interop.element_sets.element_set import (
@@ -42,8 +42,6 @@ from opml.interop.element_sets.element_set import (
     seconds_since,
 )
 from opml.interop.object_ids import ObjectId
-from opml.interop.orbit_arcs import contents
-from opml.interop.orbit_from_files import is_orbit
 from opml.interop.predicted_orbit import LEADS, PredictedOrbit
 from opml.orbits.density_error import DensityErrors
 from opml.orbits.elements import bent_rsw
@@ -197,7 +195,7 @@ def predict(
     history = _history(paths, None if object is None else str(object))
     newest = history[-1]
     latency = 0.0 if date is None else catalogues.LATENCY
-    date = date or _known(newest)
+    date = _known(newest) if date is None else date
     known = improve.read([*paths, *catalogue], date=date, weather=str(weather), latency=latency)
     public = public_sets(history, date, latency)
     burns = burns_before(public, date)
@@ -251,8 +249,6 @@ def _basis(past: pd.DataFrame) -> str:
 def _history(paths: Sequence[FilePath], wanted: str | None) -> list[ElementSet]:
     """Return the sets of one object in the order of their epochs."""
     files = catalogues.find_files(paths)
-    for path in files:
-        _check_sets(path)
     damaged: list[InputError] = []
     found = chain.from_iterable(mean_elements.read_sets(path, damaged) for path in files)
     sets = [*each(found, numbered, damaged)]
@@ -271,19 +267,6 @@ def _history(paths: Sequence[FilePath], wanted: str | None) -> list[ElementSet]:
         expected = "--object for one of several objects" if wanted is None else f"one object {wanted}"
         raise InputError(f"{paths[0]}: expected {expected}, got {there or 'no set'}{more}")
     return [one for one in sets if one.number in named]
-
-
-def _check_sets(path: FilePath) -> None:
-    """Raise InputError for points and tracks, which a project fits."""
-    content = contents(path)
-    kinds = {
-        "points of an orbit: fit them": is_orbit(content) or fixes_csv.matches(content),
-        "tracks: fit them": tdm.matches(content),
-    }
-    for kind in (kind for kind, is_so in kinds.items() if is_so):
-        raise InputError(
-            f"{path}: expected element sets, got {kind} in a project, as `opml docs tracks` tells"
-        )
 
 
 def _known(one: ElementSet) -> str:

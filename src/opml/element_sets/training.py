@@ -15,6 +15,7 @@ from opml.base.files import FilePath
 from opml.base.progress import Progress, with_time_left
 from opml.element_sets import catalogue as catalogues
 from opml.element_sets import corrector, density, features, pairs
+from opml.element_sets.catalogue import modified_julian_day
 from opml.element_sets.density import LearnedAir
 from opml.element_sets.model import CatalogueModel
 from opml.environment import knowledge
@@ -30,18 +31,22 @@ def train(
     populations: Mapping[str, Iterable[FilePath]],
     *,
     weather: str | Path,
+    date: str | None = None,
     seed: int = SEED,
     progress: Progress = _log.info,
 ) -> CatalogueModel:
     """Return a model of the sets in files and folders, by the name of the population.
 
     weather: OBSERVED or a CSSI file; what comes after its measurements is not learned from
+    date: UTC text; sets and weather that were not known then are not learned from
 
     Raises InputError for unreadable files, and where there is too little to learn from.
     """
     found = {name: catalogues.find_files(paths) for name, paths in populations.items()}
-    sets = {name: catalogues.read(files).daily() for name, files in found.items()}
-    known = density.clean(knowledge.read(weather))
+    end = np.inf if date is None else modified_julian_day(date)
+    sets = {name: catalogues.read(files).until(end).daily() for name, files in found.items()}
+    measured = knowledge.read(weather)
+    known = density.clean(measured if date is None else measured.keep_known(end))
     progress("densities of the thermosphere since 2002")
     air = density.learned_air(known, first=FIRST_DAY, end=density.end_of(known))
     correctors, cards = {}, {}
@@ -51,9 +56,8 @@ def train(
         progress(f"{name}: {len(rows)} predictions to learn from")
         correctors[name] = corrector.fit(rows, "trees", seed=seed)
         cards[name] = card(rows, files)
-    return CatalogueModel(
-        air.outlook, correctors, {"populations": cards, "seed": seed, "weather": Path(weather).name}
-    )
+    model_card = {"populations": cards, "seed": seed, "weather": Path(weather).name}
+    return CatalogueModel(air.outlook, correctors, model_card | ({"date": date} if date else {}))
 
 
 def mornings_of(sets: catalogues.ElementCatalogue, air: LearnedAir) -> pd.DataFrame:

@@ -49,6 +49,9 @@ NOTE_ADVANCE = 0.54
 
 HEADLINE_SIZE = 9.0  # of the type [pt]
 
+_HEAD_INCHES = 0.35  # of headline and note
+_LEGEND_ROW = 1.5  # lines of a note that a row of a legend is as high as
+
 POINTS_PER_INCH = 72.0
 LEAST_ALPHA = 0.4
 
@@ -195,6 +198,15 @@ def add_head(figure: Figure, headline: str, note: str) -> None:
     below = 1.5 * HEADLINE_SIZE / (figure.get_figheight() * POINTS_PER_INCH)
     height = title.get_position()[1] - below
     figure.text(0.01, height, wrapped, va="top", fontsize=NOTE_SIZE, color=PUBLISHED)
+
+
+def add_head_and_legend(figure: Figure, headline: str, note: str, *, columns: int) -> None:
+    """Put a headline and its note above a figure's panels, and one legend between them."""
+    rows = math.ceil(len(_legend_entries(figure)) / columns)
+    add_head(figure, headline, note + "\n " * math.ceil(_LEGEND_ROW * rows + 0.5))
+    marks = legend(figure, columns=columns)
+    marks.set_loc("upper left")
+    marks.set_bbox_to_anchor((0.0, 1.0 - _HEAD_INCHES / figure.get_figheight()), figure.transFigure)
 
 
 def _wrap(figure: Figure, note: str) -> str:

@@ -38,12 +38,16 @@ def matches(content: bytes) -> bool:
     return "," in first and not omm.matches(text)
 
 
-def read(path: FilePath, content: bytes, *, epoch: str) -> tuple[Arc, np.ndarray]:
+def read(
+    path: FilePath, content: bytes, *, epoch: str, satellite: str | None = None
+) -> tuple[Arc, np.ndarray]:
     """Read the points of a CSV, and their standard deviations (n, 6) [m, m/s], NaN where it has none.
 
-    Raises InputError, naming the line, for columns of which no points can be made, a cell that is no number
-    or no time, and times that do not ascend.
+    Raises InputError for a satellite that is asked for, and, naming the line, for columns of which no points
+    can be made, a cell that is no number or no time, and times that do not ascend.
     """
+    if satellite is not None:
+        raise InputError(f"{path}: expected no name of an object, as a CSV has none, got {satellite}")
     (number, names), *rows = _lines(path, content)
     columns = _Columns(path, number, [name.strip().lower() for name in names])
     if not rows:

@@ -58,8 +58,8 @@ class ObjectId:
 
     def is_called(self, wanted: str) -> bool:
         """Return whether a user's word is its catalogue number, name or designator, in any case."""
-        word = wanted.upper()
-        return word in (str(self.number), self.name.upper()) or _normal(word) == self.designator.upper()
+        words = {_normal(wanted.upper()), wanted.upper()} - {"", "0"}
+        return not words.isdisjoint({str(self.number), self.name.upper(), self.designator.upper()})
 
     def is_same(self, other: "ObjectId") -> bool:
         """Return whether both are one object; names decide only where either has nothing else."""

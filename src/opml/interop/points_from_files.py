@@ -148,7 +148,7 @@ def _of_csv(path: FilePath, files: OrbitFiles) -> _Points:
     content = contents(path)
     if is_orbit(content):
         raise InputError(f"{path}: expected the format of {files.paths[0]}, got another")
-    return fixes_csv.read(path, content, epoch=files.epoch)
+    return fixes_csv.read(path, content, epoch=files.epoch, satellite=files.satellite)
 
 
 def _thinned(t: np.ndarray, rows: np.ndarray, every: float) -> np.ndarray:

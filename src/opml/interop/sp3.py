@@ -30,6 +30,7 @@ _TERRESTRIAL = re.compile(r"ITR|IG[SbR]|SLR|WGS|ECF|DPOD", re.IGNORECASE)
 _FIELDS = ((3, 7), (8, 10), (11, 13), (14, 16), (17, 19), (20, 31))  # year to second of an epoch
 _AXES = ((4, 18), (18, 32), (32, 46))
 _KILOMETRE, _DECIMETRE = 1e3, 1e-1
+_STEPS_BEND = 0.2  # part by which a step from point to point may be shorter than the speed says
 _MANOEUVRE, _PREDICTED = 78, 79  # columns of flags of a position
 _ABSENT = 999999.0  # numbers from here on mark an absent vector, as three zeros do
 
@@ -88,11 +89,24 @@ def read(path: FilePath, content: bytes, *, epoch: str, satellite: str | None = 
             scale=header.scale,
             t=t[known],
             positions=positions[known] * _KILOMETRE,
-            velocities=velocities[known] * _DECIMETRE,
+            velocities=velocities[known] * _unit_of_velocities(path, t, positions, velocities),
             lines=position_lines[known],
             burns=(0.5 * (t + np.append(t[:1], t[:-1])))[marked].tolist(),
         )
     ]
+
+
+def _unit_of_velocities(
+    path: FilePath, t: np.ndarray, positions: np.ndarray, velocities: np.ndarray
+) -> float:
+    """Return the format's unit [m/s], or metres where positions show that a file's velocities have them."""
+    moved = np.linalg.norm(np.diff(positions, axis=0), axis=1) * _KILOMETRE / np.diff(t)
+    unit = moved / np.linalg.norm(velocities[1:], axis=1)
+    known = unit[np.isfinite(unit)]
+    if not (len(known) and abs(np.median(known) - 1.0) < _STEPS_BEND):
+        return _DECIMETRE
+    _log.warning("%s: velocities are taken for m/s, as positions show, not for dm/s", path)
+    return 1.0
 
 
 def _header(path: FilePath, lines: list[bytes]) -> _Header:

@@ -35,8 +35,8 @@ from opml.mornings.calendar import Calendar
 from opml.mornings.days import BatchTask, UnderWay
 from opml.mornings.kept.store import Store
 from opml.mornings.measured import MeasurementSource, Span
-from opml.mornings.morning import FlightModel, MorningPlan, Watched
 from opml.mornings.outcomes import FAILED
+from opml.mornings.watched import FlightModel, MorningPlan, Watched
 from opml.mornings.weather_of_day import FIGURES
 from opml.orbits.sheets import Rso, Station
 from opml.tables import SCHEMAS, read_runs, read_table
@@ -173,27 +173,31 @@ def run(files: Any, settings: BatchSettings, *, metadata: Mapping[str, Any]) -> 
     files: the job's input, the environment's tables
     metadata: of tables
     """
-    blocks, store = SharedBlocks(), Store(settings.days, settings.batch, settings.objects)
-    done = store.done(settings.date)
-    surroundings = Surroundings.read(files, settings, blocks.propagate, since=_flown_since(settings, done))
-    attempts = _Attempts(blocks, settings.date)
-    begun = attempts.together(
-        {
-            name: partial(_begin, name, one, surroundings, settings, store, done[name])
-            for name, one in settings.objects.items()
-            if settings.date not in done[name]
-        }
-    )
-    shared = settings_digest(settings.model_dump(include=_SHARED))
-    days.catch_up(
-        store,
-        list(begun.values()),
-        settings.date,
-        together=attempts.together,
-        metadata={**metadata, "settings": shared},
-    )
-    places = store.places(settings.date)
-    return [attempts.failed.get(name) or places[name].outcomes[name] for name in settings.objects]
+    # Texts of Arrow take a fifth of a morning: tables of a few rows have more names of columns than texts.
+    with pd.option_context("mode.string_storage", "python"):
+        blocks, store = SharedBlocks(), Store(settings.days, settings.batch, settings.objects)
+        done = store.done(settings.date)
+        surroundings = Surroundings.read(
+            files, settings, blocks.propagate, since=_flown_since(settings, done)
+        )
+        attempts = _Attempts(blocks, settings.date)
+        begun = attempts.together(
+            {
+                name: partial(_begin, name, one, surroundings, settings, store, done[name])
+                for name, one in settings.objects.items()
+                if settings.date not in done[name]
+            }
+        )
+        shared = settings_digest(settings.model_dump(include=_SHARED))
+        days.catch_up(
+            store,
+            list(begun.values()),
+            settings.date,
+            together=attempts.together,
+            metadata={**metadata, "settings": shared},
+        )
+        places = store.places(settings.date)
+        return [attempts.failed.get(name) or places[name].outcomes[name] for name in settings.objects]
 
 
 class _Attempts:

@@ -1,21 +1,74 @@
 """The ephemerides of all models from the newest estimate of a morning: the table `paths`."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable
+from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pandas as pd
 
+from opml.base.constants import DAY
 from opml.base.errors import InputError
+from opml.catalog.predict import spread
+from opml.catalog.predict.prediction import predict_pairs
 from opml.ephemerides.along_track_shift import LEAST_EPOCHS
-from opml.ephemerides.corrected import Spreads, expected, interpolate_spread
-from opml.ephemerides.part import Part
+from opml.ephemerides.corrected import expected, interpolate_spread
+from opml.ephemerides.known import Known
+from opml.ephemerides.part import Grid, Part
+from opml.learning.data import dataset
+from opml.learning.data.cleaning import Cleaning
 from opml.learning.data.components import CORRECTED
 from opml.learning.models import learners
 from opml.learning.models.contract import Model, ResolvedSettings
+from opml.mornings.fits import Recent
+from opml.mornings.records import Records
+from opml.mornings.watched import Watched
 from opml.tables import SPREAD, STATE
 
 STEP = 300.0  # time between the epochs of these ephemerides [s]: decimetres from those of a minute
 EVERY = 2  # so many epochs are to one that arcs fly to for the spread
+
+_LOOKED_AT = 4  # newest estimates among which one is found to start from
+
+
+def known_at(now: float, watched: Watched, records: Records, recent: Recent) -> Known:
+    """Return what is known of an object at a time [s], of which its newest estimates may start ephemerides.
+
+    records: with the estimates of the morning
+    """
+    plan, flight = watched.plan, watched.model.predictions
+    estimates = records.of_window(plan.base, watched.known_by(now))
+    # Of an object that is seldom seen the newest estimates may be older than all that is read of its tracks.
+    rows = estimates[estimates["track"].isin(recent.numbers)].tail(_LOOKED_AT + 1)
+    tracking = recent.tracking.assign(track=recent.numbers[recent.tracking["track"]])
+    made = partial(dataset.of_estimates, tracking=tracking, gm=flight.model.gm, cleaning=Cleaning())
+    nothing = pd.DataFrame(columns=["i", "j", *STATE, "reason"])
+    known = Known(
+        rows,
+        made(rows, nothing),
+        plan.base,
+        flight.model.gm,
+        manoeuvres=watched.manoeuvres,
+        epoch=plan.epoch,
+    )
+    pairs = _from_previous(known, longest=DAY * plan.max_days)
+    # Where the newest may start one, nobody asks for the others.
+    for flown in (pairs.tail(1), pairs) if len(pairs) else ():
+        known = replace(known, at_estimates=made(rows, predict_pairs(flight, rows, flown)))
+        if known.may_depart().any():
+            break
+    return known
+
+
+def _from_previous(known: Known, *, longest: float) -> pd.DataFrame:
+    """Return the pairs of an estimate before and one that may start an ephemeris, if the first reaches it.
+
+    longest: arc [s]
+    """
+    table = known.at_estimates.assign(t_i=known.at_estimates["t_b"], t_j=known.estimates["t"].to_numpy())
+    near = (table["b"] != dataset.NO_PREVIOUS) & (table["t_j"] - table["t_i"] <= longest)
+    usable = table["converged"] & table["cd_inside"] & near
+    return table[usable].rename_axis("j").reset_index().rename(columns={"b": "i"})[["i", "j", "t_i", "t_j"]]
 
 
 def model(settings: ResolvedSettings, columns: pd.DataFrame) -> Model:
@@ -24,37 +77,40 @@ def model(settings: ResolvedSettings, columns: pd.DataFrame) -> Model:
     return learners.train(row, component=CORRECTED, settings=settings, seed=0)
 
 
-Expected = Callable[[pd.DataFrame], np.ndarray]
-"""How far a path is off along the track (n,) [m], by what another orbit says."""
-
-
 def paths(
-    part: Part,
-    models: Mapping[str, ResolvedSettings],
-    spreads: Spreads,
-    *,
-    now: float,
-    others: Mapping[str, Expected],
+    watched: Watched, known: Known, records: Records, starts: pd.DataFrame, *, now: float
 ) -> pd.DataFrame:
-    """Return the ephemerides of models from the one start of a part, as far as all of them reach.
+    """Return the ephemerides of all models of an object from one start, as far as all of them reach.
 
-    models: resolved settings of learners that learn nothing, by name
+    known: from `known_at`
+    records: with the estimates of the morning
+    starts: the estimate that they start from, a table of one row
     now: when they are made [s]
-    others: orbits of other makers that may be flown along the track, by name
     """
-    part.fly_together(learners.arc_windows(models.values()), _held_arcs(models.values()))
+    plan, burns = watched.plan, watched.known_by(now)
+    windows = learners.arc_windows(plan.models.values())
+    whole = replace(known, others={hours: records.of_window(hours, burns) for hours in windows})
+    part = Part(watched.model.predictions, whole, starts, Grid(STEP, plan.max_days, plan.end))
+    part.fly_together(windows, _held_arcs(plan.models.values()))
     table = part.pairs().assign(morning=now)
-    for name, settings in models.items():
+    for name, settings in plan.models.items():
         table[f"e_y_{name}"] = _along(part, settings)
+    others = {} if watched.sgp4 is None else watched.sgp4.menu(now)
     for name, expected_by in others.items():
         table[f"e_y_{name}"] = expected_by(table)
-    asked = [*STATE, *(f"e_y_{name}" for name in (*models, *others))]
+    asked = [*STATE, *(f"e_y_{name}" for name in (*plan.models, *others))]
     lost = ~np.isfinite(table[asked].to_numpy()).all(axis=1)
     reached = table[np.cumsum(lost) == 0]
     if len(reached) < LEAST_EPOCHS:
         raise InputError(f"ephemeris: expected at least {LEAST_EPOCHS} epochs ahead, got {len(reached)}")
+    return _with_spread(reached, watched, records.of_window(plan.base, burns))
+
+
+def _with_spread(reached: pd.DataFrame, watched: Watched, estimates: pd.DataFrame) -> pd.DataFrame:
+    """Return ephemerides with what more drag and the weather to come would do to them."""
     sparse = reached.iloc[::EVERY]
-    causes = sparse[["t_j"]].join(spreads(sparse)[SPREAD].set_axis(sparse.index))
+    spreads = spread.build(watched.model.flattened, estimates, sparse, weathers=watched.model.weathers)
+    causes = sparse[["t_j"]].join(spreads[SPREAD].set_axis(sparse.index))
     return interpolate_spread(reached, causes).drop(columns=["j", "reason"])
 
 

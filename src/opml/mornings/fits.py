@@ -8,14 +8,16 @@ track of another object puts estimates off, too. Whether a burn does, the tracks
 (`opml.catalog.associate.quarantine`), all of the last days in turn.
 """
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 import pandas as pd
 
 from opml.base.constants import DAY
 from opml.catalog.associate import quarantine
+from opml.catalog.fit import fixes
 from opml.catalog.fit.estimation import estimate_further, estimate_over_windows
 from opml.catalog.fit.estimation_settings import Estimation
 from opml.catalog.fit.first import first_orbit
@@ -23,6 +25,8 @@ from opml.catalog.fit.first.first_orbit import TimedState
 from opml.catalog.fit.measurements import Measurements
 from opml.catalog.flight import Flight
 from opml.learning.judge.error_sizes import along_track
+from opml.mornings.records import Records
+from opml.mornings.watched import Watched
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import SCHEMAS, STATE
 
@@ -47,10 +51,6 @@ class Recent:
     def late(self) -> int:
         """Number of those that came after later ones had been estimated."""
         return int(np.sum(self.numbers == NO_NUMBER))
-
-    def places(self, numbers: pd.Series) -> np.ndarray:
-        """Return which of the tracks have some of these numbers."""
-        return np.asarray(pd.Index(self.numbers).get_indexer(numbers))
 
 
 def recent_tracks(tracking: pd.DataFrame, kept: pd.DataFrame, *, now: float, reach: float) -> Recent:
@@ -90,6 +90,14 @@ class Fitting:
     settings: Estimation  # of fits over the base window
     given: TimedState | None  # a state that the very first fits may start from
 
+    @classmethod
+    def of(cls, watched: Watched, recent: Recent) -> Self:
+        """Return what the fits of an object's recent tracks share."""
+        measured = fixes.measurements(
+            recent.tracking, watched.model.orientation, watched.stations, watched.manoeuvres
+        )
+        return cls(watched.model.fits, measured, recent, watched.plan.estimation, watched.given)
+
     def further(self, kept: pd.DataFrame) -> pd.DataFrame:
         """Return the estimates over the base window of the tracks that those kept have not.
 
@@ -109,12 +117,19 @@ class Fitting:
         hours = self.settings.window_hours
         return found.assign(track=self.recent.numbers[found["track"]], window_hours=hours)
 
-    def over(self, start: pd.DataFrame, kept: Mapping[float, pd.DataFrame]) -> pd.DataFrame:
-        """Return the estimates of one track over other windows.
+    def over(self, windows: Sequence[float], start: pd.DataFrame, records: Records) -> pd.DataFrame:
+        """Return the estimates of one track over other windows [h], where none are kept.
 
         start: the track's estimate over the base window, which the fits start from
-        kept: earlier estimates, by the window [h]
         """
+        kept = {hours: records.estimates_over(hours) for hours in windows}
+        lacking = {
+            hours: self._numbered(rows)
+            for hours, rows in kept.items()
+            if not rows["track"].isin(start["track"]).any()
+        }
+        if not lacking:
+            return SCHEMAS["kept_estimates"].empty()
         (track,) = np.flatnonzero(self.recent.numbers == start["track"].iloc[0])
         found = estimate_over_windows(
             self.flight,
@@ -122,7 +137,7 @@ class Fitting:
             self.measured,
             settings=self.settings,
             track=int(track),
-            earlier={hours: self._numbered(rows) for hours, rows in kept.items()},
+            earlier=lacking,
         )
         return found.assign(track=self.recent.numbers[found["track"]])
 
@@ -146,7 +161,8 @@ class Fitting:
     def _numbered(self, kept: pd.DataFrame) -> pd.DataFrame:
         """Return those of the kept estimates whose tracks are recent, numbered as these."""
         rows = kept[kept["track"].isin(self.recent.numbers)]
-        return rows.assign(track=self.recent.places(rows["track"]))
+        places = {number: place for place, number in enumerate(self.recent.numbers)}
+        return rows.assign(track=rows["track"].map(places).astype(int))
 
 
 FAR = 6.0  # standard deviations off from which on estimates may be of another orbit

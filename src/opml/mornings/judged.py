@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -13,9 +14,11 @@ from opml.catalog.predict import labels
 from opml.ephemerides.corrected import interpolate_spread
 from opml.ephemerides.replays import missed
 from opml.learning.judge.error_sizes import INSIDE, LEVEL
+from opml.mornings import issued
 from opml.mornings.fits import FAR, Recent, sigmas_off
 from opml.mornings.outcomes import DO_NOT_USE, GOOD, UNPROVEN, WIDE
-from opml.mornings.records import Paths, Records
+from opml.mornings.records import Records
+from opml.mornings.watched import SGP4, Watched
 from opml.orbits.manoeuvres import Manoeuvre, contain_any
 from opml.tables import DOUBT, SIGMA_STATE, SIGMAS, STATE
 
@@ -34,20 +37,17 @@ def later_states(estimates: pd.DataFrame, recent: Recent) -> pd.DataFrame:
     return states.assign(alike=True) if fixes.are_of_sets(recent.tracking) else states
 
 
-def judge(
-    paths: Sequence[Paths], later: pd.DataFrame, *, manoeuvres: Sequence[Manoeuvre], window: float
-) -> pd.DataFrame:
-    """Return rows of the table `judged`: every model of every ephemeris against later states.
+def judge(watched: Watched, estimates: pd.DataFrame, recent: Recent, records: Records) -> pd.DataFrame:
+    """Return rows of the table `judged`: every model of every earlier ephemeris against new estimates.
 
-    paths: of earlier mornings
-    later: from `later_states`
-    manoeuvres: which no ephemeris goes across
-    window: of the fits that tell the later states [s]
+    estimates: of a morning
+    records: of earlier mornings
     """
+    later = later_states(estimates, recent)
     tables: list[pd.DataFrame] = []
     models: list[str] = []
-    for one in paths:
-        ahead = _ahead(one.table, later, manoeuvres=manoeuvres, window=window)
+    for one in records.paths:
+        ahead = _ahead(one.table, later, watched)
         if len(ahead):
             t_i = float(one.table["t_i"].iloc[0])
             tables.append(missed(one.arrivals, ahead, t_i=t_i, now=one.made_at))
@@ -55,17 +55,17 @@ def judge(
     if not tables:
         return Records.empty().judged
     off = pd.concat(tables, ignore_index=True)
-    return off.assign(model=models, **dict.fromkeys(SIGMA_STATE, np.nan))
+    off = off.assign(model=models, **dict.fromkeys(SIGMA_STATE, np.nan))
+    return issued.with_sigmas(off, records.issued)
 
 
-def _ahead(
-    rows: pd.DataFrame, later: pd.DataFrame, *, manoeuvres: Sequence[Manoeuvre], window: float
-) -> pd.DataFrame:
+def _ahead(rows: pd.DataFrame, later: pd.DataFrame, watched: Watched) -> pd.DataFrame:
     """Return the later states that an ephemeris reaches without a manoeuvre, with its spread there."""
     t_i, t_j = float(rows["t_i"].iloc[0]), later["t_j"].to_numpy()
     reached = (t_j > t_i) & (t_j >= rows["t_j"].iloc[0]) & (t_j <= rows["t_j"].iloc[-1])
     # A fit to tracks from both sides of a manoeuvre tells no orbit.
-    across = contain_any(np.full(len(t_j), t_i), t_j, manoeuvres, window=window)
+    begin, window = np.full(len(t_j), t_i), watched.plan.base * HOUR
+    across = contain_any(begin, t_j, watched.manoeuvres, window=window)
     return interpolate_spread(later[reached & ~across].assign(i=rows["i"].iloc[0]), rows)
 
 
@@ -146,3 +146,38 @@ def _least_inside(off: np.ndarray, duration: np.ndarray) -> tuple[float, float]:
     shares = pd.Series(off < INSIDE).groupby(np.ceil(duration / DAY)).agg(["mean", "size"])
     known = shares[shares["size"] >= min(FEWEST, shares["size"].max())]["mean"]
     return float(known.min()), float(known.idxmin())
+
+
+def beside_sgp4(judgement: Verdict, judged: pd.DataFrame, *, now: float) -> Verdict:
+    """Return a verdict, which is not good where SGP4 was nearer in the median of the last two weeks.
+
+    judged: rows of that table of all mornings
+    """
+    both = _both(judged[judged["t_known"] > now - PAST])
+    if judgement.word != GOOD or both.empty:
+        return judgement
+    ours, theirs = (float(both[name].abs().median()) for name in ("e_y", "sgp4"))
+    if ours <= theirs:
+        return judgement
+    return Verdict(WIDE, f"SGP4 from the newest set was {theirs:.0f} m off where this was {ours:.0f}")
+
+
+def medians_beside_sgp4(judged: pd.DataFrame) -> list[dict[str, Any]]:
+    """Return by day ahead how far what was flown, and SGP4 at the same epochs, were off in the median [m].
+
+    With the number of mornings that it was judged on.
+
+    judged: rows of that table
+    """
+    both = _both(judged)
+    by_day = both.groupby(np.ceil(both["duration"] / DAY).astype(int).rename("day"))
+    sizes = by_day[["e_y", "sgp4"]].agg(lambda errors: errors.abs().median()).round(1)
+    sizes = sizes.rename(columns={"e_y": "flown_m", "sgp4": "sgp4_m"})
+    return sizes.assign(mornings=by_day["morning"].nunique()).reset_index().to_dict("records")
+
+
+def _both(judged: pd.DataFrame) -> pd.DataFrame:
+    """Return the rows of what was flown where SGP4 was judged, too, with its error `sgp4` [m]."""
+    keys = ["morning", "j"]
+    sgp4 = judged[judged["model"] == SGP4].set_index(keys)["e_y"].rename("sgp4")
+    return judged[np.isfinite(judged["sigma_y"])].join(sgp4, on=keys, how="inner")

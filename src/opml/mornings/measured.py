@@ -18,7 +18,7 @@ from opml.interop.element_sets.measured_sets import HistoryTaking
 from opml.interop.object_ids import UNKNOWN, ObjectId, first_told
 from opml.interop.orbit_from_files import OrbitFiles
 from opml.interop.points_from_files import FixTaking
-from opml.mornings.beside_sgp4 import Sgp4
+from opml.mornings.watched import Sgp4
 from opml.orbits import manoeuvres
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.orbits.sheets import Rso, Station

@@ -27,7 +27,7 @@ NOTHING: dict[str, Any] = {
     "mornings": [],
     "beside_sgp4": [],
 }
-"""What is told of a morning that could not be run, and where an older release told nothing."""
+"""What is told of a morning that could not be run."""
 
 
 def write(path: FilePath, outcomes: Any) -> None:
@@ -38,14 +38,9 @@ def write(path: FilePath, outcomes: Any) -> None:
 
 
 def read(path: FilePath) -> list[dict[str, Any]]:
-    """Return what became of objects, of mornings by an older release, too."""
+    """Return what became of objects."""
     content = Path(path).read_bytes()
     found: list[dict[str, Any]] = json.loads(
         gzip.decompress(content) if Path(path).suffix == ".gz" else content
     )
-    return [whole(outcome) for outcome in found]
-
-
-def whole(outcome: dict[str, Any]) -> dict[str, Any]:
-    """Return what became of an object, with what an older release told nothing of."""
-    return outcome | {key: value for key, value in NOTHING.items() if key not in outcome}
+    return found

@@ -36,14 +36,16 @@ from opml.interop import ccsds, measured_files, points_from_files, tdm
 from opml.interop.object_ids import ObjectId
 from opml.interop.orbit_from_files import OrbitFiles
 from opml.interop.predicted_orbit import STEP, PredictedOrbit
+from opml.learning.models import learners
 from opml.learning.models.contract import ResolvedSettings
 from opml.learning.models.learners import JobLearner, arc_of
 from opml.mornings import issued, judged, measured, usual_sizes
 from opml.mornings.issued import Flown
 from opml.mornings.judged import OLDEST, Verdict
 from opml.mornings.measured import MeasurementSource, Span
-from opml.mornings.morning import FlightModel, Left, MorningPlan, Watched, morning
+from opml.mornings.morning import Left, morning
 from opml.mornings.records import Records
+from opml.mornings.watched import FlightModel, MorningPlan, Watched
 from opml.orbits.sheets import Rso, Station
 from opml.tables import STATE, STATE_COVARIANCES, symmetric_matrices
 
@@ -57,6 +59,8 @@ _SECONDS, _DAY = len("2016-09-28T12:09:45"), len("2016-09-28")
 _HISTORY = 5.0  # of measurements that the first morning fits [days]
 _AFTER = HOUR  # that paths reach beyond the end
 _LEAST_STRETCHES = 4.0
+_FEWEST_TRACKS = 3  # in a fit: of fewer its state is hardly known
+_MOST_WITH_FEWER = 0.1  # part of the fits that may have fewer
 _JUDGED = 3.0  # longest prediction that tells the verdict, as few mornings have longer ones [days]
 _NO_ELEMENTS = dict.fromkeys(("a", "e", "i", "argp", "raan", "mean_anomaly"), np.nan)
 _USUAL = "usual errors of such fits: their own covariance, density, and the weather that may come"
@@ -149,7 +153,7 @@ class _Times:
         if not first < last:
             before = f" before {request.date}" if request.date else ""
             raise InputError(f"{request.files[0]}: expected measurements{before}, got fewer than two")
-        date = request.date or _text(_ANY, np.ceil(last))
+        date = _text(_ANY, np.ceil(last)) if request.date is None else request.date
         begin = max(first, last - DAY * (MORNINGS + _HISTORY))
         epoch = f"{_text(_ANY, begin)[:_DAY]}T00:00:00"
         offset = epochs.seconds_between(epoch, _ANY)
@@ -228,8 +232,12 @@ def _text(epoch: str, t: float) -> str:
 def _span(request: Request) -> tuple[float, float]:
     """Return when the first and the last was measured [s since _ANY]."""
     if request.kind == "tracks":
-        t = tdm.measurements(request.files, epoch=_ANY)["t"]
-        return float(t.min()), float(t.max())
+        found = tdm.measurements(request.files, epoch=_ANY)
+        tracked = tdm.identity(found)
+        if request.object is not None and not tracked.is_called(request.object):
+            got = f"expected tracks of {request.object}, got those of {tracked.identifier or tracked}"
+            raise InputError(f"{request.files[0]}: {got}")
+        return float(found["t"].min()), float(found["t"].max())
     return points_from_files.reach(OrbitFiles(request.files, _ANY, np.inf, request.object))
 
 
@@ -247,9 +255,13 @@ def _watched(request: Request, settings: OrbitSettings, times: _Times) -> Watche
     source = MeasurementSource(request.kind, list(map(str, request.files)), sampling)
     span = Span(times.epoch, times.date)
     found = measured.read(source, span, request.stations, model.orientation, since=0.0)
+    estimation = settings.estimation
+    if request.kind == "tracks":
+        windows = sorted({estimation.window_hours, *learners.arc_windows(settings.models.values())})
+        estimation = estimation.evolve(window_hours=_window(found.tracking, windows))
     plan = MorningPlan(
         settings.models,
-        settings.estimation,
+        estimation,
         max_days,
         STEP,
         times.duration,
@@ -257,6 +269,17 @@ def _watched(request: Request, settings: OrbitSettings, times: _Times) -> Watche
     )
     identity = found.identity if found.identity.name else ObjectId(Path(request.files[0]).stem)
     return Watched(model, plan, found.tracking, request.stations, found.manoeuvres, None, identity)
+
+
+def _window(tracking: pd.DataFrame, windows: Sequence[float]) -> float:
+    """Return the shortest of windows [h], ascending, in which nearly all fits have tracks enough."""
+    begins = np.sort(tracking.groupby("track")["t"].min().to_numpy())
+    for hours in windows:
+        first = np.searchsorted(begins, begins - HOUR * hours)
+        fewer = (np.arange(len(begins)) - first + 1 < _FEWEST_TRACKS)[first > 0]
+        if fewer.sum() <= _MOST_WITH_FEWER * len(fewer):
+            return hours
+    return windows[-1]
 
 
 def _flight_model(

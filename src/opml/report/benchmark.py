@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from opml.base.errors import InputError
-from opml.base.files import FilePath, replacing
+from opml.base.files import FilePath, replacing, suffix_of
 from opml.benchmark import scores, suspicions, tasks
 from opml.benchmark.answers import read as read_answers
 from opml.benchmark.scores import AXES, LEVEL, STORM
@@ -200,14 +199,6 @@ def write(path: FilePath, score: Score) -> None:
         ".json": lambda: json.dumps(score.values(), indent=1) + "\n",
         ".tsv": lambda: board_lines(score),
     }
-    check(path)
+    text = texts[suffix_of(path, SUFFIXES)]()
     with replacing(path) as temporary:
-        temporary.write_text(texts[Path(path).suffix.lower()](), encoding="utf-8")
-
-
-def check(*paths: FilePath) -> None:
-    """Raise InputError for a suffix of no form."""
-    for path in map(Path, paths):
-        if path.suffix.lower() not in SUFFIXES:
-            expected = f"expected a suffix {', '.join(SUFFIXES)}, got {path.suffix or 'none'}"
-            raise InputError(f"{path}: {expected}")
+        temporary.write_text(text, encoding="utf-8")

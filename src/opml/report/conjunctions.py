@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping
 
 import pandas as pd
 
+from opml.conjunctions.collision_alarms import ANY
 from opml.learning.data.components import UNCORRECTED
 from opml.learning.judge.model_choice import CHOSEN
 from opml.report import texts
@@ -26,10 +27,11 @@ def section(tables: Mapping[Dataset, pd.DataFrame], screening: Mapping[str, floa
     yield from texts.blocks("conjunctions.section", title=TITLE, **screening)
     for (rso, stations), table in tables.items():
         days = list(dict.fromkeys(table["day"]))
+        shown = table[(table["crossing"] == ANY) | (table["model"] == CHOSEN)]
         rows = [
-            [_named(str(model)), str(covariance), str(weather), *_cells(found, days)]
-            for (model, covariance, weather), found in table.groupby(
-                ["model", "covariance", "weather"], sort=False
+            [_named(str(model)), *map(str, others), *_cells(found, days)]
+            for (model, *others), found in shown.groupby(
+                ["model", "covariance", "weather", "crossing"], sort=False
             )
         ]
         names = {"rso": rso, "stations": stations, "days": texts.across(f"{day:g} d" for day in days)}
@@ -42,9 +44,9 @@ def _named(model: str) -> str:
 
 
 def _cells(found: pd.DataFrame, days: list[float]) -> list[str]:
-    by_day = found.set_index("day")
+    by_day = found.assign(flagged=100.0 * found["flagged"]).set_index("day")
     return [
-        f"{by_day.loc[day, 'alarms']:.0f} / {100.0 * by_day.loc[day, 'flagged']:.0f}"
+        "{alarms:.0f} / {per_approach:.2g} / {flagged:.0f}".format(**by_day.loc[day])
         if day in by_day.index
         else NO_VALUE
         for day in days

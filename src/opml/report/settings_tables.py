@@ -31,9 +31,9 @@ def force_models(environment: EnvironmentSettings, models: ForceModels) -> Table
         ["solar activity", truth + percentile, assumed + percentile + _knowledge(environment)],
         ["radiation pressure", *["sphere, umbra and penumbra"] * 2],
         *[
-            [name, *("yes" if getattr(model, force) else "no" for model in both)]
-            for force, name in FORCES.items()
-            if any(getattr(model, force) for model in both)
+            [words, *("yes" if force in model.forces else "no" for model in both)]
+            for force, words in FORCES.items()
+            if any(force in model.forces for model in both)
         ],
         ["drag coefficient", "the RSO's", "estimated"],
     ]

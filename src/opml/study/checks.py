@@ -20,7 +20,7 @@ from opml.learning.data.components import CORRECTED
 from opml.learning.data.dataset import MEASUREMENT
 from opml.learning.models import learners
 from opml.orbits import sheets
-from opml.study import catalogue_checks, coverage, element_checks
+from opml.study import catalogue_checks, element_checks, source_coverage
 from opml.study.experiments import Study
 from opml.study.paper import Paper
 from opml.study.settings.merging import Settings, with_sheets
@@ -68,7 +68,7 @@ def check_data(source: Source, settings: Settings) -> None:
     Takes seconds where there are many files of orbits. Raises InputError for the first thing that is wrong.
     """
     _check_paths(source, settings)
-    coverage.check(settings.run, is_measured=bool(settings.measured))
+    source_coverage.check(settings.run, is_measured=bool(settings.measured))
     run, alone = settings.run, settings.run.positions_alone
     for name in alone:
         if name not in settings.orbits:

@@ -17,6 +17,8 @@ MODELS = ("fit48", "running24", "running24m3")
 FIELD = {"degree": 48, "order": 48}
 """Of gravity: 70x70 takes shorter steps and twice the time, and predicts Swarm A about as well."""
 
+CD_SIGMA = 2.0  # of Cd about 2.2: one track may say nothing of drag, or anything; area to mass may be a guess
+
 STEP = 120.0  # longest step [s]: this field is followed as closely as the finer one in 75 s
 
 
@@ -33,7 +35,7 @@ def settings() -> OrbitSettings:
         learners.resolved, component=components.CORRECTED, variables=run["learning"]["variables"]
     )
     return OrbitSettings(
-        estimation=run["estimation"],
+        estimation=run["estimation"] | {"cd_sigma": CD_SIGMA},
         force_model=real["force_models"]["assumed"] | FIELD,
         integrator=run["integrator"] | {"max_step_s": STEP},
         environment=run["environment"],

@@ -2,24 +2,16 @@
 
 import json
 from collections.abc import Callable, Mapping
-from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
-from opml.base.errors import InputError
-from opml.base.files import FilePath, replacing
+from opml.base.files import FilePath, replacing, suffix_of
 from opml.tables.columns import Schema
 from opml.tables.listing import comma_separated
 from opml.tables.parquet import write_table
 
 TABLE_SUFFIXES = (".csv", ".json", ".parquet")  # suffixes that `write_as` knows
-
-
-def check_suffix(path: FilePath) -> None:
-    """Raise InputError for a path whose suffix is of no notation of tables."""
-    if (suffix := Path(path).suffix.lower()) not in TABLE_SUFFIXES:
-        raise InputError(f"{path}: expected a suffix {', '.join(TABLE_SUFFIXES)}, got {suffix or 'none'}")
 
 
 def write_as(
@@ -31,8 +23,7 @@ def write_as(
 
     Raises InputError for another suffix.
     """
-    check_suffix(path)
-    _WRITERS[Path(path).suffix.lower()](path, frame, schema, metadata=metadata)
+    _WRITERS[suffix_of(path, TABLE_SUFFIXES)](path, frame, schema, metadata=metadata)
 
 
 def _write_csv(path: FilePath, frame: pd.DataFrame, _: str | Schema, *, metadata: Mapping[str, Any]) -> None:

@@ -148,14 +148,19 @@ LEARNING_SCHEMAS = (
     ),
     Schema(
         "conjunctions",
-        "a model, a covariance and a prediction duration",
+        "a model, a covariance, a prediction duration and an angle",
         (
-            text("model", "that predicts: none, the best without learning, or the one selected each day"),
+            text(
+                "model",
+                "that predicts: none, sgp4, fit96, the best without learning, the one selected each day",
+            ),
             text("covariance", "that it goes with: the fit's own, or of past errors"),
             text("weather", "that the predictions knew: forecast, observed, monthly or as in the file"),
             real("day", "d", "prediction duration"),
+            text("crossing", "angle between the directions of both objects [deg]: any, or a range"),
             real("flagged", "1", "share of the collisions that raise an alarm"),
             real("alarms", "1", "alarms that are raised per collision"),
+            real("per_approach", "1", "alarms that are raised per approach within a kilometre"),
             count("predictions", "of about that duration, half a day to either side"),
         ),
     ),

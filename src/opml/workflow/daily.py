@@ -12,12 +12,14 @@ from pathlib import Path
 from opml.base.errors import InputError
 from opml.base.progress import counted
 from opml.mornings import outcomes
+from opml.mornings.kept import older_days
 from opml.mornings.kept.store import Store
 from opml.mornings.outcomes import DO_NOT_USE
 from opml.report.day import document, summary
 from opml.report.document import markdown
 from opml.study.checks import load_settings
 from opml.study.settings.merging import Settings, merged
+from opml.workflow import lock
 
 ALL_RUN, WORKFLOW_FAILED, OBJECTS_FAILED = 0, 1, 2
 """Exit codes: all mornings were run, the workflow ended with an error, mornings of some objects did."""
@@ -68,20 +70,23 @@ def _asked(configfiles: Sequence[str]) -> Settings:
 def run(call: Call) -> int:
     """Run the workflow and print what became of the objects; return the exit code.
 
-    Mornings that failed are tried again. Raises InputError for settings that ask for no mornings, and as
-    `check_dates` does.
+    Mornings that failed are tried again. Raises InputError for settings that ask for no mornings, as
+    `check_dates` does, and where another run holds the folder of results.
     """
     asked = _asked(call.configfiles)
     settings = asked.run
     check_dates(call, settings.epoch, settings.duration_days, today=datetime.now(UTC).date())
+    if not call.dry:
+        older_days.convert(Path(settings.results, "days"))
     number = mornings_ahead(call.day, asked)
     if number and not call.dry:
         print(f"opml: {beforehand(number, asked)}", file=sys.stderr, flush=True)
     dates = [date.fromordinal(k).isoformat() for k in range(call.first.toordinal(), call.day.toordinal() + 1)]
     folders = [Path(settings.results, "days", text) for text in dates]
     if not call.dry:
-        for folder in folders:
-            _forget_failed(folder)
+        with lock.hold(Path(settings.results)):
+            for folder in folders:
+                _forget_failed(folder)
     # The last day brings all others up to date, whose pages then only have to be written.
     for pages in [folders[-1:], folders[:-1]]:
         if pages and _snakemake(call, [str(folder / "day.html") for folder in pages]):

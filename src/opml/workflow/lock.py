@@ -16,8 +16,8 @@ NAME = "logs/.running"  # file in a folder of results that names the run that ho
 _held: list[IO[str]] = []  # open for as long as the process lives
 
 
-def hold(results: Path) -> None:
-    """Hold a folder of results for this process.
+def hold(results: Path) -> IO[str]:
+    """Hold a folder of results for this process, or until the file that it returns is closed.
 
     Raises InputError, with the holder, where another process holds it.
     """
@@ -37,3 +37,4 @@ def hold(results: Path) -> None:
     file.write(f"process {os.getpid()} on {socket.gethostname()} (since {now})\n")
     file.flush()
     _held.append(file)
+    return file

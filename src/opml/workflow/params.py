@@ -348,6 +348,11 @@ class Params:
             "teachers": {name: test.teachers for name, test in tests.items()},
         }
 
+    def catalogue_labels(self, tests: Iterable[str]) -> dict[str, Any]:
+        """Return what tests of a catalogue are about, in the words of a figure, by name."""
+        words = {name: self.plan.catalogue_test(name).words for name in tests}
+        return {"epoch": self.run.epoch, "labels": words}
+
     def catalogue_season(self, wildcards: Wildcards) -> dict[str, Any]:
         """Return the dates of the wildcard `test` of a catalogue."""
         seasons = _seasons(self.plan.catalogue_test(wildcards.test))

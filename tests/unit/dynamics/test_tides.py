@@ -181,8 +181,8 @@ def test_a_run_has_the_forces_of_its_settings(tmp_path):
         write_table(paths[name], frame, name, metadata=facts.get(name, {}))
     settings = ForceModelSettings(degree=8, order=8, third_bodies=list(BODIES))
     plain = force_model.read(paths, epoch=EPOCH, settings=settings)
-    assert len(plain.tides.nodes) == len(plain.precession) == 0
-    precise = settings.evolve(solid_tides=True, relativity=True)
+    assert len(plain.tides.nodes) == plain.columns_of_added.size == 0
+    precise = settings.evolve(forces=["solid_tides", "relativity"])
     both = force_model.read(paths, epoch=EPOCH, settings=precise)
     np.testing.assert_array_equal(both.tides.nodes, precise_model(8).tides.nodes)
-    np.testing.assert_array_equal(both.precession, precise_model(8).precession)
+    np.testing.assert_array_equal(both.columns_of_added, precise_model(8).columns_of_added)

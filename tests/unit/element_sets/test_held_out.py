@@ -7,7 +7,7 @@ import pytest
 from support import refusal
 
 from opml.base.errors import InputError
-from opml.element_sets import corrector, held_out, training
+from opml.element_sets import corrector, density, held_out, training
 from opml.element_sets.held_out import Seasons
 
 DATES = (["2016-01-15", "2016-01-25"], ["2016-02-01", "2016-02-05"])
@@ -174,3 +174,22 @@ def test_a_path_that_is_missing_is_told_before_minutes_of_densities(tmp_path):
     said = refusal(training.train, {"all": [missing]}, weather="OBSERVED", progress=told.append)
     assert said == f"{missing}: no such file"
     assert told == []
+
+
+def test_nothing_that_became_known_after_a_date_is_learned_from(sets, weather, monkeypatch):
+    seen = {}
+
+    def air(known, *, first, end):
+        seen["weather"] = [end, density.end_of(known)]
+
+    def stop(sets, air):
+        seen["sets"] = sets.table["known"].max()
+        raise InputError("enough was seen")
+
+    monkeypatch.setattr(density, "learned_air", air)
+    monkeypatch.setattr(training, "mornings_of", stop)
+    refusal(training.train, {"all": [sets]}, weather=weather, date="2016-02-01T00:00:00")
+    assert 57418.0 < seen["sets"] <= 57419.0
+    assert seen["weather"] == pytest.approx([57419.0, 57419.0], abs=0.5)
+    refusal(training.train, {"all": [sets]}, weather=weather)
+    assert seen["sets"] > 57430.0

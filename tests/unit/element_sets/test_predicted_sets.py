@@ -20,7 +20,7 @@ from opml.element_sets import catalogue, corrector, passes, prediction, ways
 from opml.interop import oem
 from opml.interop.element_sets import element_set, mean_elements, tle, usual_errors
 from opml.report.results import with_unit
-from opml.workflow import predicted
+from opml.workflow import prediction_files
 
 DATE = "2026-01-08T06:00:00"
 NUMBER = 101
@@ -43,7 +43,7 @@ def test_it_is_the_better_set_flown_by_sgp4(file, tmp_path, monkeypatch):
     monkeypatch.setattr(ways, "weights", lambda rows, tried: weights)
     made = prediction.predict(file, date=DATE)
     assert made.way == "set improved by forecast density"
-    predicted.write(tmp_path / "better.tle", made, [])
+    prediction_files.write(tmp_path / "better.tle", made, [])
     t = DAY * np.array([0.0, 3.0, 7.0])
     flown = mean_elements.states(mean_elements.read(tmp_path / "better.tle"), epoch=DATE, t=t)
     # A TLE rounds the mean motion to 1e-8 revolutions a day.
@@ -210,7 +210,7 @@ def test_the_lines_of_the_readme_run(file, made, tmp_path, monkeypatch, capsys):
 
 
 def test_a_phone_shows_all_of_the_page(made, tmp_path):
-    predicted.write(tmp_path / "mine.html", made, [passes.place("52.2,21.0,110")])
+    prediction_files.write(tmp_path / "mine.html", made, [passes.place("52.2,21.0,110")])
     page = laid_out((tmp_path / "mine.html").read_text(), tmp_path, width=390)
     assert page["across"] <= 390
     assert len(page["pictures"]) == 2
@@ -220,7 +220,7 @@ def test_a_phone_shows_all_of_the_page(made, tmp_path):
 
 
 def test_the_page_begins_with_the_errors_to_expect(made, tmp_path):
-    predicted.write(tmp_path / "mine.html", made, [])
+    prediction_files.write(tmp_path / "mine.html", made, [])
     _, _, page = (tmp_path / "mine.html").read_text().partition("</h1>")
     error = made.expected().set_index("lead")["along_track"].loc[1]
     assert page.lstrip().startswith("<p>Expected error along the track, one sigma: ")
@@ -245,6 +245,8 @@ REFUSED = {
     ),
     "weather of later": (["--date", "1957-04-30T06:00:00"], "measured before 1957-04-30, got it from 19"),
     "another object": (["--object", "102"], "expected one object 102, got 101"),
+    "no name": (["--object", ""], "expected one object , got 101"),
+    "no date": (["--date", ""], "^opml: date: expected UTC text like .*, got ''"),
     "old weather": (
         ["--date", "2026-03-01T00:00:00"],
         "space weather measured up to 2026-03-01.*newer: https",
@@ -296,22 +298,6 @@ def test_of_several_objects_one_is_named(tmp_path):
     with pytest.raises(InputError, match="expected --object for one of several objects, got 101, 102, 103"):
         prediction.predict(tmp_path / "sets.tle")
     assert prediction.predict(tmp_path / "sets.tle", object=102).identity.number == 102
-
-
-POINTS = {
-    "CSV": ("utc,x_itrf_m,y_itrf_m,z_itrf_m\n2019-09-03T00:00:00,7e6,0,0\n", "points of an orbit"),
-    "OEM": ("CCSDS_OEM_VERS = 2.0\n", "points of an orbit"),
-    "SP3": ("#cP2016  9 28 12  9 45.00000000\n", "points of an orbit"),
-    "TDM": ("COMMENT a test\nCCSDS_TDM_VERS = 1.0\n", "tracks"),
-}
-
-
-@pytest.mark.parametrize("kind", POINTS)
-def test_points_and_tracks_are_sent_to_where_they_are_fitted(kind, tmp_path):
-    text, got = POINTS[kind]
-    (tmp_path / "mine.txt").write_text(text)
-    with pytest.raises(InputError, match=f"mine.txt: expected element sets, got {got}: fit them"):
-        prediction.predict(tmp_path / "mine.txt")
 
 
 def burned_sets(path, day, metres):

@@ -75,3 +75,4 @@ def test_jumps_are_of_the_object_and_the_lead():
     )
     rows["missed"] = 10.0 * rows["number"] + rows["lead"]
     assert np.nanmax(corrector.jumps(rows)) == np.nanmin(corrector.jumps(rows)) == 1.0
+    assert corrector.jumps(rows[:0]).empty  # of sets that are all old

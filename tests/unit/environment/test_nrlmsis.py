@@ -22,8 +22,8 @@ from opml.dynamics.kernels.acceleration import SCRATCH_ROWS
 from opml.dynamics.kernels.lanes import WIDTH, load, rows, splat, sqrt, store
 from opml.dynamics.kernels.surroundings import allocate, look_up
 from opml.environment import nrlmsis
-from opml.study.coverage import check
 from opml.study.settings.model.whole import RunSettings
+from opml.study.source_coverage import check
 from opml.tables import SCHEMAS
 
 NODES = environment()["solar_activity"]["t"].to_numpy()[:12]

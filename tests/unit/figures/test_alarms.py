@@ -13,9 +13,11 @@ TABLE = pd.DataFrame(
         "model": ["none", "none", "none", "selected each day"],
         "covariance": ["the fit's own", "of past errors", "of past errors", "of past errors"],
         "weather": "forecast",
+        "crossing": "any",
         "day": [1.0, 1.0, 3.0, 1.0],
         "flagged": [0.5, 0.9, 0.8, 1.0],
         "alarms": [500.0, 400.0, 3000.0, 31.8],
+        "per_approach": [0.2, 0.16, 1.2, 0.01272],
         "predictions": 9,
     }
 )
@@ -29,6 +31,7 @@ def test_each_model_and_covariance_has_a_line_in_both_panels():
         "no correction, covariance of past errors",
         "selected each day, covariance of past errors",
     ]
+    assert "32 alarms per collision after 1 d" in figure.get_suptitle()
     assert flagged.get_lines()[1].get_ydata().tolist() == [90.0, 80.0]
     assert raised.get_yscale() == "log"
     assert len({line.get_color() for line in raised.get_lines()}) == 3
@@ -41,8 +44,22 @@ def test_nothing_to_draw_is_told():
 def test_the_section_states_alarms_and_collisions():
     blocks = list(section.section({("swarm", "eglin"): TABLE}, {"radius_m": 20.0, "threshold": 1e-4}))
     (table,) = (block for block in blocks if isinstance(block, Table))
-    assert table.header == ["model", "covariance", "weather", "1 d", "3 d"]
-    assert table.rows[1] == ["no correction", "of past errors", "forecast", "400 / 90", "3000 / 80"]
-    assert table.rows[2] == ["selected each day", "of past errors", "forecast", "32 / 100", NO_VALUE]
+    assert table.header == ["model", "covariance", "weather", "angle [deg]", "1 d", "3 d"]
+    assert table.rows[1] == [
+        "no correction",
+        "of past errors",
+        "forecast",
+        "any",
+        "400 / 0.16 / 90",
+        "3000 / 1.2 / 80",
+    ]
+    assert table.rows[2] == [
+        "selected each day",
+        "of past errors",
+        "forecast",
+        "any",
+        "32 / 0.013 / 100",
+        NO_VALUE,
+    ]
     assert any("a sum of radii of 20 m" in block.text for block in blocks if isinstance(block, Paragraph))
     assert list(section.section({}, {})) == []

@@ -25,16 +25,18 @@ def tables():
 
 def test_shares_are_by_groups_of_each_quantity_three_days_ahead():
     residuals, rows = tables()
-    figure = gains({"summer": residuals}, {"summer": rows})
+    figure = gains({"summer": residuals}, {"summer": rows}, {"summer": "from May\npayloads"})
+    assert "leave 7 to 90 % of SGP4's" in figure.get_suptitle()
     assert [axes.get_xlabel() for axes in figure.axes] == [
         "height [km]",
         "drag's displacement in 3 days [km]",
         "judged predictions in ten mornings",
     ]
-    lines = {line.get_label(): line for line in figure.axes[0].lines}
-    assert list(lines) == ["SGP4", "summer, learned", "summer, density-scaled"]
-    np.testing.assert_allclose(lines["summer, density-scaled"].get_ydata(), 80.0)
-    height, share = lines["summer, learned"].get_data()
+    learned, scaled, *explained = figure.axes[0].lines
+    assert learned.get_label() == f"from May, payloads, {OBJECTS} objects"
+    assert [line.get_label() for line in explained] == ["density-scaled, not learned", "SGP4"]
+    np.testing.assert_allclose(scaled.get_ydata(), 80.0)
+    height, share = learned.get_data()
     np.testing.assert_allclose(share, 100.0 * (height - 400.0) / OBJECTS)
     assert len(share) == 6
     judged = figure.axes[2].lines[1].get_xdata()

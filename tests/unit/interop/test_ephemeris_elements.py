@@ -9,7 +9,7 @@ from test_element_fits import MADE
 
 from opml.base.constants import DAY
 from opml.base.errors import InputError
-from opml.interop.element_sets import ephemeris_elements, mean_elements, omm, tle
+from opml.interop.element_sets import element_fits, mean_elements, omm, tle
 from opml.interop.element_sets.element_set import elements_epoch, satellite
 from opml.interop.object_ids import ObjectId
 from opml.interop.oem import Segment
@@ -33,7 +33,7 @@ def ephemeris():
 
 @pytest.fixture(scope="module")
 def fitted(ephemeris):
-    return ephemeris_elements.fit_elements(ephemeris, epoch=EPOCH)
+    return element_fits.fit_ephemeris(ephemeris, epoch=EPOCH)
 
 
 def farthest(found, ephemeris):
@@ -68,8 +68,8 @@ def test_a_tle_begins_at_a_time_that_it_can_tell(ephemeris, fitted, tmp_path):
 def test_the_residual_is_told_and_logged(caplog):
     caplog.set_level("INFO")
     bent = flown(days=2.0, behind=300.0)
-    found = ephemeris_elements.fit_elements(bent, epoch=EPOCH)
-    sentence = ephemeris_elements.residual(found, bent, epoch=EPOCH)
+    found = element_fits.fit_ephemeris(bent, epoch=EPOCH)
+    sentence = element_fits.residual(found, bent, epoch=EPOCH)
     assert sentence in caplog.messages
     states = mean_elements.states(found, epoch=EPOCH, t=bent.t)
     apart = np.linalg.norm(states[:, :3] - bent.states[:, :3], axis=1)
@@ -81,7 +81,7 @@ def test_the_residual_is_told_and_logged(caplog):
 def test_elements_that_decay_within_the_ephemeris_are_refused():
     dying = satellite("2016-09-28T12:30:00", [16.4 * 2 * np.pi / 1440, *MADE[1:6], 0.5])
     with pytest.raises(InputError, match=r"mean elements: expected an orbit for \d+ s, got one that ends"):
-        ephemeris_elements.residual(dying, flown(2.0), epoch=EPOCH)
+        element_fits.residual(dying, flown(2.0), epoch=EPOCH)
 
 
 def test_an_object_that_nothing_tells_has_the_number_of_tests(fitted, tmp_path):

@@ -347,6 +347,8 @@ DAMAGED = {
     ),
     "tle in a kvn": (kvn(SETS[0]) + text(LINES[0]), ": line 20: expected a key for each value, got 1 12345U"),
     "tle in a csv": (csv(SETS[0]) + text(LINES[0]), ": line 3: expected a value for OBJECT_ID, got none"),
+    "tracks": ("COMMENT x\nCCSDS_TDM_VERS = 1.0\n", ": expected a TLE or an OMM, got CCSDS_TDM, points or"),
+    "an orbit": ("#cP2016  9 28 12  9 45.0\n", ": expected a TLE or an OMM, got #cP2016, points or"),
     "json no list": ('"sets"', ": line 1: expected line 1 of a TLE after this line"),
     "json of numbers": ("[\n1]", ": line 2: expected a key for each value, got 1"),
     "json cut": (json.dumps(SETS, indent=1)[:-90], ": line 5"),

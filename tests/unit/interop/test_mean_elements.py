@@ -162,7 +162,7 @@ def test_the_command_asks_for_epoch_and_body(written, capsys, option):
 
 
 def test_the_command_warns_of_old_elements_in_one_line_on_stderr(written):
-    command = [sys.executable, "-m", "opml.cli", "rso", str(written(tle())), *COMMAND]
+    command = [sys.executable, "-m", "opml", "rso", str(written(tle())), *COMMAND]
     done = subprocess.run([*command, "--epoch", TEN_DAYS_ON], capture_output=True, text=True, check=True)
     assert done.stderr == (
         "opml: mean elements: SGP4 carries them 10.0 days, from their epoch 2000-06-27T18:50:19.733568 to "

@@ -12,9 +12,9 @@ from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
 from opml.catalog.fit import fixes
 from opml.interop.element_sets import agreement, baseline, mean_elements
+from opml.interop.element_sets.agreement import SetSampling
 from opml.interop.element_sets.histories import satellite, states_of
 from opml.interop.element_sets.measured_sets import Taking, measured
-from opml.interop.element_sets.sgp4_points import SetSampling
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import FIX_SIGMAS, SCHEMAS, STATE
 
@@ -30,6 +30,11 @@ def weighed(sets, **options):
 def taken(sets, sigmas=None, *, duration=20 * DAY, **options):
     taking = Taking(SAMPLING.step, SAMPLING.reach, sigmas)
     return measured(sets, taking, epoch=EPOCH, duration=duration, **options)
+
+
+def of_set(found, number):
+    """The points of one of the sets that count."""
+    return found.points[found.points["track"] == number]
 
 
 def table_of(found):
@@ -109,25 +114,23 @@ def test_later_sets_change_no_row_no_weight_and_no_exclusion():
 def test_sets_before_the_run_tell_what_its_first_ones_are_worth():
     found = taken(history(np.arange(-8.0, 4.0), noise=200.0))
     assert found.epochs.tolist() == [DAY, 2 * DAY, 3 * DAY]
-    assert found.points[0]["sigma_s"].iloc[0] != pytest.approx(
-        taken(history(DAYS)).points[0]["sigma_s"].iloc[0]
-    )
+    assert found.points["sigma_s"].iloc[0] != pytest.approx(taken(history(DAYS)).points["sigma_s"].iloc[0])
 
 
 def test_a_set_tells_six_numbers_however_many_points_it_gives():
     found = taken(history(DAYS), (50.0, 100.0, 20.0))
-    assert {len(points) for points in found.points} == {37}
+    assert {*found.points["track"].value_counts()} == {37}
     expected = np.array([50.0, 100.0, 20.0]) * np.sqrt(37 * 3 / 6)
-    np.testing.assert_allclose(found.points[3][AXES], np.tile(expected, (37, 1)))
-    assert found.points[3][FIX_SIGMAS[3:]].isna().all(axis=None)
+    np.testing.assert_allclose(of_set(found, 3)[AXES], np.tile(expected, (37, 1)))
+    assert table_of(found)[FIX_SIGMAS[3:]].isna().all(axis=None)
 
 
 def test_points_lie_behind_the_last_manoeuvre_and_sets_just_after_it_do_not_count():
     found = taken(history(DAYS), manoeuvres=[Manoeuvre(5.8 * DAY), Manoeuvre(8.8 * DAY)])
     assert (found.epochs / DAY).tolist() == [1, 2, 3, 4, 5, 7, 8, 10, 11, 12]
     cut = taken(history(DAYS), manoeuvres=[Manoeuvre(5.6 * DAY)])
-    assert cut.points[5]["t"].iloc[0] >= 5.6 * DAY
-    assert len(cut.points[5]) < len(cut.points[4])
+    assert of_set(cut, 5)["t"].iloc[0] >= 5.6 * DAY
+    assert len(of_set(cut, 5)) < len(of_set(cut, 4))
 
 
 def test_of_a_long_set_half_a_day_behind_a_manoeuvre_is_enough():
@@ -135,7 +138,7 @@ def test_of_a_long_set_half_a_day_behind_a_manoeuvre_is_enough():
     burns = [Manoeuvre(5.4 * DAY), Manoeuvre(8.6 * DAY)]
     found = measured(history(DAYS), taking, epoch=EPOCH, duration=20 * DAY, manoeuvres=burns)
     assert (found.epochs / DAY).tolist() == [1, 2, 3, 4, 5, 6, 7, 8, 10, 11, 12]
-    assert found.points[5]["t"].iloc[0] >= 5.4 * DAY
+    assert of_set(found, 5)["t"].iloc[0] >= 5.4 * DAY
 
 
 def test_a_run_without_sets_that_count_is_told():
@@ -162,13 +165,13 @@ def test_points_on_a_raster_end_at_the_next_multiple_behind_each_epoch():
     np.testing.assert_array_equal(
         found.epochs, DAY * np.array([1.0, 2.0, 2.0, 2.0, 3.0]) + [0, 0, 300, 600, 300]
     )
-    assert all((points["t"] % 300.0 == 0.0).all() for points in found.points)
+    assert (found.points["t"] % 300.0 == 0.0).all()
     fewer = measured(sets.iloc[:2], taking, epoch=EPOCH, duration=20 * DAY)
     np.testing.assert_array_equal(fewer.epochs, found.epochs[:2])
     known = table_of(found).groupby("track")["t_known"].first()
     assert (known >= found.epochs).all()
     assert known.iloc[-1] == 3.0 * DAY + 300.0
-    late = found.points[-1].iloc[-1]
+    late = found.points.iloc[-1]
     np.testing.assert_array_equal(late[STATE], states_of(sets.iloc[-1], epoch=EPOCH, t=found.epochs[-1:])[0])
 
 

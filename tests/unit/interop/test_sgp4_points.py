@@ -13,17 +13,23 @@ from opml.catalog.fit import estimation, fixes
 from opml.catalog.fit.first import first_orbit
 from opml.catalog.flight import Flight
 from opml.interop.ccsds import utc_texts
-from opml.interop.element_sets import histories, mean_elements, measured_sets, sgp4_points
-from opml.interop.element_sets.sgp4_points import SetSampling
+from opml.interop.element_sets import histories, mean_elements, measured_sets
+from opml.interop.element_sets.agreement import SetSampling
 from opml.tables import STATE
 
 SAMPLING = SetSampling(12 * HOUR, 600.0)
 
 
+def points_of(sets, sampling, **options):
+    """The points of sets as deviations of their own are stated, over three days."""
+    taking = measured_sets.Taking(sampling.step, sampling.reach, (300.0, 1000.0, 300.0), **options)
+    return measured_sets.measured(sets, taking, epoch=EPOCH, duration=3 * DAY).points
+
+
 @pytest.mark.parametrize("days", [1.0, 2.5])
 def test_points_are_states_of_sgp4_up_to_the_epoch(days):
-    row = history([days]).iloc[0]
-    points = sgp4_points.before(row, row["t"], epoch=EPOCH, sampling=SAMPLING)
+    sets = history([days])
+    row, points = sets.iloc[0], points_of(sets, SAMPLING)
     assert len(points) == 73
     assert points["t"].iloc[-1] == row["t"] == DAY * days
     satellite = histories.satellite(row, epoch=EPOCH)
@@ -68,20 +74,11 @@ def test_earlier_sets_have_no_points_but_their_say_in_what_later_ones_are_worth(
     pd.testing.assert_frame_equal(found.drop(columns="track"), expected)
 
 
-def test_points_go_back_no_farther_than_sgp4():
-    row = history([1.0], bstar=0.1).iloc[0]
-    points = sgp4_points.before(row, row["t"], epoch=EPOCH, sampling=SetSampling(2000.0 * DAY, DAY))
-    assert 0 < len(points) < 2001
-    assert np.isfinite(points[STATE].to_numpy()).all()
-    assert points["t"].iloc[-1] == row["t"]
-    earlier = histories.states_of(row, epoch=EPOCH, t=points["t"].to_numpy()[:1] - DAY)
-    assert np.isnan(earlier).all()
-
-
-def test_a_set_that_sgp4_loses_counts_and_is_told(caplog):
+def test_a_set_that_sgp4_loses_counts_as_far_back_as_it_goes(caplog):
     taking = measured_sets.Taking(DAY, 2000.0 * DAY, (300.0, 1000.0, 300.0))
     with caplog.at_level(logging.WARNING):
         found = measured_sets.measured(history([1.0], bstar=0.1), taking, epoch=EPOCH, duration=3 * DAY)
     assert found.epochs.tolist() == [DAY]
-    assert found.points[0]["t"].tolist() == [0.0, DAY]
+    assert found.points["t"].tolist() == [0.0, DAY]
+    assert np.isfinite(found.points[STATE].to_numpy()).all()
     assert "no farther back than SGP4 goes" in caplog.text

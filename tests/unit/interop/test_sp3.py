@@ -37,6 +37,17 @@ def test_a_file_without_velocities_has_none(tmp_path):
     assert np.isnan(arc.velocities).all()
 
 
+@pytest.mark.parametrize(("number", "messages"), [(1.0, []), (0.1, ["taken for m/s"])])
+def test_velocities_in_metres_are_seen_by_the_positions(tmp_path, caplog, number, messages):
+    """DORIS orbits of 2008 have velocities in m/s where the format has dm/s."""
+    speed = np.array([3e3, -5e3, 4e3])
+    straight = np.column_stack([7e6 + T[:, None] * speed, np.tile(number * speed, (4, 1))])
+    arc = read(written(tmp_path / "orbit.sp3", T, straight))
+    np.testing.assert_allclose(arc.velocities, np.tile(speed, (4, 1)))
+    assert [said for said in messages if said in caplog.text] == messages
+    assert len(caplog.messages) == len(messages)
+
+
 def test_one_of_several_satellites_is_chosen(tmp_path):
     path = written(tmp_path / "two.sp3", T, STATES, satellite=None)
     np.testing.assert_allclose(read(path, "L02").positions, STATES[:, :3] + 1e5, rtol=0, atol=0.6e-3)

@@ -8,7 +8,7 @@ from element_histories import history
 from support import EPOCH
 
 from opml.base.constants import DAY, HOUR
-from opml.interop.element_sets import spans
+from opml.interop.element_sets import histories, spans
 from opml.interop.element_sets.measured_sets import Taking, measured
 from opml.orbits.manoeuvres import Manoeuvre
 
@@ -16,11 +16,17 @@ DAYS = np.arange(1.0, 21.0)
 RADIUS = 6.78e6
 
 
+def parting(two):
+    """How two sets part: half the curvature, and the rate."""
+    satellites = histories.satellites(two, epoch=EPOCH)
+    return spans._partings(satellites, np.array([1]), two["t"].to_numpy(), EPOCH)[0]
+
+
 def curvature():
     """By how much a difference of 1 in B* bends the path along the track, halved [rad/s2]."""
     two = history([1.0, 2.0])
     two.loc[0, "bstar"] = 1e-3
-    return spans._parting(two.iloc[0], two.iloc[1], EPOCH)[0] / RADIUS / 1e-3
+    return parting(two)[0] / RADIUS / 1e-3
 
 
 def fitted(hours, *, bend=400.0, rate=60.0, days=DAYS):
@@ -68,13 +74,14 @@ def test_sets_by_which_the_object_decays_do_not_count():
 
 
 def test_the_same_orbit_twice_tells_nothing():
-    assert np.isnan(spans._parting(*(history([1.0, 2.0]).iloc[k] for k in (0, 0)), EPOCH)).all()
+    assert np.isnan(parting(history([1.0, 2.0]).iloc[[0, 0]])).all()
 
 
 def reaches(sets, **taking):
     """How far the points of each set reach back [h]."""
     found = measured(sets, Taking(1200.0, **taking), epoch=EPOCH, duration=30 * DAY)
-    return [float(np.ptp(points["t"])) / HOUR for points in found.points]
+    t = found.points.groupby("track")["t"]
+    return ((t.max() - t.min()) / HOUR).tolist()
 
 
 def test_points_reach_back_over_the_span_once_it_is_told(caplog):

@@ -19,6 +19,8 @@ from opml.learning.judge.evaluation import evaluate
 from opml.learning.models import boosting, learners, linear_law
 from opml.learning.models.inputs import Training
 from opml.study import checks
+from opml.study.settings.json_schema import json_schema
+from opml.study.settings.model.whole import RunSettings
 from opml.study.settings.overlay import Source
 from opml.tables import read_metadata, read_table, write_table
 
@@ -396,6 +398,7 @@ def quantile(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, spec.name, module)
     spec.loader.exec_module(module)
     assert "`quantile.LEARNER,` in `LEARNERS`" in page
+    json_schema(RunSettings)  # as a test before this one may have made it
     monkeypatch.setattr(learners, "LEARNERS", (*learners.LEARNERS, module.LEARNER))
     return module
 

@@ -124,6 +124,22 @@ def test_tracks_are_fitted_by_their_radars(orbit, earth_orientation, three_stati
     assert np.linalg.norm(made.state(when)[:3] - orbit[STATE[:3]].to_numpy()[late]) < 2e3
 
 
+def test_one_track_of_one_radar_tells_no_drag_but_where_the_object_is(
+    orbit, earth_orientation, three_stations, tmp_path
+):
+    measured = tracking.simulate(orbit, earth_orientation, three_stations[:1], rso="iss", seed=1)
+    begins = measured.groupby("track")["t"].min()
+    alone = begins.index[begins.diff() > 12.5 * HOUR][-1]  # no other in the twelve hours before
+    tdm.write(tmp_path / "few.tdm", measured[measured["track"] <= alone], epoch=EPOCH, rso="iss")
+    made = api.predict(tmp_path / "few.tdm", days=1, stations=three_stations, area_to_mass=0.005)
+    last = np.ceil(measured.loc[measured["track"] == alone, "t"].max())
+    at = orbit[(orbit["t"] > last) & (orbit["t"] < last + HOUR)]
+    t, true = at["t"].to_numpy() - last, at[STATE].to_numpy()
+    errors, sigmas = in_rsw(made.states(t) - true, true)[:, :3], made.sigmas(t)
+    assert (np.abs(errors) < 3.0 * sigmas).all()
+    assert sigmas.max() < 1e3
+
+
 SUFFIXES = ("oem", "tle", "kvn", "csv", "json", "czml", "html")
 
 

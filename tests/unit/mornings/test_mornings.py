@@ -23,14 +23,14 @@ from opml.ephemerides.known import Known
 from opml.interop import oem
 from opml.interop.object_ids import ObjectId
 from opml.learning.models import learners
-from opml.mornings import days, fits, judged, morning
-from opml.mornings.beside_sgp4 import Sgp4
+from opml.mornings import candidates, days, fits, judged
 from opml.mornings.calendar import Calendar
 from opml.mornings.days import BatchTask, UnderWay
+from opml.mornings.kept import older_days
 from opml.mornings.kept.store import Store
-from opml.mornings.morning import FlightModel, MorningPlan, Watched
 from opml.mornings.outcomes import DO_NOT_USE, UNPROVEN
 from opml.mornings.records import Records
+from opml.mornings.watched import FlightModel, MorningPlan, Sgp4, Watched
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import FIX_SIGMAS, SCHEMAS, STATE, paths_schema, write_table
 
@@ -184,6 +184,8 @@ def as_an_older_release(whole, folder, until):
 def test_mornings_of_an_older_release_are_built_on(watched, whole, tmp_path):
     before = LAST - timedelta(days=1)
     as_an_older_release(whole, tmp_path, before)
+    older_days.convert(tmp_path)
+    assert not [*tmp_path.rglob("morning.json")]
     run(watched, tmp_path)
     assert done(tmp_path) == done(whole)
     assert told(tmp_path, before) == told(whole, before)
@@ -412,24 +414,28 @@ def track(number, begin, length=300.0):
     return pd.DataFrame({"track": number, "t": t})
 
 
-def test_a_late_track_is_in_the_fits_of_later_ones_and_told(watched, whole, tmp_path):
+@pytest.mark.parametrize("number", [1, 2])
+def test_late_tracks_are_in_the_fits_of_later_ones_and_told(watched, whole, tmp_path, number):
+    """The mornings before they came stay as they are."""
     before = LAST - timedelta(days=1)
     begins = watched.tracking.groupby("track")["t"].min()
-    late = begins.index[begins < CALENDAR.time(before)][-2]
-    without = watched.tracking[watched.tracking["track"] != late]
-    lacking = without.assign(track=without["track"] - (without["track"] > late))
+    late = begins.index[begins < CALENDAR.time(before)][-1 - number : -1]
+    without = watched.tracking[~watched.tracking["track"].isin(late)]
+    lacking = without.assign(track=np.searchsorted(without["track"].unique(), without["track"]))
     never, came = tmp_path / "never", tmp_path / "came"
     carried_on(whole, replace(watched, tracking=lacking), never, after=before - timedelta(days=1))
     carried_on(never, watched, came, after=before)
+    assert contents(came, before) == contents(never, before)
     found, absent = told(came), told(never)
-    assert (found["late"], absent["late"]) == (1, 0)
+    assert (found["late"], absent["late"]) == (number, 0)
     assert found["tracks"] == absent["tracks"]
     made, lesser = (
         rows(folder, "kept_estimates", [LAST]).query("window_hours == 12.0") for folder in (came, never)
     )
-    assert begins[late] not in made["t"].to_numpy()
+    assert not np.isin(begins[late], made["t"]).any()
     np.testing.assert_array_equal(made["t"], lesser["t"])
-    reached = made["t"].to_numpy() - begins[late] <= ESTIMATION.window_hours * HOUR
+    ages = made["t"].to_numpy()[:, None] - begins[late].to_numpy()
+    reached = (ages <= ESTIMATION.window_hours * HOUR).sum(axis=1)
     assert reached.any()
     np.testing.assert_array_equal(made["tracks_used"].to_numpy(), lesser["tracks_used"] + reached)
 
@@ -464,8 +470,8 @@ def test_an_estimate_long_after_the_one_before_is_not_flown_to():
     columns = {"t_b": [np.nan, *t[:2]], "b": [-1, 4, 5], "converged": True, "cd_inside": True}
     at_estimates = pd.DataFrame(columns, index=pd.Index([4, 5, 6], name="track"))
     known = Known(pd.DataFrame({"track": [4, 5, 6], "t": t}), at_estimates, 12.0, 4e14)
-    assert morning._from_previous(known, longest=7.0 * DAY)[["i", "j"]].to_numpy().tolist() == [[4, 5]]
-    assert morning._from_previous(known, longest=8.0 * DAY)["j"].tolist() == [5, 6]
+    assert candidates._from_previous(known, longest=7.0 * DAY)[["i", "j"]].to_numpy().tolist() == [[4, 5]]
+    assert candidates._from_previous(known, longest=8.0 * DAY)["j"].tolist() == [5, 6]
 
 
 def test_a_day_of_which_nothing_is_known_stays_open():

@@ -10,6 +10,7 @@ from support import refusal
 from opml.base.errors import InputError
 from opml.mornings.calendar import HORIZON
 from opml.mornings.days import failed
+from opml.mornings.kept import batch_day
 from opml.mornings.kept.batch_day import PATHS, Finished
 from opml.mornings.kept.store import Store
 from opml.mornings.records import Paths, Records
@@ -99,6 +100,21 @@ def test_the_newest_mornings_count(tmp_path):
     for day in days:
         write(tmp_path, {"first": finished("first", 1.0, models=(), day=day)}, day=day)
     assert Store(tmp_path, "0", NAMES).done(days[-2]) == {"first": days[1:-1], "second": []}
+
+
+def test_a_late_morning_reads_as_many_tables_as_any_whatever_the_number_of_objects(tmp_path, monkeypatch):
+    days = [DAY + timedelta(days=k) for k in range(HORIZON + 10)]
+    for day in days:
+        write(tmp_path, {name: finished(name, 1.0, models=(), day=day) for name in NAMES}, day=day)
+    read, read_table = [], batch_day.read_table
+    monkeypatch.setattr(batch_day, "read_table", lambda *asked: read.append(asked[0]) or read_table(*asked))
+    counts = []
+    for last in (days[HORIZON - 1], days[-1]):
+        store = Store(tmp_path, "0", NAMES)
+        past = [store.records(name, done, since=last) for name, done in store.done(last).items()]
+        assert [len(one.issued) for one in past] == [2 * HORIZON] * len(NAMES)
+        counts.append(len(read))
+    assert counts == [3 * HORIZON, 6 * HORIZON]
 
 
 @pytest.fixture

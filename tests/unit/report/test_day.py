@@ -4,7 +4,7 @@ from datetime import date
 
 import pytest
 
-from opml.mornings import days, outcomes
+from opml.mornings import days
 from opml.report import day
 from opml.report.document import Paragraph, html_page, markdown
 
@@ -50,16 +50,6 @@ WEATHER = [
 @pytest.fixture(scope="module")
 def page():
     return markdown(day.document(OUTCOMES, WEATHER, date="2016-10-05"))
-
-
-def test_a_morning_of_an_older_release_is_drawn(tmp_path):
-    older = {
-        key: OUTCOMES[0][key] for key in OUTCOMES[0] if key not in ("beside_sgp4", "age_hours", "mornings")
-    }
-    outcomes.write(tmp_path / "older.json", [older])
-    page = markdown(day.document(outcomes.read(tmp_path / "older.json"), WEATHER, date="2016-10-05"))
-    assert "1 object: 1 good" in page
-    assert "newest estimate: 2016-10-04T22:10Z; model: fit96" in page
 
 
 def test_those_to_look_at_come_first(page):

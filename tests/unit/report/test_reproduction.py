@@ -297,7 +297,7 @@ def test_what_the_assumed_model_knows_of_the_weather_is_told(knowledge, told):
 
 
 def test_forces_are_told_where_a_model_has_them_switched_on():
-    models = MODELS.evolve(truth=MODELS.truth.evolve(solid_tides=True))
+    models = MODELS.evolve(truth=MODELS.truth.evolve(forces=["solid_tides"]))
     told, as_ever = (
         [row for row in settings_tables.force_models(ENVIRONMENT, flown).rows if "tides" in row[0]]
         for flown in (models, MODELS)

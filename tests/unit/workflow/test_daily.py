@@ -9,7 +9,7 @@ from support import refusal
 
 from opml import cli
 from opml.base.errors import InputError
-from opml.workflow import daily
+from opml.workflow import daily, lock
 from opml.workflow.daily import Call, beforehand, check_dates, mornings_ahead
 
 EPOCH, TODAY = "2016-09-28T12:09:45", date(2016, 10, 3)
@@ -60,6 +60,23 @@ def test_a_workflow_that_fails_without_a_word_is_told(monkeypatch, capsys):
     monkeypatch.setattr("subprocess.run", lambda command, **_: failed)
     assert daily._snakemake(Call(TODAY, TODAY, [], [], dry=False), ["day.html"]) == 1
     assert "opml: the workflow failed; `opml day -n`" in capsys.readouterr().err
+
+
+def test_pages_of_days_stay_while_another_call_is_at_work(tmp_path, monkeypatch):
+    run = SimpleNamespace(results=str(tmp_path), epoch=EPOCH, duration_days=10.0)
+    asked = SimpleNamespace(run=run, values=vars(run), measured={})
+    monkeypatch.setattr(daily, "_asked", lambda configfiles: asked)
+    day = tmp_path / "days" / "2016-10-01"
+    day.mkdir(parents=True)
+    (day / "objects_0.json").write_text(json.dumps([{"object": "one", "verdict": "failed"}]))
+    (day / "day.html").write_text("one: failed")
+    call = Call(date(2016, 10, 1), date(2016, 10, 1), [], [], dry=False)
+    with lock.hold(tmp_path):
+        assert "expected no other run in this folder of results, but process" in refusal(daily.run, call)
+        assert len(list(day.iterdir())) == 2
+    monkeypatch.setattr(daily, "_snakemake", lambda *_: 1)
+    assert daily.run(call) == daily.WORKFLOW_FAILED
+    assert not list(day.iterdir())
 
 
 def test_a_folder_without_a_project_is_told_how_to_make_one(tmp_path, monkeypatch, capsys):

@@ -133,11 +133,12 @@ def stretches(points: pd.DataFrame, *, length: float = STRETCH) -> pd.DataFrame:
     return points.assign(track=numbers, t_estimate=begins, t_known=points["t"])[SCHEMAS["fixes"].names]
 
 
-def of_sets(epochs: np.ndarray, points: Sequence[pd.DataFrame], *, known: np.ndarray) -> pd.DataFrame:
+def of_sets(epochs: np.ndarray, points: pd.DataFrame, *, known: np.ndarray) -> pd.DataFrame:
     """Return the `fixes` table of sets of mean elements.
 
     epochs: (sets,) of the sets, ascending [s]
-    points: of each set, as in `stretches`; the last one is at the set's epoch
+    points: of all sets, `track` the number of each; t, state and sigmas of positions. The last point of a set
+        is at its epoch
     known: (sets,) when the sets were made, NaN where not stated [s]
 
     A set counts as known when it and all sets before it are made, as an estimate is made of several. Raises
@@ -147,8 +148,6 @@ def of_sets(epochs: np.ndarray, points: Sequence[pd.DataFrame], *, known: np.nda
     if back.size:
         raise InputError(f"mean elements: expected ascending epochs, got {epochs[back[0] + 1]:.3f} s twice")
     all_made = np.maximum.accumulate(np.fmax(epochs, known))
-    tracks = [
-        rows.assign(track=number, t_estimate=epochs[number], t_known=all_made[number])
-        for number, rows in enumerate(points)
-    ]
-    return pd.concat(tracks, ignore_index=True)[SCHEMAS["fixes"].names]
+    track = points["track"].to_numpy()
+    times = {"t_estimate": epochs[track], "t_known": all_made[track]}
+    return points.assign(**dict.fromkeys(FIX_SIGMAS[3:], np.nan), **times)[SCHEMAS["fixes"].names]

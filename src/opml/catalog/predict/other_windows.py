@@ -89,8 +89,8 @@ def build_past(
     apriori, memory_days: as for `past_cd`
     """
     past = past_cd(arc_estimates, apriori=apriori, memory_days=memory_days)
-    at_pairs = _by_pair(arc_estimates.assign(cd_past=past["mean"].to_numpy()), predictions)
-    return predictions[["i", "j"]].assign(cd_past=at_pairs["cd_past"].to_numpy())
+    at_pairs = _by_pair(arc_estimates.assign(cd=past["mean"].to_numpy()), predictions)
+    return predictions[["i", "j"]].assign(cd_past=at_pairs["cd"].to_numpy())
 
 
 def build_held(
@@ -157,12 +157,15 @@ def _flown(predictions: pd.DataFrame, states: np.ndarray) -> pd.DataFrame:
 
 def _at_pairs(states: pd.DataFrame, predictions: pd.DataFrame) -> np.ndarray:
     """Return the states (n, 6) of a table at the pairs of predictions, NaN where it has none."""
-    pairs = pd.MultiIndex.from_frame(predictions[["i", "j"]])
-    return states.set_index(["i", "j"])[STATE].reindex(pairs).to_numpy()
+    keys = ["i", "j"]
+    if np.array_equal(states[keys], predictions[keys]):
+        return states[STATE].to_numpy()
+    pairs = pd.MultiIndex.from_frame(predictions[keys])
+    return states.set_index(keys)[STATE].reindex(pairs).to_numpy()
 
 
 def _by_pair(estimates: pd.DataFrame, predictions: pd.DataFrame) -> pd.DataFrame:
-    return estimates.set_index("track").loc[predictions["i"]]
+    return estimates[["track", "converged", "cd"]].set_index("track").loc[predictions["i"]]
 
 
 def _usable(estimates: pd.DataFrame, differences: Mapping[str, np.ndarray]) -> np.ndarray:

@@ -1,17 +1,16 @@
 """Acceleration of arcs under a force model, the sum of all forces, and the density along them."""
 
 from opml.dynamics.kernels import dtm2000, tabulated
+from opml.dynamics.kernels.added_forces import FORCES, sum_of
 from opml.dynamics.kernels.drag import drag
 from opml.dynamics.kernels.geodetic import geodetic
 from opml.dynamics.kernels.gravity import gravity
 from opml.dynamics.kernels.lanes import compiled, select, sqrt
 from opml.dynamics.kernels.radiation_pressure import illumination, radiation_pressure
-from opml.dynamics.kernels.relativity import relativity
-from opml.dynamics.kernels.surroundings import AXIS, BODIES, CLOCK, PRECESSION, ROTATION, SPIN, SUN_ITRF
+from opml.dynamics.kernels.surroundings import BODIES, CLOCK, ROTATION, SPIN, SUN_ITRF
 from opml.dynamics.kernels.third_body import third_bodies
 
-SWITCHES = ("relativity",)
-"""Forces that a setting of their name switches on, in the order of `ForceModel.switched`."""
+_with_added = sum_of(FORCES.values())
 
 SCRATCH_ROWS = 40  # rows of lanes that `acceleration` needs for intermediate results
 
@@ -50,12 +49,9 @@ def acceleration(x, y, z, vx, vy, vz, ballistic, reflection, kind, model, values
     sun = values[BODIES : BODIES + 3]
     sx, sy, sz = radiation_pressure(x, y, z, sun, lit, reflection)
     # The small ones first: next to the central acceleration each would lose its last digits.
-    ax, ay, az = ax + (bx + (dx + sx)), ay + (by + (dy + sy)), az + (bz + (dz + sz))
-
-    if model.switched[0]:
-        axis, precession = values[AXIS : AXIS + 3], values[PRECESSION : PRECESSION + 3]
-        cx, cy, cz = relativity(x, y, z, vx, vy, vz, inverse_r, model.gm, axis, precession)
-        ax, ay, az = ax + cx, ay + cy, az + cz
+    total = (ax + (bx + (dx + sx)), ay + (by + (dy + sy)), az + (bz + (dz + sz)))
+    own = BODIES + model.bodies.shape[1]
+    ax, ay, az = _with_added(x, y, z, vx, vy, vz, inverse_r, reflection, model, values, own, total)
     return ax, ay, az, altitude, lit
 
 

@@ -16,11 +16,11 @@ from opml.dynamics.kernels.gravity import row
 from opml.dynamics.kernels.lanes import compiled, rows
 from opml.dynamics.kernels.tides import Tides
 
-ROTATION, SPIN, SUN_ITRF, CLOCK, PRECESSION, TIDE = 0, 9, 12, 15, 18, 21
+ROTATION, SPIN, SUN_ITRF, CLOCK, TIDE = 0, 9, 12, 15, 18
 BODIES = TIDE + tides.COLUMNS
 """First indices of the parts of the values; the clock is a node, the part of a step since, and UTC [d].
 
-Precession and tide are zero where the force model has none.
+The tide is zero where the force model has none. Behind the bodies are the columns of added forces.
 """
 
 AXIS = ROTATION + 6  # first index of the Earth's axis in GCRF: the last row of the rotation
@@ -36,8 +36,8 @@ class ForceModel(NamedTuple):
     step: float  # between nodes [s]
     orientation: np.ndarray  # (nodes, 6): CIP x and y, CIO locator, pole x and y, ERA offset [rad]
     spin: np.ndarray  # (nodes, 3): the Earth's rotation vector in GCRF [rad/s]
-    switched: np.ndarray  # (forces,): whether each of acceleration.SWITCHED is on
-    precession: np.ndarray  # (nodes, 3): of velocities, by the Sun [rad/s]; no nodes: no relativity
+    added: np.ndarray  # (forces,): first column of each of added_forces.FORCES, or OFF
+    columns_of_added: np.ndarray  # (nodes, columns): what added forces need of time
     bodies: np.ndarray  # (nodes, 3 count): geocentric GCRF positions [m], the Sun first
     gms: np.ndarray  # (count,) [m3/s2], 0 where a body's pull is not in the model
     activity: np.ndarray  # (kinds, nodes, 4): F10.7, its mean [sfu], Kp of 3 h and 24 h; one but in a block
@@ -110,14 +110,15 @@ class ForceModel(NamedTuple):
 
 def allocate(model: ForceModel) -> tuple[np.ndarray, np.ndarray]:
     """Return empty values and factors for `look_up` to fill."""
-    return np.zeros(BODIES + model.bodies.shape[1]), rows(FACTORS * len(model.activity))
+    columns = model.bodies.shape[1] + model.columns_of_added.shape[1]
+    return np.zeros(BODIES + columns), rows(FACTORS * len(model.activity))
 
 
 @compiled
 def look_up(t: float, model: ForceModel, values: np.ndarray, factors: np.ndarray) -> None:
     """Fill `values` and DTM2000's `factors` at time t [s], and add the tides to the weights of the model.
 
-    The values are rotation, spin, Sun, clock, precession, tide and bodies.
+    The values are rotation, spin, Sun, clock, tide, bodies and the columns of added forces.
     """
     node, u = _locate(t, model.first, model.step, model.orientation.shape[0])
     w = _weights(u)
@@ -126,9 +127,8 @@ def look_up(t: float, model: ForceModel, values: np.ndarray, factors: np.ndarray
     for k in range(3):
         values[SPIN + k] = _between(model.spin, node, k, w)
     orient(t, model.first, model.step, model.orientation, values)
-    if model.precession.shape[0] > 0:
-        for k in range(3):
-            values[PRECESSION + k] = _between(model.precession, node, k, w)
+    for k in range(model.columns_of_added.shape[1]):
+        values[BODIES + model.bodies.shape[1] + k] = _between(model.columns_of_added, node, k, w)
     if model.tides.nodes.shape[0] > 0:
         for k in range(tides.COLUMNS):
             values[TIDE + k] = _between(model.tides.nodes, node, k, w)

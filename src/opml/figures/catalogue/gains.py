@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from opml.figures.axis_labels import clauses
-from opml.figures.style import MARKERS, MUTED, SERIES, legend, page_figure
+from opml.figures.style import MARKERS, MUTED, SERIES, add_head_and_legend, page_figure
 
 LEAD = 3  # days from the morning to what is predicted, in the middle of those that the corrector knows
 _GROUPS = 6  # groups of equally many predictions along an axis
@@ -22,36 +22,43 @@ _QUANTITIES = {
 }
 
 
-def gains(residuals: Mapping[str, pd.DataFrame], rows: Mapping[str, pd.DataFrame]) -> Figure:
+def gains(
+    residuals: Mapping[str, pd.DataFrame], rows: Mapping[str, pd.DataFrame], labels: Mapping[str, str]
+) -> Figure:
     """Draw the medians that are left [% of SGP4's] against three quantities, a line per test and way.
 
     residuals: `catalogue_residuals` of a learner, by test
     rows: `catalogue_rows`, by test
+    labels: what each test is about
     """
-    figure = page_figure(height_mm=78.0)
+    figure = page_figure(height_mm=88.0)
     panels = figure.subplots(1, len(_QUANTITIES), sharey=True)
     tables = {test: _joined(table, rows[test]) for test, table in residuals.items()}
+    drawn: list[pd.DataFrame] = []
     for axes, (quantity, label) in zip(panels, _QUANTITIES.items(), strict=True):
-        axes.axhline(100.0, color=MUTED, lw=1.0, ls="--", label="SGP4")
         for k, (test, table) in enumerate(tables.items()):
-            _draw(
-                axes,
-                _shares(table, quantity),
-                test,
-                {"color": SERIES[k % len(SERIES)], "marker": MARKERS[k % len(MARKERS)]},
-            )
+            name = f"{labels[test]}, {table['number'].nunique()} objects".replace("\n", ", ")
+            look = {"color": SERIES[k % len(SERIES)], "marker": MARKERS[k % len(MARKERS)], "label": name}
+            drawn.append(_shares(table, quantity))
+            _draw(axes, drawn[-1], look)
+        axes.plot([], [], color=MUTED, marker="o", mfc="none", ls=":", label="density-scaled, not learned")
+        axes.axhline(100.0, color=MUTED, lw=1.0, ls="--", label="SGP4")
         axes.set_xlabel(label)
     panels[1].set_xscale("log")
+    panels[1].xaxis.set_major_formatter("{x:g}")
     panels[0].set_ylabel("median error [% of SGP4's]")
-    note = clauses(f"medians {LEAD} days ahead", "each mark is a sixth of all")
-    legend(figure, columns=3, note=note)
+    learned = pd.concat(drawn)["learned"]
+    reach = f"{learned.min():.0f} to {learned.max():.0f} %"
+    headline = f"Learned corrections leave {reach} of SGP4's median error after {LEAD} days"
+    note = clauses("filled: learned", "each mark is a sixth of a test's predictions")
+    add_head_and_legend(figure, headline, note, columns=2)
     return figure
 
 
-def _draw(axes: Axes, shares: pd.DataFrame, test: str, look: Mapping[str, Any]) -> None:
-    axes.plot(shares.index, shares["learned"], lw=1.2, ms=3.5, label=f"{test}, learned", **look)
-    hollow: dict[str, Any] = {"markerfacecolor": "none", "ls": ":", "label": f"{test}, density-scaled"}
-    axes.plot(shares.index, shares["scaled"], lw=0.8, ms=3.5, **look, **hollow)
+def _draw(axes: Axes, shares: pd.DataFrame, look: Mapping[str, Any]) -> None:
+    axes.plot(shares.index, shares["learned"], lw=1.2, ms=3.5, **look)
+    hollow: dict[str, Any] = {"mfc": "none", "ls": ":", "label": None}
+    axes.plot(shares.index, shares["scaled"], lw=0.8, ms=3.5, **{**look, **hollow})
 
 
 def _joined(residuals: pd.DataFrame, rows: pd.DataFrame) -> pd.DataFrame:

@@ -11,10 +11,17 @@ from opml.element_sets.features import BANDS
 from opml.element_sets.judge import ALL
 from opml.figures.axis_labels import clauses
 from opml.figures.display_names import display_learner
-from opml.figures.style import MARKERS, MUTED, NOTE_SIZE, SERIES, TRUE_COLOR, add_head, legend, panel_figure
+from opml.figures.style import (
+    MARKERS,
+    MUTED,
+    NOTE_SIZE,
+    SERIES,
+    TRUE_COLOR,
+    add_head_and_legend,
+    panel_figure,
+)
 
 _COLUMNS = 4  # panels side by side
-_HEAD_INCHES = 0.35  # of headline and note
 _APART = 0.2  # days by which the marks of one lead stand apart
 
 _INTERVALS = "bars: 95 % over weeks and objects"
@@ -31,15 +38,15 @@ def shares(scores: pd.DataFrame, seasons: Mapping[str, Sequence[str]], *, name: 
     learned = f"trained on half, {' to '.join(seasons['train'])}"
     judged = f"tested on the others, {' to '.join(seasons['test'])}"
     whole = scores[scores["band"] == ALL]
-    headline = f"Learned corrections: {_reach(whole, 'learned')} % of SGP4's median error"
+    headline = f"Learned corrections leave {_reach(whole, 'learned')} % of SGP4's median error"
     return _panels(bands, _draw_band, headline, clauses(f"{name}: {learned}", judged, _INTERVALS))
 
 
-def every_season(scores: pd.DataFrame, seasons: Mapping[str, Mapping[str, Sequence[str]]]) -> Figure:
+def every_season(scores: pd.DataFrame, labels: Mapping[str, str]) -> Figure:
     """Draw what improved sets leave of SGP4's median error [%], a panel per test, against the lead [d].
 
     scores: `catalogue_scores`, of which the first learner of each test counts
-    seasons: by test, the dates under `train` and `test`
+    labels: what each test is about, as panels name it
     """
     whole = scores[(scores["band"] == ALL) & (scores["learner"] == scores["learner"].iloc[0])]
     tests = dict(list(whole.groupby("test", sort=False)))
@@ -48,12 +55,14 @@ def every_season(scores: pd.DataFrame, seasons: Mapping[str, Mapping[str, Sequen
         _mark(axes, scores, "scaled", 0, {"color": TRUE_COLOR, "marker": "x", "label": _UNLEARNED})
         look = {"color": SERIES[0], "marker": MARKERS[0], "label": "sets improved by opml improve"}
         _mark(axes, scores, "improved", 1, look)
-        first, last = seasons[scores["test"].iloc[0]]["test"]
-        told = f"{first} to {last}\n{scores['objects'].max()} objects"
+        told = f"{scores['objects'].max()} objects"
         axes.text(0.03, 0.03, told, transform=axes.transAxes, fontsize=NOTE_SIZE, color=MUTED)
 
-    headline = f"Improved sets: {_reach(whole, 'improved')} % of SGP4's median error, by season"
-    figure = _panels(tests, draw, headline, clauses("objects not used in training", _INTERVALS))
+    headline = f"Improved sets have {_reach(whole, 'improved')} % of SGP4's median error"
+    note = clauses("objects not used in training, improved on the dates given", _INTERVALS)
+    figure = _panels(tests, draw, headline, note)
+    for axes, test in zip(figure.axes, tests, strict=True):
+        axes.set_title(labels[str(test)], fontsize=8.0, loc="left")
     # Once all panels are drawn: the limits that they share hold what each of them has.
     figure.axes[0].set_ylim(bottom=0.0)
     return figure
@@ -76,10 +85,7 @@ def _panels(
     figure = panel_figure(list(parts), draw_part, columns=_COLUMNS, heights_mm=(20.0, 52.0))
     figure.supxlabel("lead time from the morning [d]", fontsize=8.0)
     figure.supylabel("median error [% of SGP4's]", fontsize=8.0)
-    add_head(figure, headline, f"{note}\n \n ")  # and room for the legend
-    marks = legend(figure, columns=4)
-    marks.set_loc("upper left")
-    marks.set_bbox_to_anchor((0.0, 1.0 - _HEAD_INCHES / figure.get_figheight()), figure.transFigure)
+    add_head_and_legend(figure, headline, note, columns=4)
     return figure
 
 

@@ -9,17 +9,13 @@ with none, as while an orbit is raised, a new past begins. No set changes how an
 import logging
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import pandas as pd
-from sgp4.api import Satrec
 
 from opml.interop import ccsds
-from opml.interop.element_sets import mean_elements
-from opml.interop.element_sets.histories import satellite
-from opml.interop.element_sets.sgp4_points import SetSampling
-from opml.orbits.elements import in_rsw
+from opml.interop.element_sets import histories, mean_elements
 from opml.orbits.manoeuvres import Manoeuvre, contain_any
 from opml.tables import FIX_SIGMAS
 
@@ -32,22 +28,31 @@ _log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
+class SetSampling:
+    """Which points stand for a set of mean elements."""
+
+    reach: float  # from the first point to the last [s]
+    step: float  # between points [s]
+
+    def times(self, end: float) -> np.ndarray:
+        """Return the times (n,) of the points of a set up to its last one, `end` [s]."""
+        return end - self.step * np.arange(round(self.reach / self.step), -1, -1)
+
+
+@dataclass
 class _Past:
     """Disagreements of sets with those before them."""
 
     gaps: list[float] = field(default_factory=list)  # between the epochs of the two [s]
     distances: list[np.ndarray] = field(default_factory=list)  # root mean squares (3,) in RSW [m]
+    usual: np.ndarray | None = None  # the usual distance (3,), None without a past
 
     def add(self, gap: float, distance: np.ndarray) -> None:
         """Take a disagreement."""
         self.gaps.append(gap)
         self.distances.append(distance)
-
-    @property
-    def usual(self) -> np.ndarray | None:
-        """The usual distance (3,) in RSW [m]; None without a past."""
-        recent = self.distances[-_RECENT:]
-        return np.median(recent, axis=0) if len(recent) >= _FEWEST else None
+        if len(self.distances) >= _FEWEST:
+            self.usual = _median(self.distances[-_RECENT:])
 
     @property
     def sigma(self) -> np.ndarray:
@@ -63,9 +68,15 @@ class _Past:
         """
         if self.usual is None:
             return bool(np.isfinite(distance).all())
-        usual = float(np.median(self.gaps[-_RECENT:]))
+        usual = float(_median(self.gaps[-_RECENT:]))
         growth = max(1.0, (gap + reach) / (usual + reach)) ** 2
         return bool(np.linalg.norm(distance) <= GROSS * growth * np.linalg.norm(self.usual))
+
+
+def _median(values: Sequence[Any]) -> np.ndarray:
+    """Return the median of finite values or rows, as `np.median`, which takes longer to begin."""
+    ranked, count = np.sort(values, axis=0), len(values)
+    return np.asarray(np.mean(ranked[(count - 1) // 2 : count // 2 + 1], axis=0))
 
 
 def weighed(
@@ -80,36 +91,49 @@ def weighed(
     Sets that do not count are logged.
     """
     past, rows = _Past(), []
-    known: list[_Set] = []  # the newest set that counts, and those after it
-    for row in sets.to_dict("records"):
-        one = _Set(float(row["t"]), satellite(row, epoch=epoch))
-        if known and contain_any(np.array([known[0].t]), np.array([one.t]), manoeuvres)[0]:
+    known: list[int] = []  # the newest set that counts, and those after it
+    t, distances = sets["t"].to_numpy(), _Distances(sets, epoch, sampling)
+    for k in range(len(sets)):
+        if known and contain_any(t[known[:1]], t[k : k + 1], manoeuvres)[0]:
             known = []
         if len(known) == _FEWEST:
             past, known = _Past(), []
         others = [*known[:1], *known[1:][-1:]]
-        counts = not known or any(_agree(past, other, one, epoch, sampling) for other in others)
-        known = [one] if counts else [*known, one]
+        counts = not known or any(_agree(past, distances, other, k) for other in others)
+        known = [k] if counts else [*known, k]
         rows.append([counts, *past.sigma])
         if not counts:
-            _log.warning("%s disagrees with those before it and is ignored: a burn?", place(row, epoch))
+            set_place = place(sets.iloc[k], epoch)
+            _log.warning("%s disagrees with those before it and is ignored: a burn?", set_place)
     return pd.DataFrame(rows, columns=["counts", *FIX_SIGMAS[:3]], index=sets.index)
 
 
-class _Set(NamedTuple):
-    """A set, made for SGP4 once."""
+class _Distances:
+    """How far sets of one object are from each other."""
 
-    t: float
-    satellite: Satrec
+    def __init__(self, sets: pd.DataFrame, epoch: str, sampling: SetSampling) -> None:
+        self.t, self._epoch, self.sampling = sets["t"].to_numpy(), epoch, sampling
+        self._satellites = histories.satellites(sets, epoch=epoch)
+        later = np.arange(1, len(sets))
+        self._successive = self._between(later - 1, later) if len(later) else np.empty((0, 3))
+
+    def distance(self, earlier: int, later: int) -> np.ndarray:
+        """Return the root mean square distance (3,) of two sets at the points of the later one in RSW [m]."""
+        if later == earlier + 1:
+            return self._successive[earlier]
+        return self._between(np.array([earlier]), np.array([later]))[0]
+
+    def _between(self, earlier: np.ndarray, later: np.ndarray) -> np.ndarray:
+        t = np.array([self.sampling.times(end) for end in self.t[later]])
+        pairs = ([self._satellites[k] for k in rows] for rows in (earlier, later))
+        off = mean_elements.apart(*pairs, epoch=self._epoch, t=t)[..., :3]
+        return np.asarray(np.sqrt(np.mean(off**2, axis=1)))
 
 
-def _agree(past: _Past, earlier: _Set, later: _Set, epoch: str, sampling: SetSampling) -> bool:
+def _agree(past: _Past, distances: _Distances, earlier: int, later: int) -> bool:
     """Return whether two sets are as near each other as usual, and take it for the past if they are."""
-    t = sampling.times(later.t)
-    states, others = (mean_elements.states(one.satellite, epoch=epoch, t=t) for one in (later, earlier))
-    distance = np.sqrt(np.mean(in_rsw(others - states, states)[:, :3] ** 2, axis=0))
-    gap = later.t - earlier.t
-    is_usual = past.is_usual(gap, distance, reach=sampling.reach)
+    gap, distance = float(distances.t[later] - distances.t[earlier]), distances.distance(earlier, later)
+    is_usual = past.is_usual(gap, distance, reach=distances.sampling.reach)
     if is_usual:
         past.add(gap, distance)
     return is_usual

@@ -1,10 +1,13 @@
 """Mean elements fitted to positions: SGP4 by least squares, in mean motion, eccentricity, angles and B*.
 
-What the fit leaves is mostly SGP4's own error.
+What the fit leaves is mostly SGP4's own error. A fit to the first days of an ephemeris alone is hardly nearer
+to them, and leaves the ephemeris after them.
 """
 
+import logging
 import math
 from collections.abc import Callable
+from datetime import datetime, timedelta
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -13,14 +16,21 @@ from sgp4.api import Satrec
 from opml.base.constants import DAY, EARTH_GM
 from opml.base.errors import InputError
 from opml.interop import ccsds
+from opml.interop.element_sets import mean_elements
 from opml.interop.element_sets.element_set import satellite
 from opml.interop.element_sets.teme import teme_to_gcrf
+from opml.interop.oem import Segment
 from opml.orbits.elements import coe_from_cartesian, mean_from_true_anomaly
 
 _FIRST_ARC = 0.2 * DAY  # length of the arc [s] that the osculating elements are good enough to start on
 
 _MINUTE = 60.0
 _LOST = 1e6  # residual [km] where SGP4 fails
+
+_TLE_TICK = 864
+"""Microseconds in the last digit of a TLE's epoch; at its other half a low orbit would be 3 m off."""
+
+_log = logging.getLogger(__name__)
 
 
 def in_teme(states: np.ndarray, epoch: str, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -85,3 +95,42 @@ def _satellite(parameters: np.ndarray, epoch: str) -> Satrec:
     perigee = math.atan2(y, x)
     angles = (angle % (2.0 * math.pi) for angle in (node, perigee, longitude - perigee))
     return satellite(epoch, [motion, math.hypot(x, y), inclination, *angles, bstar])
+
+
+def fit_ephemeris(ephemeris: Segment, *, epoch: str) -> Satrec:
+    """Return mean elements at the beginning of an ephemeris by which SGP4 comes nearest to it.
+
+    Raises InputError where SGP4 does not come near it.
+    """
+    (begin,) = ccsds.utc_texts(epoch, ephemeris.t[:1])
+    at = ephemeris.t[0] - 1e-6 * _microseconds_after_tick(begin)
+    positions, velocities = in_teme(ephemeris.states, epoch, ephemeris.t)
+    known = np.concatenate([positions[0], velocities[0]])
+    return fit(ephemeris.t, positions, at=at, known=known, epoch=epoch)
+
+
+def residual(satellite: Satrec, ephemeris: Segment, *, epoch: str) -> str:
+    """Return a sentence, and log it, that says how far SGP4 from mean elements is from an ephemeris.
+
+    Raises InputError where SGP4 fails before the end of the ephemeris.
+    """
+    t = ephemeris.t
+    flown = mean_elements.states(satellite, epoch=epoch, t=t)
+    distances = np.linalg.norm(flown[:, :3] - ephemeris.states[:, :3], axis=1)
+    if not np.isfinite(distances).all():
+        raise InputError(
+            f"mean elements: expected an orbit for {t[-1] - t[0]:.0f} s, got one that ends by SGP4"
+        )
+    rms, days = np.sqrt(np.mean(distances**2)), (t[-1] - t[0]) / DAY
+    sentence = (
+        f"SGP4 is {rms:.0f} m rms from the ephemeris of {days:.3g} days, {distances.max():.0f} m at most."
+    )
+    _log.info("%s", sentence)
+    return sentence
+
+
+def _microseconds_after_tick(time: str) -> int:
+    """Return by how much a UTC text is after the newest epoch that a TLE can hold [microseconds]."""
+    moment = datetime.fromisoformat(time)
+    midnight = moment.replace(hour=0, minute=0, second=0, microsecond=0)
+    return (moment - midnight) // timedelta(microseconds=1) % _TLE_TICK

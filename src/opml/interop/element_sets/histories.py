@@ -142,7 +142,17 @@ def states_of(row: pd.Series, *, epoch: str, t: np.ndarray) -> np.ndarray:
 def satellite(row: Mapping[Any, Any] | pd.Series, *, epoch: str) -> Satrec:
     """Return the satellite of a row of a table `element_sets` that SGP4 propagates."""
     (time,) = ccsds.utc_texts(epoch, np.array([row["t"]]))
-    motion, *others = (float(row[name]) for name in ELEMENTS)
+    return _satellite(time, [float(row[name]) for name in ELEMENTS])
+
+
+def satellites(sets: pd.DataFrame, *, epoch: str) -> list[Satrec]:
+    """Return the satellites of all rows of a table `element_sets`."""
+    times = ccsds.utc_texts(epoch, sets["t"].to_numpy())
+    return list(map(_satellite, times, sets[ELEMENTS].to_numpy(float).tolist()))
+
+
+def _satellite(time: str, elements: Sequence[float]) -> Satrec:
+    motion, *others = elements
     return element_set.satellite(time, [_MINUTE * motion, *others])
 
 

@@ -8,7 +8,8 @@ adds an RSO to the sheet. Source: CCSDS 502.0-B-2, section 4 (OMM).
 
 import logging
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import fields, replace
 from functools import partial
 from typing import NamedTuple
@@ -25,7 +26,7 @@ from opml.interop.element_sets.element_set import ElementSet, each, elements_epo
 from opml.interop.element_sets.teme import teme_to_gcrf
 from opml.interop.orbit_arcs import contents
 from opml.orbits import sheets
-from opml.orbits.elements import coe_from_cartesian, mean_from_true_anomaly
+from opml.orbits.elements import coe_from_cartesian, in_rsw, mean_from_true_anomaly
 from opml.orbits.sheets import Rso
 
 WARN_DAYS = 7.0
@@ -37,6 +38,11 @@ week by more than the median error of the paper case's predictions, 5 km.
 
 MOST_DAYS = 30.0
 """Days from the elements' epoch beyond which they are refused: drag has moved a low orbit too far by then."""
+
+_OTHER = re.compile(
+    r"\s*(?:COMMENT\b.*\s*)*(CCSDS_(?!OMM)[A-Z]+|#[a-d][PV]\d{4}|H1\s+C(?:PF|RD)\b)", re.IGNORECASE
+)
+"""How orbits, tracks and other messages begin."""
 
 Piece = omm.Record | Sequence[tle.Line]
 """The notation of a set: of an OMM, or lines of a TLE."""
@@ -69,7 +75,9 @@ def read_sets(path: FilePath, damaged: list[InputError] | None = None) -> list[E
 
 
 def pieces(path: FilePath, text: str) -> Iterator[Piece]:
-    """Return the parts of a text, one for each set. Raises InputError for a broken notation."""
+    """Return the parts of a text, one for each set. Raises InputError for a broken notation, and another."""
+    if other := _OTHER.match(text):
+        raise InputError(f"{path}: expected a TLE or an OMM, got {other[1]}, points or measurements")
     if omm.matches(text) and not tle.begins_with_name(text):
         return omm.records(path, text)
     return tle.pieces(text)
@@ -98,7 +106,7 @@ def state(satellite: Satrec, *, epoch: str) -> np.ndarray:
 
     Raises InputError where SGP4 fails (decayed, elements out of range).
     """
-    errors, found = _fly(satellite, epoch, np.zeros(1))
+    errors, found = _fly([satellite], epoch, [np.zeros(1)])
     if errors[0]:
         raise InputError(f"mean elements: expected an orbit at {epoch}, got {SGP4_ERRORS[int(errors[0])]}")
     return np.asarray(found[0])
@@ -106,18 +114,34 @@ def state(satellite: Satrec, *, epoch: str) -> np.ndarray:
 
 def states(satellite: Satrec, *, epoch: str, t: np.ndarray) -> np.ndarray:
     """Return osculating GCRF states (n, 6) [m, m/s] by SGP4, NaN where it fails (decayed)."""
-    errors, found = _fly(satellite, epoch, t)
+    return states_of_each([satellite], epoch=epoch, t=[t])
+
+
+def states_of_each(satellites: Sequence[Satrec], *, epoch: str, t: Iterable[np.ndarray]) -> np.ndarray:
+    """Return what `states` does of several sets below each other, each at times (n,) of its own."""
+    errors, found = _fly(satellites, epoch, t)
     return np.where(errors[:, None] == 0, found, np.nan)
 
 
-def _fly(satellite: Satrec, epoch: str, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def apart(earlier: Sequence[Satrec], later: Sequence[Satrec], *, epoch: str, t: np.ndarray) -> np.ndarray:
+    """Return how far sets are off later ones (n, times, 6) in RSW of these, NaN where SGP4 fails.
+
+    t: (n, times) of each pair [s]
+    """
+    others, states = np.split(states_of_each([*earlier, *later], epoch=epoch, t=[*t, *t]), 2)
+    return in_rsw(others - states, states).reshape(*t.shape, 6)
+
+
+def _fly(satellites: Sequence[Satrec], epoch: str, t: Iterable[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
     """Return SGP4's errors (n,) and states (n, 6) after SI seconds, leap seconds among them."""
-    days = (t - seconds_since(epoch, [satellite])) / DAY
-    errors, positions, velocities = satellite.sgp4_array(
-        np.full(len(t), satellite.jdsatepoch), satellite.jdsatepochF + days
-    )
-    turns = teme_to_gcrf(epoch, t)
-    turned = [np.einsum("nij,nj->ni", turns, vectors) for vectors in (positions, velocities)]
+    times, starts = [*t], seconds_since(epoch, satellites)
+    flown = [
+        one.sgp4_array(np.full(len(at), one.jdsatepoch), one.jdsatepochF + (at - start) / DAY)
+        for one, at, start in zip(satellites, times, starts.tolist(), strict=True)
+    ]
+    errors, *vectors = map(np.concatenate, zip(*flown, strict=True))
+    turns = teme_to_gcrf(epoch, np.concatenate(times))
+    turned = [np.einsum("nij,nj->ni", turns, each) for each in vectors]
     return errors, 1e3 * np.concatenate(turned, axis=1)
 
 

@@ -1,7 +1,7 @@
 """Sets of mean elements as measurements: the points that stand for each, and how much they count."""
 
 import logging
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,10 +10,10 @@ import pandas as pd
 from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
 from opml.base.section import JobSettings
-from opml.interop.element_sets import agreement, sgp4_points, spans
-from opml.interop.element_sets.sgp4_points import SetSampling
+from opml.interop.element_sets import agreement, histories, mean_elements, spans
+from opml.interop.element_sets.agreement import SetSampling
 from opml.orbits.manoeuvres import Manoeuvre
-from opml.tables import FIX_SIGMAS
+from opml.tables import FIX_SIGMAS, STATE
 
 USUAL_REACH = DAY  # time before the epoch of a set over which its points lie where its span is unknown [s]
 PAST = 60.0 * DAY  # sets so long before a run show how accurate its first ones are [s]
@@ -73,7 +73,7 @@ class MeasuredSets:
 
     epochs: np.ndarray  # (sets,) of their last points [s]
     known: np.ndarray  # (sets,) when they and all before them were made, their epochs at the earliest [s]
-    points: list[pd.DataFrame]  # of each set: t, state in GCRF, standard deviations in RSW
+    points: pd.DataFrame  # track, the number of the set among these; t, state in GCRF, sigmas in RSW
 
 
 def of_run(sets: pd.DataFrame, duration: float) -> pd.DataFrame:
@@ -100,28 +100,46 @@ def measured(
     sets = of_run(sets, duration)
     usual = SetSampling(taking.reach or USUAL_REACH, taking.step)
     worth = agreement.weighed(sets, epoch=epoch, sampling=usual, manoeuvres=manoeuvres)
+    sigmas = worth[FIX_SIGMAS[:3]].to_numpy()
     if taking.sigmas is not None:
-        worth[FIX_SIGMAS[:3]] = np.tile(taking.sigmas, (len(worth), 1))
+        sigmas = np.tile(taking.sigmas, (len(worth), 1))
     ends = taking.ends(sets["t"].to_numpy())
     counting = worth["counts"].to_numpy(bool) & (sets["t"].to_numpy() >= 0.0) & (ends <= duration)
     reaches = np.full(len(sets), usual.reach)
     if taking.reach is None:
         reaches[worth["counts"]] = _over_spans(sets[worth["counts"]], epoch, manoeuvres)
-    kept, points = [], []
-    weighed = sets.assign(**{name: worth[name].to_numpy() for name in FIX_SIGMAS[:3]})
     made = np.where(counting, np.fmax(ends, sets["t_created"].to_numpy()), -np.inf)
-    asked = counting & (ends >= min(taking.since, ends[counting].max(initial=-np.inf)))
-    for k in np.flatnonzero(asked):
-        sampling = SetSampling(float(reaches[k]), taking.step)
-        one, end = weighed.iloc[k], float(ends[k])
-        found = _points(one, sampling, epoch=epoch, end=end, manoeuvres=manoeuvres)
-        if found is not None:
+    asked = np.flatnonzero(counting & (ends >= min(taking.since, ends[counting].max(initial=-np.inf))))
+    begins = [max([0.0, *(burn.t for burn in manoeuvres if burn.counts_from <= end)]) for end in ends[asked]]
+    kept: list[int] = []
+    points = []
+    for k, begin, (t, states) in zip(
+        asked.tolist(),
+        begins,
+        _paths(sets.iloc[asked], ends[asked], reaches[asked], taking.step, epoch),
+        strict=True,
+    ):
+        if np.isnan(states[:, 0]).any():
+            _log.warning("%s has points no farther back than SGP4 goes", agreement.place(sets.iloc[k], epoch))
+        rows = _points(t, states, sigmas[k], begin=begin)
+        if len(rows) >= _LEAST * min(reaches[k], USUAL_REACH) / taking.step:
+            points.append(np.insert(rows, 0, len(kept), axis=1))
             kept.append(k)
-            points.append(found)
     if not kept:
         raise InputError(f"element sets: expected a set within the run that counts, got {len(sets)} others")
     _log.info("sets that count as measurements: %d", len(kept))
-    return MeasuredSets(ends[kept], np.maximum.accumulate(made)[kept], points)
+    table = pd.DataFrame(np.concatenate(points), columns=["track", "t", *STATE, *FIX_SIGMAS[:3]])
+    return MeasuredSets(ends[kept], np.maximum.accumulate(made)[kept], table.astype({"track": np.int64}))
+
+
+def _paths(
+    sets: pd.DataFrame, ends: np.ndarray, reaches: np.ndarray, step: float, epoch: str
+) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """Yield times (n,) and states (n, 6) of the points of each set up to its end, NaN where SGP4 fails."""
+    times = [SetSampling(reach, step).times(end) for reach, end in zip(reaches, ends, strict=True)]
+    if times:
+        states = mean_elements.states_of_each(histories.satellites(sets, epoch=epoch), epoch=epoch, t=times)
+        yield from zip(times, np.split(states, np.cumsum([len(t) for t in times])[:-1]), strict=True)
 
 
 def _over_spans(sets: pd.DataFrame, epoch: str, manoeuvres: Sequence[Manoeuvre]) -> np.ndarray:
@@ -134,16 +152,13 @@ def _over_spans(sets: pd.DataFrame, epoch: str, manoeuvres: Sequence[Manoeuvre])
     return np.where(is_known, lengths, USUAL_REACH)
 
 
-def _points(
-    one: pd.Series, sampling: SetSampling, *, epoch: str, end: float, manoeuvres: Sequence[Manoeuvre]
-) -> pd.DataFrame | None:
-    """Return the points of a set in the run and behind the last manoeuvre before it; None if they are few."""
-    points = sgp4_points.before(one, end, epoch=epoch, sampling=sampling)
-    if len(points) < len(sampling.times(end)):
-        _log.warning("%s has points no farther back than SGP4 goes", agreement.place(one, epoch))
-    begin = max([0.0, *(burn.t for burn in manoeuvres if burn.counts_from <= end)])
-    rows = points[points["t"] >= begin]
-    if len(rows) < _LEAST * min(sampling.reach, USUAL_REACH) / sampling.step:
-        return None
-    sigmas = one[FIX_SIGMAS[:3]].to_numpy(float) * np.sqrt(3 * len(points) / _NUMBERS)
-    return rows.assign(**dict(zip(FIX_SIGMAS, [*sigmas, *[np.nan] * 3], strict=True)))
+def _points(t: np.ndarray, states: np.ndarray, sigmas: np.ndarray, *, begin: float) -> np.ndarray:
+    """Return points of a set as rows (n, 10) of t, states, and sigmas that count as much as the set does.
+
+    t, states: (points,) and (points, 6) of all, NaN where SGP4 does not go so far back
+    sigmas: (3,) of the set
+    begin: since when points count [s]
+    """
+    reached = np.flatnonzero(np.isnan(states[:, 0])).max(initial=-1) + 1
+    each = np.tile(sigmas * np.sqrt(3 * (len(t) - reached) / _NUMBERS), (len(t), 1))
+    return np.column_stack([t, states, each])[reached:][t[reached:] >= begin]

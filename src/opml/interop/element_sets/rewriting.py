@@ -9,14 +9,13 @@ import io
 import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from xml.sax.saxutils import escape
 
 from sgp4 import exporter
 from sgp4.api import Satrec
 
 from opml.base.errors import InputError
-from opml.base.files import FilePath, replacing
+from opml.base.files import FilePath, replacing, suffix_of
 from opml.interop.element_sets import mean_elements, omm, tle
 from opml.interop.element_sets.element_set import PER_DAY
 from opml.interop.element_sets.mean_elements import Piece
@@ -58,26 +57,18 @@ class Better:
     bstar: float  # B* [1/(6378.135 km)]
 
 
-def check_suffix(path: FilePath) -> None:
-    """Raise InputError for a path whose suffix is of no format."""
-    if Path(path).suffix.lower() not in _WRITERS:
-        raise InputError(
-            f"{path}: expected a suffix {', '.join(_WRITERS)}, got {Path(path).suffix or 'none'}"
-        )
-
-
 def write(path: FilePath, sets: Sequence[Better]) -> int:
     """Write sets in the format of the path's suffix, whole or not at all; return how many it cannot hold.
 
     Raises InputError for another suffix, and where a file has changed since it was read.
     """
-    check_suffix(path)
+    write_sets = WRITERS[suffix_of(path, WRITERS)]
     wanted: dict[str, list[Better]] = {}
     for one in sets:
         wanted.setdefault(one.path, []).append(one)
     there = {file: _pieces(file, group) for file, group in wanted.items()}
     found = [_better(there[one.path][one.place], one) for one in sets]
-    text, missing = _WRITERS[Path(path).suffix.lower()](found)
+    text, missing = write_sets(found)
     with replacing(path) as temporary:
         temporary.write_text(text, encoding="utf-8")
     return missing
@@ -193,7 +184,7 @@ def _xml_message(one: Fields) -> str:
     )
 
 
-_WRITERS: Mapping[str, Callable[[Sequence[_Tle | Fields]], tuple[str, int]]] = {
+WRITERS: Mapping[str, Callable[[Sequence[_Tle | Fields]], tuple[str, int]]] = {
     **dict.fromkeys((".tle", ".txt", ".3le"), _as_tle),
     ".json": _as_json,
     ".csv": _as_csv,

@@ -7,14 +7,13 @@ middle lies half a span before the mean of both epochs, where the rate is thus t
 
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 import pandas as pd
+from sgp4.api import Satrec
 
 from opml.base.constants import DAY
-from opml.interop.element_sets.histories import states_of
-from opml.orbits.elements import in_rsw
+from opml.interop.element_sets import histories, mean_elements
 from opml.orbits.manoeuvres import Manoeuvre, contain_any
 
 _BACK = np.arange(0.0, 5.0 * DAY, 1800.0)
@@ -52,16 +51,19 @@ def fit_spans(sets: pd.DataFrame, *, epoch: str, manoeuvres: Sequence[Manoeuvre]
     across = np.zeros((len(manoeuvres), len(sets)), bool)
     for row, one in zip(across, manoeuvres, strict=True):
         row[:] = contain_any(begins, t, [replace(one, known=one.t)])
-    enough = _MOST
-    for later, pair in enumerate(pairwise(row for _, row in sets.iterrows()), start=1):
-        if enough and _is_near(*pair):
-            partings[later] = _parting(*pair, epoch)
-            enough -= bool(np.isfinite(partings[later]).all() and not across[:, later].any())
+    near = np.flatnonzero((np.diff(t) >= _GAPS[0]) & (np.diff(t) <= _GAPS[1])) + 1
+    enough, satellites = _MOST, histories.satellites(sets, epoch=epoch)
+    while enough and near.size:
+        later, near = near[:enough], near[enough:]
+        partings[later] = _partings(satellites, later, t, epoch)
+        enough -= int((np.isfinite(partings[later]).all(axis=1) & ~across[:, later].any(axis=0)).sum())
     lengths, are_known = np.full(len(sets), np.nan), np.isfinite(partings).all(axis=1)
-    since = np.array([one.counts_from for one in manoeuvres])
+    since, told = np.array([one.counts_from for one in manoeuvres]), np.empty(0, int)
     for newest in range(1, len(sets)):
+        lengths[newest] = lengths[newest - 1]
         tell = are_known & ~across[since <= t[newest]].any(axis=0)
-        lengths[newest] = _length(*partings[: newest + 1][tell[: newest + 1]][:_MOST].T)
+        if not np.array_equal(told, now := np.flatnonzero(tell[: newest + 1])[:_MOST]):
+            told, lengths[newest] = now, _length(*partings[now].T)
     return lengths
 
 
@@ -75,22 +77,22 @@ def _length(curvatures: np.ndarray, rates: np.ndarray) -> float:
     return max(round(length / _UNIT), 1) * _UNIT if is_told else np.nan
 
 
-def _is_near(earlier: pd.Series, later: pd.Series) -> bool:
-    return bool(_GAPS[0] <= later["t"] - earlier["t"] <= _GAPS[1])
+def _partings(satellites: Sequence[Satrec], later: np.ndarray, epochs: np.ndarray, epoch: str) -> np.ndarray:
+    """Return half the curvature [m/s2] and, at the mean epoch, the rate [m/s] by which sets part (n, 2).
 
-
-def _parting(earlier: pd.Series, later: pd.Series, epoch: str) -> tuple[float, float]:
-    """Return half the curvature [m/s2] and, at the mean epoch, the rate [m/s] by which two sets part.
+    later: (n,) sets, each of which is held against the one before it; epochs: of all sets [s]
 
     NaN where SGP4 has the object decayed, and for the same orbit twice.
     """
-    t = later["t"] - _BACK
-    states, others = (states_of(one, epoch=epoch, t=t) for one in (later, earlier))
-    apart = in_rsw(others - states, states)[:, 1]
-    if not np.isfinite(apart).all() or not apart.any():
-        return np.nan, np.nan
-    curvature, rate, _ = np.polyfit(t - 0.5 * (earlier["t"] + later["t"]), apart, 2)
-    return float(curvature), float(rate)
+    t = epochs[later][:, None] - _BACK
+    pairs = ([satellites[k] for k in rows] for rows in (later - 1, later))
+    apart = mean_elements.apart(*pairs, epoch=epoch, t=t)[..., 1]
+    partings = np.full((len(later), 2), np.nan)
+    middles = 0.5 * (epochs[later - 1] + epochs[later])
+    for parting, off, times in zip(partings, apart, t - middles[:, None], strict=True):
+        if np.isfinite(off).all() and off.any():
+            parting[:] = np.polyfit(times, off, 2)[:2]
+    return partings
 
 
 def _slope(x: np.ndarray, y: np.ndarray) -> float:

@@ -12,7 +12,7 @@ and those that failed are added later.
 """
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -73,7 +73,7 @@ class BatchDay:
     def __init__(self, folder: Path) -> None:
         """Take the folder, which need not be there."""
         self.folder = folder
-        self._tables: dict[str, _Rows] = {}
+        self._tables: dict[str, ObjectRows] = {}
 
     @cached_property
     def marks(self) -> dict[str, Mark]:
@@ -91,12 +91,13 @@ class BatchDay:
         """What became of objects, by name."""
         return {one["object"]: one for one in outcomes.read(self.folder / _OUTCOMES)}
 
+    def table(self, name: str) -> "ObjectRows":
+        """Return a table by its name. Raises InputError where it is missing or damaged."""
+        return self._read(f"{name}.parquet", SCHEMAS[name])
+
     def rows(self, table: str, name: str) -> pd.DataFrame:
-        """Return the rows of an object. Raises InputError where the table is missing or damaged."""
-        schema = SCHEMAS[table]
-        rows = self._read(f"{table}.parquet", schema).rows(name)
-        lacking = {column.name for column in schema.optional} - {*self.marks[name].optional}
-        return rows.drop(columns=[column for column in rows if column in lacking])
+        """Return the rows of an object. Raises InputError as `table` does."""
+        return self.table(table).rows(name, self.marks[name].optional)
 
     def paths(self, name: str) -> list[Paths]:
         """Return the ephemerides of an object, if any are there."""
@@ -130,37 +131,48 @@ class BatchDay:
         self, file: str, rows: Mapping[str, pd.DataFrame], schema: Schema, metadata: Mapping[str, Any]
     ) -> None:
         """Write rows of objects below each other; those that lack a column of some have no values there."""
-        found = [column for column in schema.optional if any(column.name in one for one in rows.values())]
-        tables = [
-            one.assign(object=name, **{c.name: _ABSENT[c.dtype] for c in found if c.name not in one})
-            for name, one in rows.items()
-            if len(one)
-        ]
-        whole = of_objects(replace(schema, columns=(*schema.columns, *found), optional=()))
-        table = pd.concat(tables, ignore_index=True) if tables else whole.empty()
+        table, whole = joined([one.assign(object=name) for name, one in rows.items()], schema)
         write_table(self.folder / file, table, whole, metadata=metadata)
 
-    def _read(self, file: str, schema: Schema) -> "_Rows":
+    def _read(self, file: str, schema: Schema) -> "ObjectRows":
         if file not in self._tables:
-            self._tables[file] = _Rows.of(read_table(self.folder / file, of_objects(schema)))
+            table = read_table(self.folder / file, of_objects(schema))
+            self._tables[file] = ObjectRows.of(table, schema)
         return self._tables[file]
 
 
+def joined(tables: Sequence[pd.DataFrame], schema: Schema) -> tuple[pd.DataFrame, Schema]:
+    """Return tables of objects below each other, and their columns, with all optional ones that some have.
+
+    Those that lack one have no values there.
+    """
+    found = [column for column in schema.optional if any(column.name in one for one in tables)]
+    filled = [
+        one.assign(**{c.name: _ABSENT[c.dtype] for c in found if c.name not in one})
+        for one in tables
+        if len(one)
+    ]
+    whole = of_objects(replace(schema, columns=(*schema.columns, *found), optional=()))
+    return pd.concat(filled, ignore_index=True) if filled else whole.empty(), whole
+
+
 @dataclass(frozen=True)
-class _Rows:
+class ObjectRows:
     """A table by object; slices: of its rows."""
 
     table: pd.DataFrame
+    schema: Schema
     slices: Mapping[str, slice]
 
     @classmethod
-    def of(cls, table: pd.DataFrame) -> "_Rows":
+    def of(cls, table: pd.DataFrame, schema: Schema) -> "ObjectRows":
         """Take a table whose objects are sorted."""
         names, first = np.unique(table["object"].to_numpy(str), return_index=True)
         ends = np.append(first, len(table))[1:]
         slices = {str(name): slice(a, b) for name, a, b in zip(names, first, ends, strict=True)}
-        return cls(table.drop(columns="object"), slices)
+        return cls(table, schema, slices)
 
-    def rows(self, name: str) -> pd.DataFrame:
-        """Return the rows of an object."""
-        return self.table.iloc[self.slices.get(name, slice(0))]
+    def rows(self, name: str, optional: Iterable[str] = ()) -> pd.DataFrame:
+        """Return the rows of an object; optional: columns that it has beside those of the schema."""
+        names = [*self.schema.names, *(one.name for one in self.schema.optional if one.name in optional)]
+        return self.table.iloc[self.slices.get(name, slice(0))][names].reset_index(drop=True)

@@ -1,49 +1,38 @@
-"""Days of older releases: a folder of each object, with tables of it alone."""
+"""Days of older versions, a folder of each object with tables of it alone, turned into those of a batch."""
 
 import json
-from functools import cached_property
 from pathlib import Path
-from typing import Any
 
-import pandas as pd
-
+from opml.base.files import FilePath
 from opml.mornings import outcomes
-from opml.mornings.kept.batch_day import PATHS, Mark
-from opml.mornings.records import Paths
+from opml.mornings.kept.batch_day import PATHS, BatchDay, Finished
+from opml.mornings.records import Paths, Records
 from opml.tables import paths_schema, read_metadata, read_table
 
 _DONE = "morning.json"
+_BATCH = "batch_of_folders"
 
 
-class ObjectDay:
-    """The folder of an object on a day, as a `BatchDay` of one object."""
+def convert(days: FilePath) -> None:
+    """Turn the folders of objects of all days into a batch a day; messages stay where they are.
 
-    def __init__(self, folder: Path) -> None:
-        """Take the folder, which need not be there."""
-        self.folder = folder
+    Raises InputError where a table is missing or damaged. What is converted goes when the batch is whole.
+    """
+    folders: dict[Path, list[Path]] = {}
+    for path in sorted(Path(days).glob(f"[0-9]*-*-*/*/{_DONE}")):
+        folders.setdefault(path.parent.parent, []).append(path.parent)
+    for day, objects in folders.items():
+        place = BatchDay(day / _BATCH)
+        if made := {one.name: _finished(one) for one in objects if one.name not in place.marks}:
+            place.write(made, metadata=read_metadata(objects[0] / "issued.parquet"))
+        for path in (path for one in objects for path in [*one.glob("*.parquet"), one / _DONE]):
+            path.unlink()
 
-    @property
-    def is_over(self) -> bool:
-        """Whether the morning is over."""
-        return (self.folder / _DONE).exists()
 
-    @cached_property
-    def marks(self) -> dict[str, Mark]:
-        """How the morning was made."""
-        made = read_metadata(self.folder / "issued.parquet")
-        return {self.folder.name: Mark(made["settings"], made.get("stations", {}), [], [])}
-
-    @cached_property
-    def outcomes(self) -> dict[str, dict[str, Any]]:
-        """What became of the object."""
-        text = (self.folder / _DONE).read_text(encoding="utf-8")
-        return {self.folder.name: outcomes.whole(json.loads(text))}
-
-    def rows(self, table: str, _: str) -> pd.DataFrame:
-        """Return a table. Raises InputError where it is missing or damaged."""
-        return read_table(self.folder / f"{table}.parquet", table)
-
-    def paths(self, _: str) -> list[Paths]:
-        """Return the ephemerides, if the morning made any."""
-        file = self.folder / PATHS
-        return [Paths(read_table(file, paths_schema(read_metadata(file)["models"])))] if file.exists() else []
+def _finished(folder: Path) -> Finished:
+    made, paths = read_metadata(folder / "issued.parquet"), folder / PATHS
+    estimates, judged, issued = (read_table(folder / f"{name}.parquet", name) for name in Records.TABLES)
+    flown = [Paths(read_table(paths, paths_schema(read_metadata(paths)["models"])))] if paths.exists() else []
+    records = Records(estimates, judged, issued, flown)
+    outcome = outcomes.NOTHING | json.loads((folder / _DONE).read_text(encoding="utf-8"))
+    return Finished(records, outcome, made["settings"], made.get("stations", {}))

@@ -1,7 +1,7 @@
 """The folder of all days: what mornings left on them, as the job of a batch of objects reads and writes it.
 
-`days/2026-02-15/batch_0/` has what the mornings of a batch left (`batch_day`), days of older releases a
-folder of each object (`older_days`). Objects are found in whatever batch they were.
+`days/2026-02-15/batch_0/` has what the mornings of a batch left (`batch_day`). Objects are found in whatever
+batch they were.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -12,9 +12,9 @@ from typing import Any
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.mornings.calendar import HORIZON
-from opml.mornings.kept.batch_day import PATHS, BatchDay, Finished
-from opml.mornings.kept.older_days import ObjectDay
-from opml.mornings.records import Records, below
+from opml.mornings.kept.batch_day import PATHS, BatchDay, Finished, ObjectRows, joined
+from opml.mornings.records import Records
+from opml.tables import SCHEMAS
 
 _BATCH = "batch_"
 
@@ -25,7 +25,8 @@ class Store:
     def __init__(self, days: FilePath, batch: str, objects: Iterable[str]) -> None:
         """Take the folder of all days, the batch that is written, and the names of its objects."""
         self._days, self._own, self._objects = Path(days), f"{_BATCH}{batch}", list(objects)
-        self._places: dict[date, dict[str, BatchDay | ObjectDay]] = {}
+        self._places: dict[date, dict[str, BatchDay]] = {}
+        self._past: dict[tuple[str, tuple[date, ...]], ObjectRows] = {}
 
     def done(self, until: date) -> dict[str, list[date]]:
         """Return by object the dates up to one of the newest mornings that are over, HORIZON, ascending."""
@@ -39,19 +40,18 @@ class Store:
                 break
         return {name: found[::-1] for name, found in dates.items()}
 
-    def places(self, day: date) -> Mapping[str, BatchDay | ObjectDay]:
+    def places(self, day: date) -> Mapping[str, BatchDay]:
         """Return where what a morning left is, of each object whose morning is over."""
         if day not in self._places:
             folder, lacking = self._days / day.isoformat(), set(self._objects)
-            found: dict[str, BatchDay | ObjectDay] = {}
+            found: dict[str, BatchDay] = {}
             others = (one for one in sorted(folder.glob(f"{_BATCH}*")) if one.name != self._own)
             for place in map(BatchDay, (folder / self._own, *others)):
                 found |= dict.fromkeys(lacking & place.marks.keys(), place)
                 lacking -= found.keys()
                 if not lacking:
                     break
-            alone = {name: ObjectDay(folder / name) for name in lacking}
-            self._places[day] = found | {name: place for name, place in alone.items() if place.is_over}
+            self._places[day] = found
         return self._places[day]
 
     def message(self, day: date, name: str) -> Path:
@@ -89,12 +89,26 @@ class Store:
         Raises InputError where a table is missing or damaged, or ephemerides are gone.
         """
         places = [self.places(day)[name] for day in days]
-        kept, judged, issued = (
-            below([place.rows(table, name) for place in places], table) for table in Records.TABLES
+        optional = {column for place in places for column in place.marks[name].optional}
+        estimates, judged, issued = (
+            self._rows(table, tuple(days)).rows(name, optional) for table in Records.TABLES
         )
         recent = [place for day, place in zip(days, places, strict=True) if day >= since]
         paths = [one for place in recent for one in _whole_paths(place, name)]
-        return Records(kept, judged, issued, paths)
+        return Records(estimates, judged, issued, paths)
+
+    def _rows(self, table: str, days: tuple[date, ...]) -> ObjectRows:
+        """Return the rows of days of all objects, read once: those of an object in the order of the days."""
+        if (table, days) not in self._past:
+            schema, found = SCHEMAS[table], []
+            for places in map(self.places, days):
+                for place in dict.fromkeys(places.values()):
+                    rows = place.table(table).table
+                    own = [name for name in place.marks if places.get(name) is place]
+                    found.append(rows[rows["object"].isin(own)])
+            rows = joined(found, schema)[0].sort_values("object", kind="stable", ignore_index=True)
+            self._past[table, days] = ObjectRows.of(rows, schema)
+        return self._past[table, days]
 
     def write(self, day: date, made: Mapping[str, Finished], *, metadata: Mapping[str, Any]) -> None:
         """Write mornings of a day that are over; metadata: of the tables."""
@@ -115,7 +129,7 @@ class Store:
         yield from (day for day in map(date.fromisoformat, names) if day <= until)
 
 
-def _whole_paths(place: BatchDay | ObjectDay, name: str) -> Sequence[Any]:
+def _whole_paths(place: BatchDay, name: str) -> Sequence[Any]:
     paths = place.paths(name)
     if place.marks[name].models and not paths:
         raise InputError(

@@ -41,15 +41,21 @@ class _Generator(GenerateJsonSchema):
         return False
 
 
-@cache
 def json_schema(model: type[Section]) -> TypeSchema:
     """Return a model's JSON schema; learners and forecasts are of the kinds that there are.
 
-    It is made once, and not to be changed.
+    It is made once for these, and not to be changed.
     """
+    return _made_once(model, *(tuple(kinds.sections()) for kinds in _KINDS))
+
+
+_KINDS = (learners.KINDS, FORECASTS)
+
+
+@cache
+def _made_once(model: type[Section], *_: tuple[str, ...]) -> TypeSchema:
     schema = _generated(model)
-    definitions = schema.setdefault("$defs", {})
-    definitions |= {kinds.name: _of_any_kind(kinds) for kinds in (learners.KINDS, FORECASTS)}
+    schema.setdefault("$defs", {}).update({kinds.name: _of_any_kind(kinds) for kinds in _KINDS})
     return schema
 
 

@@ -83,6 +83,9 @@ def _text(key: Key) -> Sequence[str]:
 
 def _hint(unknown: str | int, node: TypeSchema) -> str:
     known = list(node["properties"])
+    for key, below in node["properties"].items():
+        if unknown in choices(child(below, 0) or {}):
+            return f"it is a name in the list {key}"
     close = difflib.get_close_matches(str(unknown), known, n=1)
     return f"did you mean {close[0]}?" if close else f"expected one of {', '.join(known)}"
 

@@ -36,6 +36,12 @@ class SeasonSettings(Section):
         """Population that is learned from."""
         return self.taught_by or self.population
 
+    @property
+    def words(self) -> str:
+        """When it judges, and whom, in two lines of a figure."""
+        late = "" if self.latency_hours is None else f", sets {self.latency_hours:g} h late"
+        return f"{self.test[0]} to {self.test[1]}\n{self.population}{late}"
+
 
 class CatalogueSettings(Section):
     """A study of a catalogue."""

@@ -1,11 +1,16 @@
-"""A sheet of random RSOs: ``opml sheet --count 12 --seed 7``."""
+"""A sheet of random RSOs, to measure how long many take.
+
+python -m validation.random_sheet --count 12 --seed 7
+"""
+
+import argparse
+import sys
+from collections.abc import Sequence
 
 import numpy as np
 
 from opml.base.constants import WGS84_A
-from opml.base.errors import InputError
 from opml.base.seeds import derive
-from opml.orbits.sheets import NAME, NAME_WANTED
 
 _COLUMNS = (
     "name",
@@ -44,14 +49,17 @@ def draw(name: str, seed: int) -> list[str]:
     return [name, *(f"{value:.6g}" for value in numbers.values())]
 
 
-def sheet(prefix: str, count: int, seed: int) -> str:
-    """Return a sheet of `count` RSOs, whose names are `prefix` and a number from 01 on.
+def main(arguments: Sequence[str]) -> None:
+    """Print a sheet, whose names are the prefix and a number from 01 on."""
+    parser = argparse.ArgumentParser(description="Print a random sheet of RSOs.")
+    parser.add_argument("--count", type=int, required=True, help="number of RSOs")
+    parser.add_argument("--seed", type=int, required=True, help="seed of the draw")
+    parser.add_argument("--prefix", default="sky", help="first part of each name (sky)")
+    asked = parser.parse_args(arguments)
+    names = [f"{asked.prefix}{number:02d}" for number in range(1, asked.count + 1)]
+    for line in (_COLUMNS, *(draw(name, asked.seed) for name in names)):
+        print("\t".join(line))
 
-    Raises InputError for no count, and for a prefix that no name has.
-    """
-    if count < 1:
-        raise InputError(f"--count: expected a whole number from 1, got {count}")
-    if not NAME.fullmatch(f"{prefix}{count:02d}"):
-        raise InputError(f"--prefix: expected {NAME_WANTED}, got {prefix!r}")
-    lines = [_COLUMNS, *(draw(f"{prefix}{number:02d}", seed) for number in range(1, count + 1))]
-    return "".join("\t".join(line) + "\n" for line in lines)
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

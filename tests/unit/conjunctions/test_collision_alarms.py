@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 from opml.base.constants import DAY
-from opml.conjunctions.worth import Screening, _alarm_area, _crossing, compare, worth
+from opml.conjunctions.collision_alarms import Screening, _alarm_area, _crossing, alarms_by_day, compare
 from opml.learning.judge.model_choice import Mornings
 
 SCREENING = Screening(radius=20.0, threshold=1e-4)
@@ -14,8 +14,8 @@ SCREENING = Screening(radius=20.0, threshold=1e-4)
 @pytest.fixture
 def few_draws(monkeypatch):
     """Draw few collisions, and fewer areas of alarms."""
-    monkeypatch.setattr("opml.conjunctions.worth._DRAWS", 128)
-    monkeypatch.setattr("opml.conjunctions.worth._AREAS", 32)
+    monkeypatch.setattr("opml.conjunctions.collision_alarms._DRAWS", 128)
+    monkeypatch.setattr("opml.conjunctions.collision_alarms._AREAS", 32)
 
 
 def replay(stated, real, count=300):
@@ -28,9 +28,20 @@ def replay(stated, real, count=300):
 
 
 def alarms_and_flagged(stated, real):
-    (row,) = worth(replay(stated, real), SCREENING, days=[1.0, 5.0], seed=1).itertuples()
-    assert (row.day, row.predictions) == (1.0, 300)
+    row, *_ = alarms_by_day(replay(stated, real), SCREENING, days=[1.0, 5.0], seed=1).itertuples()
+    assert (row.day, row.crossing, row.predictions) == (1.0, "any", 300)
     return row.alarms, row.flagged
+
+
+@pytest.mark.usefixtures("few_draws")
+def test_angles_divide_the_draws_and_head_on_the_error_along_the_track_hardly_counts():
+    table = alarms_by_day(replay([10, 500, 10], [10, 500, 10]), SCREENING, days=[1.0], seed=1).set_index(
+        "crossing"
+    )
+    whole, *parts = table["alarms"]
+    assert whole == pytest.approx(np.mean(parts), rel=0.1)
+    assert table.loc["over 120", "alarms"] < 0.5 * table.loc["below 60", "alarms"]
+    np.testing.assert_allclose(table["per_approach"], table["alarms"] * 0.02**2)
 
 
 def test_small_errors_that_are_known_raise_few_alarms_and_miss_no_collision():
@@ -58,7 +69,7 @@ def test_what_both_share_leaves_their_distance_as_it_was(few_draws):
         morning=np.arange(50).repeat(6), e_y=own["e_y"] + late, sigma_y=np.hypot(50.0, 20_000.0)
     )
     told = [known, known.assign(common=20_000.0), known.assign(common=20_000.0).drop(columns="morning")]
-    alone, shared, apart = (worth(one, SCREENING, days=[1.0], seed=1).iloc[0] for one in told)
+    alone, shared, apart = (alarms_by_day(one, SCREENING, days=[1.0], seed=1).iloc[0] for one in told)
     assert shared["flagged"] > 0.9
     assert shared["alarms"] < 0.5 * alone["alarms"]
     assert apart["flagged"] < 0.2
@@ -87,7 +98,7 @@ def test_the_plane_lies_across_the_relative_velocity(angle):
 @pytest.mark.usefixtures("few_draws")
 def test_draws_repeat_by_seed():
     table = replay([10, 100, 10], [10, 100, 10])
-    one, again, other = (worth(table, SCREENING, days=[1.0], seed=seed) for seed in (1, 1, 2))
+    one, again, other = (alarms_by_day(table, SCREENING, days=[1.0], seed=seed) for seed in (1, 1, 2))
     pd.testing.assert_frame_equal(one, again)
     assert not one.equals(other)
 
@@ -96,7 +107,7 @@ def test_seeds_hardly_matter():
     """Predictions state sizes over two decades, as mornings do."""
     table = replay([10, 100, 10], [10, 100, 10])
     wide = table.assign(sigma_y=np.random.default_rng(4).permutation(np.geomspace(20.0, 2000.0, len(table))))
-    alarms = [worth(wide, SCREENING, days=[1.0], seed=seed)["alarms"].iloc[0] for seed in range(3)]
+    alarms = [alarms_by_day(wide, SCREENING, days=[1.0], seed=seed)["alarms"].iloc[0] for seed in range(3)]
     assert max(alarms) < 1.02 * min(alarms)
 
 
@@ -104,13 +115,17 @@ def test_seeds_hardly_matter():
 def test_models_are_compared_with_both_covariances_of_the_fits():
     one = replay([10, 100, 10], [10, 100, 10]).assign(i=range(300), j=range(1, 301), morning=0.0)
     best, worse = one, one.assign(e_y=3.0 * one["e_y"], e_x=one["e_x"])
-    mornings = Mornings({"none": worse, "running": best, "law": best}, best, {}, 0)
+    models = {"none": worse, "sgp4": worse, "fit96": worse, "running": best, "law": best}
+    mornings = Mornings(models, best, {}, 0)
     fits = one[["i", "j"]].assign(**{f"cov_{axis}_{axis}": 1.0 for axis in "xyz"})
     table = compare(mornings, fits, SCREENING, weather="forecast", laws=["law"], days=[1.0], seed=1)
+    table = table[table["crossing"] == "any"]
     assert table[["model", "covariance"]].to_numpy().tolist() == [
         ["none", "the fit's own"],
         ["none", "of past errors"],
+        ["sgp4", "of past errors"],
+        ["fit96", "of past errors"],
         ["running", "of past errors"],
         ["selected each day", "of past errors"],
     ]
-    assert table["flagged"].iloc[0] < 0.3 < table["flagged"].iloc[3]
+    assert table["flagged"].iloc[0] < 0.3 < table["flagged"].iloc[-1]

@@ -8,7 +8,7 @@ from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.yaml_files import read_yaml
 from opml.environment import gravity_field, nodes, solar_activity
-from opml.study import coverage
+from opml.study import source_coverage
 from opml.study.settings.model.whole import RunSettings
 
 VALUES = read_yaml(REPOSITORY / "config" / "config.yaml") | {"study": None}
@@ -17,7 +17,7 @@ REACH = {name: solar_activity.reach(name) for name in solar_activity.PACKAGED}
 
 def check(values):
     """Look whether a run of these settings is covered."""
-    coverage.check(RunSettings(**values))
+    source_coverage.check(RunSettings(**values))
 
 
 def refusal(*, epoch=EPOCH, **sources):
@@ -106,7 +106,7 @@ def test_too_short_a_past_or_history_and_forecasts_that_begin_too_late_are_told(
 def test_tides_want_a_field_that_tells_its_tide_system(model, tmp_path):
     path = tmp_path / "field.gfc"
     text = gravity_field.resolve("EGM2008").read_text()
-    models = VALUES["force_models"] | {model: VALUES["force_models"][model] | {"solid_tides": True}}
+    models = VALUES["force_models"] | {model: VALUES["force_models"][model] | {"forces": ["solid_tides"]}}
     values = VALUES | {
         "force_models": models,
         "environment": VALUES["environment"] | {"gravity_field": str(path)},
@@ -118,6 +118,6 @@ def test_tides_want_a_field_that_tells_its_tide_system(model, tmp_path):
     with pytest.raises(InputError) as error:
         check(values)
     assert str(error.value) == (
-        f"force_models.{model}.solid_tides: expected a gravity field that is tide_free or zero_tide, "
+        f"force_models.{model}.forces: solid_tides: expected a gravity field that is tide_free or zero_tide, "
         "got tide_system mean_tide"
     )

@@ -8,7 +8,7 @@ import pytest
 
 from opml.tables import TRUTH_GROUPS, write_table
 from opml.workflow.jobs import metadata_of_each
-from opml.workflow.records import tables_of_other_settings
+from opml.workflow.settings_in_tables import tables_of_other_settings
 
 EPOCH = {"epoch": "2016-09-28T12:09:45"}
 NONE, MEAN, OTHER = (

@@ -74,11 +74,11 @@ def _check_atmosphere(run: RunSettings, ends: np.ndarray) -> None:
 
 
 def _check_tides(name: str, model: ForceModelSettings, tide_system: str) -> None:
-    if model.solid_tides:
+    if "solid_tides" in model.forces:
         try:
             gravity_field.check_tide_system(tide_system)
         except InputError as error:
-            raise InputError(f"force_models.{name}.{error}") from None
+            raise InputError(f"force_models.{name}.forces: {error}") from None
 
 
 def _check_activity(setting: str, source: str, epoch: str, ends: np.ndarray, percentile: int) -> None:

@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import Any
 
 from opml.base.errors import InputError
-from opml.base.files import FilePath, replacing
+from opml.base.files import FilePath, replacing, suffix_of
 from opml.element_sets.passes import Place, passes
 from opml.element_sets.prediction import Prediction
 from opml.interop import czml
-from opml.interop.element_sets import ephemeris_elements, omm, rewriting, tle
+from opml.interop.element_sets import element_fits, omm, rewriting, tle
 from opml.interop.predicted_orbit import PredictedOrbit
 from opml.tables import write_as
 
@@ -21,10 +21,7 @@ Writer = Callable[[FilePath, Any, Sequence[Place]], None]
 def check(paths: Sequence[FilePath]) -> None:
     """Raise InputError for a path whose suffix tells no format, and for a page without what draws it."""
     for path in paths:
-        suffix = Path(path).suffix.lower()
-        if suffix not in WRITERS:
-            raise InputError(f"{path}: expected a suffix {', '.join(WRITERS)}, got {suffix or 'none'}")
-        if suffix == ".html" and find_spec("matplotlib") is None:
+        if suffix_of(path, WRITERS) == ".html" and find_spec("matplotlib") is None:
             raise InputError(f"{path}: expected matplotlib, got none: pip install 'opml-orbits[workflow]'")
 
 
@@ -54,11 +51,11 @@ def _set(path: FilePath, prediction: PredictedOrbit, _: Sequence[Place]) -> None
 def _fitted_set(path: FilePath, prediction: PredictedOrbit) -> None:
     """Write the set by which SGP4 comes nearest to a prediction."""
     ephemeris, epoch, identity = prediction.segment(), prediction.date, prediction.identity
-    satellite = ephemeris_elements.fit_elements(ephemeris, epoch=epoch)
+    satellite = element_fits.fit_ephemeris(ephemeris, epoch=epoch)
     if Path(path).suffix.lower() == ".tle":
         tle.write(path, satellite, identity)
         return
-    told = ephemeris_elements.residual(satellite, ephemeris, epoch=epoch)
+    told = element_fits.residual(satellite, ephemeris, epoch=epoch)
     omm.write(path, satellite, identity=identity, epoch=epoch, comment=told)
 
 

@@ -1,8 +1,9 @@
-"""What a prediction, and the covariance that goes with it, are worth where two objects may collide.
+"""Alarms that predictions with their covariances raise where two objects may collide.
 
 A true approach may pass anywhere across the relative velocity, as often per area. So the alarms that are
 raised per collision are the area of those expected misses whose probability reaches the threshold, in units
-of the area in which objects collide; they depend on the covariance alone. Of the approaches that are
+of the area in which objects collide; they depend on the covariance alone. In units of the area within a
+kilometre they are those per approach as near, which screenings count. Of the approaches that are
 collisions the share is flagged whose expected miss, the true one and both errors, raises an alarm.
 
 Errors are those that predictions really had. The second object errs as some other prediction did, of the
@@ -34,6 +35,19 @@ _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(4)
 _ALONG = np.array([0.0, 1.0, 0.0])
 _FARTHEST = 60.0  # standard deviations beyond which no alarm is raised
 
+ANY = "any"
+CROSSINGS = {
+    ANY: (0.0, 180.0),
+    "below 60": (0.0, 60.0),
+    "60 to 120": (60.0, 120.0),
+    "over 120": (120.0, 180.0),
+}
+"""Angles at which the directions of two objects cross [deg]."""
+
+NEAR = 1e3  # distance of approaches that screenings count [m]
+BESIDE = ("sgp4", "fit96")
+"""Models that are compared wherever a study has them: public elements, and four days of tracks as one fit."""
+
 
 @dataclass(frozen=True)
 class Screening:
@@ -53,24 +67,24 @@ def compare(
     days: Sequence[float],
     seed: int,
 ) -> pd.DataFrame:
-    """Return the `conjunctions` table: fits without correction, the best without learning, and what is flown.
+    """Return the `conjunctions` table: uncorrected fits, BESIDE, the best without learning, what is flown.
 
     mornings: replayed
     fits: table `covariances` of the fits that are not corrected
     weather: that the predictions knew, in a word
     laws: models that learned
-    days, seed: as in `worth`
+    days, seed: as in `alarms_by_day`
     """
     plain = mornings.tables[UNCORRECTED]
     best = mornings.best(name for name in mornings.tables if name not in laws)
+    names = [name for name in BESIDE if name in mornings.tables and name != best]
     cases = [
         (UNCORRECTED, FORMAL, _with_covariances(plain, fits)),
-        (UNCORRECTED, LEARNED, plain),
-        (best, LEARNED, mornings.tables[best]),
+        *((name, LEARNED, mornings.tables[name]) for name in (UNCORRECTED, *names, best)),
         (CHOSEN, LEARNED, mornings.flown),
     ]
     tables = [
-        worth(table, screening, days=days, seed=seed).assign(model=model, covariance=covariance)
+        alarms_by_day(table, screening, days=days, seed=seed).assign(model=model, covariance=covariance)
         for model, covariance, table in cases
     ]
     return pd.concat(tables, ignore_index=True).assign(weather=weather)[SCHEMAS["conjunctions"].names]
@@ -83,29 +97,34 @@ def _with_covariances(replay: pd.DataFrame, fits: pd.DataFrame) -> pd.DataFrame:
     return replay.assign(**sizes)
 
 
-def worth(replay: pd.DataFrame, screening: Screening, *, days: Sequence[float], seed: int) -> pd.DataFrame:
-    """Return what the predictions of a `replay` table are worth.
+def alarms_by_day(
+    replay: pd.DataFrame, screening: Screening, *, days: Sequence[float], seed: int
+) -> pd.DataFrame:
+    """Return what alarms the predictions of a `replay` table raise.
 
     days: durations, each with the predictions of half a day about it
     seed: of the draws
 
     Rows may have a `morning`, on which both objects err, and `common`: what one standard deviation of the
-    density does along the track [m]. Columns: day; flagged: share of the collisions that raise an alarm;
-    alarms: those raised per collision; predictions: how many there are. A duration without predictions that
-    state a size has no row.
+    density does along the track [m]. Columns: day; crossing: a key of CROSSINGS; flagged: share of the
+    collisions that raise an alarm; alarms: those raised per collision; per_approach: those per approach
+    within NEAR; predictions: how many there are. A duration without predictions that state a size has no row.
     """
     rows = []
     for day in days:
         about = (replay["duration"] - day * DAY).abs() < _HALF_DAY
         known = replay[about & np.isfinite(replay["sigma_x"])]
         if not known.empty:
-            flagged, alarms = _drawn(known, screening, seeds.derive(seed, f"conjunctions {day:g}"))
-            rows.append({"day": day, "flagged": flagged, "alarms": alarms, "predictions": len(known)})
-    return pd.DataFrame(rows)
+            drawn = _drawn(known, screening, seeds.derive(seed, f"conjunctions {day:g}"))
+            for crossing, (low, high) in CROSSINGS.items():
+                own = drawn.loc[drawn["angle"].between(low, high), ["flagged", "alarms"]].mean()
+                rows.append({"day": day, "crossing": crossing, "predictions": len(known), **own})
+    table = pd.DataFrame(rows, columns=["day", "crossing", "predictions", "flagged", "alarms"])
+    return table.assign(per_approach=table["alarms"] * (screening.radius / NEAR) ** 2)
 
 
-def _drawn(known: pd.DataFrame, screening: Screening, rng: np.random.Generator) -> tuple[float, float]:
-    """Return the share of collisions that is flagged, and the alarms per collision, over draws."""
+def _drawn(known: pd.DataFrame, screening: Screening, rng: np.random.Generator) -> pd.DataFrame:
+    """Return draws: `angle` of crossing [deg], `flagged`, and `alarms` per collision, NaN of most."""
     # Points of Sobol's are spread evenly over predictions in the order of their sizes.
     known = known.sort_values(["sigma_y", "sigma_x", "sigma_z"], kind="stable").reset_index(drop=True)
     errors = known[[f"e_{axis}" for axis in AXES]].to_numpy()
@@ -113,7 +132,7 @@ def _drawn(known: pd.DataFrame, screening: Screening, rng: np.random.Generator) 
     common = known["common"].to_numpy() if "common" in known else np.zeros(len(known))
     beside = _beside(known)
     points = qmc.Sobol(5, seed=rng).random(_DRAWS)
-    flagged, alarms = np.empty(_DRAWS, bool), []
+    flagged, alarms = np.empty(_DRAWS), np.full(_DRAWS, np.nan)
     for k, point in enumerate(points.tolist()):
         one = int(point[0] * len(known))
         other = beside[one][int(point[1] * len(beside[one]))]
@@ -126,8 +145,9 @@ def _drawn(known: pd.DataFrame, screening: Screening, rng: np.random.Generator) 
         along, sigmas = _principal(miss + off, plane @ covariance @ plane.T, screening.radius)
         flagged[k] = integral(along, sigmas, screening.radius) >= screening.threshold
         if k < _AREAS:
-            alarms.append(_alarm_area(sigmas, screening) / (math.pi * screening.radius**2))
-    return float(flagged.mean()), float(np.mean(alarms))
+            alarms[k] = _alarm_area(sigmas, screening) / (math.pi * screening.radius**2)
+    angle = 180.0 - np.abs(180.0 - 360.0 * points[:, 2])
+    return pd.DataFrame({"angle": angle, "flagged": flagged, "alarms": alarms})
 
 
 def _beside(known: pd.DataFrame) -> Sequence[np.ndarray]:

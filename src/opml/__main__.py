@@ -1,0 +1,38 @@
+"""The command as it is started: an interrupt ends it in one line, while modules are imported, too."""
+
+import os
+import signal
+import sys
+from types import FrameType
+
+INTERRUPTED = 130  # exit code, as of a shell's commands
+
+_TOLD = b"opml: interrupted; what is written is whole\n"
+_IMPORTS = "<frozen importlib._bootstrap>"  # file of the frames of an import
+
+
+def _interrupt(number: int, frame: FrameType | None) -> None:
+    while frame:
+        # Compiled modules whose import fails print tracebacks of their own.
+        if frame.f_code.co_filename == _IMPORTS:
+            os.write(2, _TOLD)
+            os._exit(INTERRUPTED)
+        frame = frame.f_back
+    raise KeyboardInterrupt
+
+
+def main() -> int:
+    """Run the command; return its exit code, INTERRUPTED after one line where its user stops it."""
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:  # it may be ignored
+        signal.signal(signal.SIGINT, _interrupt)
+    try:
+        from opml import cli
+
+        return cli.main()
+    except KeyboardInterrupt:
+        sys.stderr.write(_TOLD.decode())
+        return INTERRUPTED
+
+
+if __name__ == "__main__":
+    sys.exit(main())
