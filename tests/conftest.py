@@ -24,7 +24,7 @@ from opml.catalog.flight import Flight  # noqa: E402
 
 # Drawn cases are the same in every run, but for `make draws`. A loaded machine may take its time over each.
 settings.register_profile("same", derandomize=True, deadline=None)
-settings.register_profile("anew", derandomize=False, deadline=None, print_blob=True)
+settings.register_profile("anew", max_examples=300, derandomize=False, deadline=None, print_blob=True)
 settings.load_profile("same")
 
 

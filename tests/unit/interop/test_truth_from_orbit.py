@@ -10,7 +10,7 @@ import orbit_files
 import pandas as pd
 import pytest
 from damage import DAMAGES, damaged
-from hypothesis import given, settings
+from hypothesis import given
 from support import EPOCH, force_model, shared
 
 from opml.base import epochs
@@ -411,7 +411,6 @@ def refusal(path):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", ["sp3", "cpf", "oem"])
-@settings(max_examples=150)
 @given(damage=DAMAGES)
 def test_a_damaged_file_is_refused_in_one_line_or_gives_the_right_orbit(sound, deviations, kind, damage):
     folder, contents_of = sound
