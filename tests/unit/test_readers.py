@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from damage import DAMAGES, damaged
-from hypothesis import given, settings
+from hypothesis import given
 from jplephem.excerpter import write_excerpt
 from jplephem.spk import SPK
 from support import EPOCH, REPOSITORY
@@ -179,7 +179,6 @@ def test_a_sound_history_has_its_sets(read, name):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", READ)
-@settings(max_examples=300)
 @given(damage=DAMAGES)
 def test_a_damaged_file_is_read_or_refused_in_one_line(files, folder, name, damage):
     path = folder / name

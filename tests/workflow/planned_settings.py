@@ -1,11 +1,7 @@
-"""Plan a run and hold the settings of every job against those that its script declares; print both.
-
-python planned_settings.py SNAKEFILE ARGUMENT...
-"""
+"""Plan a run and hold the settings of every job against those that its script declares; print both."""
 
 import json
 import re
-import sys
 from pathlib import Path
 
 import snakemake.cli
@@ -45,7 +41,8 @@ def tell(dag) -> None:
     print(json.dumps({name: refused(job) for name, job in jobs.items()}))
 
 
-stats = DAG.stats
-DAG.stats = lambda dag, *given, **options: (tell(dag), stats(dag, *given, **options))[1]
-sys.argv = ["snakemake", "--snakefile", *sys.argv[1:], "-n"]
-snakemake.cli.main()
+def main() -> None:
+    """Plan what the command line asks for."""
+    stats = DAG.stats
+    DAG.stats = lambda dag, *given, **options: (tell(dag), stats(dag, *given, **options))[1]
+    snakemake.cli.main()

@@ -1,5 +1,6 @@
 """Run the real command line in a folder of its own."""
 
+import importlib
 import multiprocessing
 import multiprocessing.forkserver
 import os
@@ -33,15 +34,13 @@ _STARTS = multiprocessing.get_context("forkserver")
 def _warm_up() -> None:
     """Begin the process that the others fork from, once; it finds modules by its environment alone."""
     _STARTS.set_forkserver_preload(["warm"])
-    path = os.pathsep.join(map(str, (Path(__file__).parent, ROOT / "src")))
+    path = os.pathsep.join(map(str, (Path(__file__).parent, ROOT / "tests", ROOT / "src")))
     with mock.patch.dict(os.environ, PYTHONPATH=path, OMP_NUM_THREADS="1"):
         multiprocessing.forkserver.ensure_running()
 
 
-def _start(
-    folder: Path, environment: dict[str, str], arguments: list[str], output: str, package: Path
-) -> None:
-    """What a forked process does: the command line in a folder, both streams into a file."""
+def _start(folder: Path, environment: dict[str, str], command: list[str], output: str, package: Path) -> None:
+    """What a forked process does: the `main` of a module in a folder, both streams into a file."""
     if package != ROOT / "src":
         _forget_opml()
         sys.path.insert(0, str(package))
@@ -51,12 +50,11 @@ def _start(
     with open(output, "wb") as file:
         for stream in (1, 2):
             os.dup2(file.fileno(), stream)
-    sys.argv = ["snakemake", *arguments]
-    from job_forks import fork_scripts
-    from snakemake.cli import main
+    sys.argv = command
+    import job_forks
 
-    fork_scripts()
-    main()
+    job_forks.fork_snakemake()
+    sys.exit(importlib.import_module(command[0]).main())
 
 
 def _start_apart(*given) -> None:
@@ -72,12 +70,18 @@ def _forget_opml() -> None:
 
 
 def forked(
-    arguments: list[str], *, cwd: Path, env: dict[str, str], package: Path = ROOT / "src"
+    arguments: list[str],
+    *,
+    cwd: Path,
+    env: dict[str, str],
+    package: Path = ROOT / "src",
+    program: str = "snakemake.cli",
 ) -> tuple[int, str]:
-    """Exit code and output of Snakemake in a forked process, which finds opml in the folder `package`."""
+    """Exit code and output of a program in a forked process, which finds opml in the folder `package`."""
     _warm_up()
     with tempfile.NamedTemporaryFile() as output:
-        process = _STARTS.Process(target=_start, args=(cwd, env, arguments, output.name, package))
+        command = [program, *arguments]
+        process = _STARTS.Process(target=_start, args=(cwd, env, command, output.name, package))
         process.start()
         process.join(HUNG)
         if process.exitcode is None:
@@ -89,7 +93,8 @@ def forked(
 def apart(arguments: list[str], *, cwd: Path, env: dict[str, str], output: Path) -> BaseProcess:
     """Snakemake in a forked process that has begun, and heads a session; both streams go to a file."""
     _warm_up()
-    process = _STARTS.Process(target=_start_apart, args=(cwd, env, arguments, str(output), ROOT / "src"))
+    command = ["snakemake.cli", *arguments]
+    process = _STARTS.Process(target=_start_apart, args=(cwd, env, command, str(output), ROOT / "src"))
     process.start()
     return process
 

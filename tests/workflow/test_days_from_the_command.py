@@ -2,11 +2,9 @@
 
 import json
 import os
-import subprocess
-import sys
 
 import pytest
-from project import ROOT
+from project import ROOT, forked
 
 SETTINGS = """\
 results: results
@@ -36,17 +34,12 @@ def weather_comes(folder, until):
     (folder / "weather.csv").write_text("".join(lines[: last + 1]))
 
 
-def opml_day(folder, *arguments):
-    """Run `opml day` in a folder; its exit code and its last lines."""
-    done = subprocess.run(
-        [sys.executable, "-m", "opml", "day", "--configfile", "mine.yaml", *arguments],
-        cwd=folder,
-        env=os.environ | {"PYTHONPATH": str(ROOT / "src")},
-        capture_output=True,
-        text=True,
-        check=False,
+def opml_day(folder, *arguments, settings="mine.yaml"):
+    """Run `opml day` in a folder; its exit code and what it prints."""
+    command = ["day", "--configfile", settings, *arguments]
+    return forked(
+        command, cwd=folder, env=os.environ | {"PYTHONPATH": str(ROOT / "src")}, program="opml.__main__"
     )
-    return done.returncode, done.stdout + done.stderr
 
 
 def page(folder, date):
@@ -110,15 +103,8 @@ def test_a_day_later_the_days_between_are_caught_up(operator):
 
 def test_without_the_setting_one_line_says_what_is_missing(operator):
     (operator / "other.yaml").write_text("study: {}\n")
-    done = subprocess.run(
-        [sys.executable, "-m", "opml", "day", "--configfile", "other.yaml", "-n"],
-        cwd=operator,
-        env=os.environ | {"PYTHONPATH": str(ROOT / "src")},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert done.returncode == 1
-    assert done.stderr == (
-        "opml: day: expected a setting `day` that asks for mornings, got none; `day: {}` is enough\n"
+    code, told = opml_day(operator, "-n", settings="other.yaml")
+    assert code == 1
+    assert (
+        told == "opml: day: expected a setting `day` that asks for mornings, got none; `day: {}` is enough\n"
     )

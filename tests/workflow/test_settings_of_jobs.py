@@ -1,13 +1,11 @@
 """Settings of jobs: what a rule gives is what its script declares, before any job starts."""
 
 import json
+import os
 import shutil
-import subprocess
-import sys
-from pathlib import Path
 
 import pytest
-from project import ROOT
+from project import ROOT, forked
 
 ISS = "iss/eglin-clear-kaena"
 DAYS = f"{ISS}/days-0-30/mechanism"
@@ -27,10 +25,9 @@ PLANS = {
 @pytest.mark.parametrize("arguments", PLANS.values(), ids=PLANS)
 def test_each_job_is_given_what_its_script_declares(tmp_path, arguments):
     shutil.copytree(ROOT / "config", tmp_path / "config")
-    planned = Path(__file__).with_name("planned_settings.py")
-    command = [sys.executable, planned, ROOT / "Snakefile", *arguments]
-    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
-    refused = json.loads(next(line for line in done.stdout.splitlines() if line.startswith('{"')))
+    command = ["-n", "--snakefile", str(ROOT / "Snakefile"), *arguments]
+    code, output = forked(command, cwd=tmp_path, env=dict(os.environ), program="planned_settings")
+    assert code == 0, output
+    refused = json.loads(next(line for line in output.splitlines() if line.startswith('{"')))
     assert len(refused) > 10
     assert {name: why for name, why in refused.items() if why} == {}

@@ -2,8 +2,10 @@
 
 import ast
 import gc
+import io
 from pathlib import Path
 
+import job_forks  # noqa: F401
 import matplotlib.backends.backend_pdf  # noqa: F401
 import nbformat  # noqa: F401
 import numpy as np
@@ -15,7 +17,9 @@ import snakemake.dag
 import snakemake.report.html_reporter
 import snakemake.storage
 from parsed_snakefiles import parse_once
+from support import force_model
 
+import opml.cli
 import opml.study.beyond
 import opml.study.checks
 import opml.study.own_study
@@ -24,7 +28,11 @@ import opml.workflow.inputs
 import opml.workflow.settings_in_tables
 import opml.workflow.starting  # noqa: F401
 from opml.base.provenance import script_digest
+from opml.dynamics.ensemble import Departures, propagate
+from opml.dynamics.settings import Integrator
 from opml.environment import earth_orientation
+from opml.figures import style
+from opml.learning.models import smo
 from opml.study.settings.json_schema import json_schema
 from opml.study.settings.model.whole import RunSettings
 
@@ -36,6 +44,23 @@ def _import_as(script: Path) -> None:
     exec(compile(tree, script, "exec"), {})
 
 
+def _load_kernels() -> None:
+    """Fly a minute and learn from ten rows, as most jobs do first of all: Numba then has what it compiled."""
+    still = [7e6, 0.0, 0.0, 0.0, 7.5e3, 0.0]
+    departures = Departures([still], first=[0], last=[1], ballistic=[0.1], reflection=[0.1])
+    propagate(force_model(2), [0.0, 60.0], departures, integrator=Integrator())
+    rows = np.linspace(-1.0, 1.0, 10)
+    smo.solve(rows[:, None], rows, np.ones(10), epsilon=0.01, tol=1e-3)
+
+
+def _draw() -> None:
+    """Draw axes with powers of ten: Matplotlib then has the fonts, and their letters' sizes."""
+    figure, axes = style.column_figure(height_mm=60.0)
+    axes.set(xscale="log", xlim=(1e-4, 1e6), yscale="symlog", ylim=(-1e6, 1e6), xlabel="$x_y$")
+    for kind in ("pdf", "png"):
+        figure.savefig(io.BytesIO(), format=kind)
+
+
 for script in (Path(__file__).parents[2] / "workflow" / "scripts").glob("*.py"):
     _import_as(script)
     script_digest(script)
@@ -43,4 +68,6 @@ earth_orientation.tabulate("2016-09-28T12:09:45", np.zeros(1))
 json_schema(RunSettings)
 snakemake.cli.get_argument_parser()
 parse_once()
+_load_kernels()
+_draw()
 gc.freeze()  # what is here stays, and no fork need look through it for what can go

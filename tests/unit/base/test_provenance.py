@@ -84,29 +84,19 @@ def test_digest_changes_with_what_is_used_only(small, changed, counts):
     assert (code_digest("opml.top") != before) == counts
 
 
-@pytest.mark.parametrize(
-    "source",
-    [
-        "if True: import opml.lonely",
-        "import os; from opml import lonely",
-        "from opml import (  # why (so)\n    lonely,  # (and this)\n)",
-        "from opml \\\n    import lonely",
-        "import os, \\\n    opml.lonely",
-        "import opml.lonely as other  # why; not",
-        "x = 'import this (and) that'\nfrom opml import lonely",
-        '"""\nfrom all we know, import no doubt\n"""\nfrom opml import lonely',
-    ],
-    ids=[
-        "in a block",
-        "after another",
-        "brackets",
-        "from, cut",
-        "cut",
-        "as",
-        "behind a text",
-        "behind a doc",
-    ],
-)
+IMPORTS = {
+    "in a block": "if True: import opml.lonely",
+    "after another": "import os; from opml import lonely",
+    "brackets": "from opml import (  # why (so)\n    lonely,  # (and this)\n)",
+    "from, cut": "from opml \\\n    import lonely",
+    "cut": "import os, \\\n    opml.lonely",
+    "as": "import opml.lonely as other  # why; not",
+    "behind a text": "x = 'import this (and) that'\nfrom opml import lonely",
+    "behind a doc": '"""\nfrom all we know, import no doubt\n"""\nfrom opml import lonely',
+}
+
+
+@pytest.mark.parametrize("source", IMPORTS.values(), ids=IMPORTS)
 def test_an_import_is_found_however_it_is_written(tmp_path, monkeypatch, source):
     package(tmp_path, monkeypatch, lonely="", top=source)
     assert closure("opml.top") == {"opml", "opml.top", "opml.lonely"}

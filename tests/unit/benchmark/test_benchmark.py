@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import sinking_histories
-from support import REPOSITORY, refusal
+from support import REPOSITORY, refusal, refusals
 
 from opml import cli
 from opml.base.errors import InputError
@@ -320,22 +320,7 @@ def of_states(states, task, folder):
     return path
 
 
-@pytest.mark.parametrize(
-    ("edit", "told"),
-    [
-        ({"frame": "ITRF"}, "line 2: frame: expected GCRF or TEME, got 'ITRF'"),
-        ({"x": "far"}, "line 2: expected a number, got 'far'"),
-        ({"object": "ISS"}, "line 2: object: expected a catalogue number, got 'ISS'"),
-        ({"cov_x_x": "-1"}, "line 2: expected a covariance that is positive definite"),
-        ({"cov_y_z": "nan"}, "line 2: expected a covariance that is positive definite"),
-        ({"time": "noon"}, "line 2: "),
-        ({"x": "0", "y": "0", "z": "0"}, "line 2: expected a state of an orbit [m, m/s], got another"),
-        ({"vx": "0", "vy": "0", "vz": "0"}, "line 2: expected a state of an orbit [m, m/s], got another"),
-        ({"x": "-6800", "y": "0", "z": "0"}, "line 2: expected a state of an orbit [m, m/s], got another"),
-        ({"vx": "inf"}, "line 2: expected a state of an orbit [m, m/s], got another"),
-    ],
-    ids=lambda value: next(iter(value)) if isinstance(value, dict) else "",
-)
+@pytest.mark.parametrize(("edit", "told"), refusals("answers"))
 def test_malformed_answers_are_refused(edit, told, sgp4, tmp_path):
     wrong = edited_rows(sgp4, tmp_path, lambda rows: [rows[0] | edit, *rows[1:]])
     with pytest.raises(InputError, match="edited.csv: " + re.escape(told)):
@@ -626,16 +611,7 @@ def test_the_highest_ap_is_that_of_the_week_after(tmp_path):
     np.testing.assert_array_equal(found, [7.0, 48.0, 48.0, np.nan])  # the last week is not over
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "told"),
-    [
-        ("benchmark/v1", "benchmark/v2", "format: expected benchmark/v1"),
-        ("groups: 8", "groups: 2", "groups: expected more"),
-        ("title:", "titel:", "title: expected a value, got none"),
-        ("groups: 8", "groups: eight", "groups: expected a whole number above 0, got 'eight'"),
-        ("every_days: 7", "every_days: -7", "every_days: expected a whole number above 0, got -7"),
-    ],
-)
+@pytest.mark.parametrize(("old", "new", "told"), refusals("recipes"))
 def test_recipes_that_cannot_be_are_refused(old, new, told, tmp_path):
     text = (REPOSITORY / "benchmark" / "sample.yaml").read_text()
     wrong = tmp_path / "wrong.yaml"

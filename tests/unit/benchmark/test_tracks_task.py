@@ -7,7 +7,7 @@ import sys
 import numpy as np
 import pandas as pd
 import pytest
-from support import REPOSITORY, refusal
+from support import REPOSITORY, refusal, refusals
 
 from opml.base import epochs
 from opml.benchmark import recipes, tasks
@@ -106,14 +106,7 @@ def test_what_no_file_answers_is_refused(tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "told"),
-    [
-        ("files:", "filse:", "wrong.yaml: objects.1.files: expected a value, got none"),
-        ("seed:", "seeds:", "wrong.yaml: seed: expected a value, got none"),
-        ("mornings: 1", "mornings: -1", "wrong.yaml: objects.1.mornings: "),
-    ],
-)
+@pytest.mark.parametrize(("old", "new", "told"), refusals("recipes_of_tracks"))
 def test_misspelt_recipes_are_refused(old, new, told, tmp_path):
     text = (REPOSITORY / "benchmark" / "sample-tracks.yaml").read_text()
     wrong = tmp_path / "wrong.yaml"

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
-from support import EPOCH, stations
+from support import EPOCH, refusals, stations
 
 from opml.base.constants import DAY
 from opml.base.errors import InputError
@@ -153,14 +153,7 @@ def test_few_angles_in_radians_are_below_the_stations_limits(table, tmp_path):
     assert "expected elevation of 1 to 90 deg, as eglin sees, got 0.0" in refusal(path)
 
 
-@pytest.mark.parametrize(
-    ("factor", "said"),
-    [
-        (1e3, "line 21: expected range of 0 to 6380 km, as kaena sees, got "),
-        (1e-3, "line 21: expected a place higher than 120 km, got "),
-        (2.0, "line 21: expected the speed of an orbit, got "),
-    ],
-)
+@pytest.mark.parametrize(("factor", "said"), refusals("units_of_ranges"))
 def test_ranges_in_other_units_are_told(message, factor, said):
     edited(message, lambda value: factor * value, "RANGE = ")
     assert f"{message}: " in refusal(message)

@@ -75,14 +75,7 @@ def test_the_common_error_of_density_comes_back_and_makes_another_probability(tm
     assert np.isnan(as_text.table([alone], epoch=EPOCH)["correlated"].iat[0])
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "expected"),
-    [
-        pytest.param("Pos = 0.0 ", "Pos = ", "three numbers in each .*, got 5 in both", id="two numbers"),
-        pytest.param("Pos = 0.0 3", "Pos = 0.0 93", "by density that the covariance holds", id="too large"),
-        pytest.param("Uncertainty = 0.1", "Uncertainty = much", "a finite number, got much", id="a word"),
-    ],
-)
+@pytest.mark.parametrize(("old", "new", "expected"), refusals("density_in_cdm"))
 def test_a_damaged_error_of_density_is_told(tmp_path, old, new, expected):
     path = tmp_path / "one.cdm"
     together = replace(CONJUNCTION, first=shifted("ours", 300.0), second=shifted("other", -350.0, -1.0))

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import dblquad
 from scipy.stats import ncx2
+from support import refusals
 
 from opml.base.errors import InputError
 from opml.conjunctions.probability import Encounter, chance, in_plane, integral
@@ -83,13 +84,7 @@ def test_an_encounter_lasts_as_the_place_along_the_motion_is_uncertain():
     assert tied.duration > 1e100
 
 
-@pytest.mark.parametrize(
-    ("changes", "expected"),
-    [
-        ({"radius": 0.0}, "a radius above 0 m, got 0"),
-        ({"position": (np.nan, 0.0, 0.0)}, "numbers for position"),
-    ],
-)
+@pytest.mark.parametrize(("changes", "expected"), refusals("encounters"))
 def test_no_encounter_is_refused(changes, expected):
     with pytest.raises(InputError, match=expected):
         encounter(**changes)

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from support import paper_values, refusal
+from support import paper_values, refusal, refusals
 
 from opml.base.errors import InputError
 from opml.environment import solar_activity, space_weather
@@ -131,19 +131,7 @@ def test_predicted_days_of_cssi_count_as_issued_when_the_measured_ones_end(tmp_p
     np.testing.assert_array_equal(found.kp, weather[space_weather.KP].to_numpy()[-10:-7].ravel())
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "message"),
-    [
-        ("1995-10-11T00:00:00\t90", "1995-10-11\t90", "line 4: valid: expected UTC text like"),
-        ("T00:00:00\t90", "T00:00:00\t9e9", "line 4: f107: expected a number from 40 to 1000, got '9e9'"),
-        ("\t7\n", "\tnan\n", "line 5: ap: expected a number from 0 to 400, got 'nan'"),
-        ("\t7\n", "\n", "line 5: ap: expected a number from 0 to 400, got ''"),
-        ("1995-10-13", "1995-10-09", "line 5: valid: expected no day before that of the issue"),
-        ("f107", "flux", "expected the columns issued, valid, f107 and kp or ap, got no f107"),
-        pytest.param(TABLE, "", "expected the columns", id="empty"),
-        pytest.param(TABLE[TABLE.index("1995") :], "", "expected forecasts, got none", id="heading alone"),
-    ],
-)
+@pytest.mark.parametrize(("old", "new", "message"), refusals("forecasts"))
 def test_a_wrong_file_is_told_in_one_line(tmp_path, old, new, message):
     path = tmp_path / "archive.tsv"
     path.write_text(TABLE.replace(old, new))

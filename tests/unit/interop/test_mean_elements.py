@@ -6,7 +6,7 @@ import sys
 
 import numpy as np
 import pytest
-from support import REPOSITORY, refusal
+from support import REPOSITORY, refusal, refusals
 
 from opml import cli
 from opml.base.errors import InputError
@@ -140,24 +140,7 @@ def test_the_command_says_what_is_wrong_in_one_line(written, capsys):
     assert capsys.readouterr().err.count("\n") == 1
 
 
-@pytest.mark.parametrize(
-    ("option", "value", "expected"),
-    [
-        (
-            "--name",
-            "iss_i50",
-            "name: expected up to 60 lower-case letters and digits, a letter first, got 'iss_i50'",
-        ),
-        ("--name", "m" * 61, "name: expected up to 60 lower-case letters and digits, a letter first, got 'm"),
-        (
-            "--name",
-            "a\tb",
-            "name: expected up to 60 lower-case letters and digits, a letter first, got 'a\\tb'",
-        ),
-        ("--cd", "-2.2", "cd: expected a number "),
-        ("--area-to-mass", "nan", "area_to_mass_m2pkg: expected a number "),
-    ],
-)
+@pytest.mark.parametrize(("option", "value", "expected"), refusals("lines_of_the_sheet"))
 def test_the_command_prints_no_line_that_the_sheet_would_refuse(written, capsys, option, value, expected):
     given = ["--epoch", THREE_DAYS_ON, *COMMAND]
     given[given.index(option) + 1] = value

@@ -181,14 +181,7 @@ def test_an_error_of_density_comes_back(shared_density):
     assert len(found.covariances) == 3
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "expected"),
-    [
-        pytest.param(" 5.0\n", "\n", "a time and six numbers of sensitivity", id="five numbers"),
-        pytest.param("COMMENT DCP Sensitivity", "COMMENT Or", "DCP_SENSITIVITY_VECTOR after", id="no vector"),
-        pytest.param("Uncertainty = 0.1", "Uncertainty = low", "a finite number, got low", id="a word"),
-    ],
-)
+@pytest.mark.parametrize(("old", "new", "expected"), refusals("density_in_oem"))
 def test_a_damaged_error_of_density_is_told_by_line(shared_density, old, new, expected):
     path, _ = shared_density
     path.write_text(path.read_text().replace(old, new))

@@ -178,13 +178,7 @@ def test_corrections_that_were_not_applied_are_added(table, message):
     assert "expected the key CORRECTIONS_APPLIED before this line, got none" in refusal(read, message)
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "expected"),
-    [
-        ("TIME_SYSTEM = UTC", "TIME_SYSTEM = GPS", "expected time system GPS, as in {}, got UTC"),
-        ("PARTICIPANT_2 = iss", "PARTICIPANT_2 = mir", "expected tracks of mir, as in {}, got iss"),
-    ],
-)
+@pytest.mark.parametrize(("old", "new", "expected"), refusals("tdm_of_others"))
 def test_messages_that_are_mixed_up_are_named_by_file_and_line(message, old, new, expected):
     where, _, what = refusal(read, edited(message, old, new)).partition(": expected")
     line = message.read_text().splitlines()[int(where.split("line ")[1]) - 1]

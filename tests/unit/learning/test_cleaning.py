@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from support import REPOSITORY
+from support import REPOSITORY, refusals
 
 from opml.base.errors import InputError
 from opml.base.yaml_files import read_yaml
@@ -53,15 +53,7 @@ def test_drag_coefficients_are_kept_within_their_bounds():
     assert cleaning.keeps(np.array([1.19, 1.2, 3.3])).tolist() == [False, True, False]
 
 
-@pytest.mark.parametrize(
-    ("settings", "message"),
-    [
-        ({"previous": "best"}, "previous: expected 'kept_estimate' or 'track', got 'best'"),
-        ({"fence": -1.0}, "fence: expected greater than 0, got -1.0"),
-        ({"fences": 1.0}, "expected cd_min, cd_max, fence, fence_days, previous, got fences"),
-    ],
-    ids=["an unknown reading", "a negative fence", "an unknown key"],
-)
+@pytest.mark.parametrize(("settings", "message"), refusals("cleaning"))
 def test_settings_that_are_no_cleaning_are_refused_in_one_line(settings, message):
     with pytest.raises(InputError, match=f"dataset: .*{message}"):
         Cleaning.read(settings, "dataset")

@@ -12,7 +12,7 @@ import pytest
 from pydantic import ValidationError
 from sklearn.ensemble import HistGradientBoostingRegressor
 from sklearn.linear_model import QuantileRegressor
-from support import REPOSITORY, paper_source
+from support import REPOSITORY, paper_source, refusals
 
 from opml.base.errors import InputError
 from opml.learning.judge.evaluation import evaluate
@@ -308,16 +308,7 @@ def test_an_unknown_kind_is_named():
         learners.description("oracle")
 
 
-@pytest.mark.parametrize(
-    ("settings", "line"),
-    [
-        ({}, "learners: kind: expected svr, none, "),
-        ({"kind": "durationmean"}, "learner: bin_hours: expected a value, got none"),
-        ({"kind": "durationmean", "bin_hours": 0}, "learner: bin_hours: expected a number above 0, got 0"),
-        ({"kind": "none", "c": 1.0}, "learner: settings: expected kind, got c"),
-    ],
-    ids=["no kind", "a key that lacks", "a wrong value", "a key of no meaning"],
-)
+@pytest.mark.parametrize(("settings", "line"), refusals("settings_of_learners_alone"))
 def test_settings_that_no_kind_takes_are_told_in_a_line(settings, line):
     with pytest.raises(InputError, match=f"^{line}"):
         learners.settings_of(settings)

@@ -7,7 +7,7 @@ from itertools import combinations
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from support import refusal, rsos, stations
+from support import refusal, refusals, rsos, stations
 
 from opml import naming
 from opml.base.errors import InputError
@@ -191,24 +191,14 @@ def test_varied_rso():
     assert (varied.e, varied.raan) == (RSOS["iss"].e, RSOS["iss"].raan)
 
 
-@pytest.mark.parametrize(
-    "text",
-    ["", "mir", "iss_", "iss_i", "iss_i050", "iss_i50.0", "iss_i50.10", "iss_i-5", "iss_a50", "iss_a+0",
-     "iss_a-0", "iss_a+050", "iss_a+5_i50", "iss_i50_i51", "ISS", "iss_i5e1"],
-)  # fmt: skip
+@pytest.mark.parametrize("text", refusals("rsos"))  # fmt: skip
 def test_other_texts_are_no_rso(text):
     # One spelling an RSO: file names are compared as text.
     assert not re.fullmatch(rso_pattern(RSOS), text, re.ASCII)
     assert "expected one of iss, swarma" in refusal(parse_rso, text, RSOS)
 
 
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("iss_i181", "inclination: expected a number of at least 0 and at most 180"),
-        ("iss_a-300", "at least 120 km high"),
-    ],
-)
+@pytest.mark.parametrize(("text", "message"), refusals("varied_rsos"))
 def test_impossible_variation_is_explained(text, message):
     with pytest.raises(InputError, match=f"RSO '{text}': .*{message}"):
         parse_rso(text, RSOS)
@@ -277,13 +267,7 @@ def test_other_texts_are_no_training_split(text):
         naming.parse_train(text)
 
 
-@pytest.mark.parametrize(
-    "text",
-    [
-        *("random-80", "all", "days-1", "days-30-40-seen", "days-01-2", "rest-unfenced", "days-1-2-fence0"),
-        *("rest-zscore-zscore", "rest-together", ""),
-    ],
-)
+@pytest.mark.parametrize("text", refusals("test_splits"))
 def test_other_texts_are_no_test_split(text):
     assert not re.fullmatch(naming.TEST, text)
     with pytest.raises(InputError, match=f"test split '{text}': expected seen, rest"):

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from support import refusal
 
@@ -68,7 +68,6 @@ def test_hyperbola_has_negative_semi_major_axis():
     assert coe_from_cartesian(cartesian_from_coe(coe, GM), GM) == pytest.approx(coe, rel=1e-10)
 
 
-@settings(max_examples=200)
 @given(
     a=st.floats(6.6e6, 4.3e7),
     e=st.floats(0.0, 0.9),
@@ -84,7 +83,6 @@ def test_state_survives_the_round_trip_everywhere(a, e, inclination, argp, raan,
     assert back[3:] == pytest.approx(state[3:], abs=1e-7 * np.linalg.norm(state[3:]))
 
 
-@settings(max_examples=200)
 @given(
     a=st.floats(6.6e6, 4.3e7),
     e=st.floats(1e-3, 0.9),
@@ -131,7 +129,6 @@ def test_rsw_is_a_rotation():
     assert np.all((rotation @ states[:, 3:, None])[:, 1] > 0.0)
 
 
-@settings(max_examples=200)
 @given(mean=st.floats(-10.0, 10.0), e=st.floats(0.0, 0.99))
 def test_true_anomaly_solves_keplers_equation(mean, e):
     nu = true_from_mean_anomaly(mean, e)
@@ -139,7 +136,6 @@ def test_true_anomaly_solves_keplers_equation(mean, e):
     assert wrap_half_turn(eccentric - e * np.sin(eccentric) - mean) == pytest.approx(0.0, abs=1e-11)
 
 
-@settings(max_examples=200)
 @given(mean=st.floats(-10.0, 10.0), e=st.floats(0.0, 0.99))
 def test_mean_anomaly_undoes_the_true_one(mean, e):
     back = mean_from_true_anomaly(true_from_mean_anomaly(mean, e), e)

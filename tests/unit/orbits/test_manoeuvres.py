@@ -32,17 +32,7 @@ def test_a_file_of_manoeuvres_is_read_as_it_is(tmp_path, content):
     assert manoeuvres.at_times(times, epoch=EPOCH) == [Manoeuvre(3600.5), Manoeuvre(7200.0)]
 
 
-@pytest.mark.parametrize(
-    ("content", "expected"),
-    [
-        *refusals("manoeuvres"),
-        pytest.param(
-            PUBLISHED.replace("14:09:45", ""),
-            "entry 1: expected a time like 2016-09-28 12:09:45, got 2016-09",
-            id="a day",
-        ),
-    ],
-)
+@pytest.mark.parametrize(("content", "expected"), refusals("lists_of_manoeuvres"))
 def test_a_file_that_is_no_list_of_manoeuvres_is_told(tmp_path, content, expected):
     path = tmp_path / "burns.yaml"
     path.write_text(content)

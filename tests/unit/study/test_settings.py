@@ -437,14 +437,7 @@ def test_fixes_that_do_not_fit_are_told_in_one_line(tmp_path, lines, edit, said)
     assert said.format(folder=tmp_path) in line
 
 
-@pytest.mark.parametrize(
-    ("study", "said"),
-    [
-        ("{rsos: [mine, iss]}", "study.rsos: expected an RSO that has fixes for fixes, got iss among them"),
-        ("{rsos: [mine], station_sets: [eglin]}", "expected RSOs that all have fixes for eglin, got mine"),
-        ("{rsos: [iss], station_sets: [fixes]}", "expected an RSO that has fixes for fixes, got iss"),
-    ],
-)
+@pytest.mark.parametrize(("study", "said"), refusals("settings_of_fixes_and_stations"))
 def test_fixes_and_stations_do_not_mix_in_a_study(tmp_path, study, said):
     text = FIXES.format(folder=tmp_path).replace("study: {}", f"study: {study}")
     (tmp_path / "gps.csv").write_text(GPS)
@@ -547,16 +540,7 @@ def test_manoeuvres_may_stand_in_a_file_and_be_found(tmp_path):
     assert settings.manoeuvres("iss") == []
 
 
-@pytest.mark.parametrize(
-    ("path", "content", "expected"),
-    [
-        ("none.yaml", BURNS, "none.yaml: no such file"),
-        ("burns.yaml", "name: mine", "burns.yaml: expected a list of times, or one under manoeuvre_"),
-        ("burns.yaml", BURNS.replace("01:00:00", "noon"), "burns.yaml: entry 1: expected a time like 2016"),
-        ("{a}.yaml", BURNS, "expected a path without braces"),
-    ],
-    ids=["no file", "no list", "no time", "braces"],
-)
+@pytest.mark.parametrize(("path", "content", "expected"), refusals("settings_of_manoeuvres"))
 def test_a_file_of_manoeuvres_that_is_none_is_told_in_one_line(tmp_path, path, content, expected):
     (tmp_path / "burns.yaml").write_text(content)
     line = refused(with_elements(tmp_path, f'manoeuvres: {{mine: "{path}"}}'))
@@ -655,15 +639,7 @@ def test_a_file_in_the_place_of_results_is_told(tmp_path):
         assert line.endswith(f"mine.yaml: results: expected a folder, got a file at {tmp_path}/taken")
 
 
-@pytest.mark.parametrize(
-    ("key", "values"),
-    [
-        ("orbits.iss", 'orbits: {iss: "a{b}.sp3"}'),
-        ("tracks.iss", 'tracks: {iss: ["{rso}.tdm"]}'),
-        ("starts.iss", 'starts: {iss: "a{b}.tle"}'),
-        ("environment.gravity_field", 'environment: {gravity_field: "a{b}.gfc"}'),
-    ],
-)
+@pytest.mark.parametrize(("key", "values"), refusals("settings_with_braces"))
 def test_a_path_with_braces_is_told(tmp_path, key, values):
     assert f"mine.yaml: {key}: expected a path without braces, got " in refused(given(tmp_path, values))
 

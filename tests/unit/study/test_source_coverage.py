@@ -1,7 +1,7 @@
 """What the environment's data reach, told of a run's settings before any job starts."""
 
 import pytest
-from support import EPOCH, REPOSITORY
+from support import EPOCH, REPOSITORY, refusals
 
 from opml.base import epochs
 from opml.base.constants import DAY
@@ -74,16 +74,7 @@ def test_a_file_of_ones_own_is_told_by_its_name(tmp_path):
     assert line.startswith("sun.tsv: epoch: expected dates from 2016-08-01 to 2016-10-01, got 2016-09-28 to")
 
 
-@pytest.mark.parametrize(
-    ("sources", "expected"),
-    [
-        ({"knowledge": "hindcast"}, "hindcast: MSAFE: expected weather that was measured day by day"),
-        (
-            {"knowledge": "monthly", "solar_activity": "OBSERVED"},
-            "monthly: OBSERVED: expected monthly figures, MSAFE or a bulletin",
-        ),
-    ],
-)
+@pytest.mark.parametrize(("sources", "expected"), refusals("knowledge"))
 def test_knowledge_that_the_source_does_not_have_is_told(sources, expected):
     assert refusal(**sources).startswith(f"environment.knowledge: {expected}")
 

@@ -24,33 +24,21 @@ def here(tmp_path, monkeypatch):
 TARGET = "expected a file of settings behind --configfile; targets stand before it, or behind --"
 
 
-@pytest.mark.parametrize(
-    ("name", "content", "told"),
-    [
-        ("none.yaml", None, "no such file"),
-        ("study", None, TARGET),
-        ("results/figs/x.pdf", None, TARGET),
-        ("x.parquet", b"PAR1\xff\xfe", TARGET),
-        ("a.yaml", "epoch: x\n".encode("utf-16"), "expected YAML in UTF-8 ("),
-        ("a.yaml", "results: Gr\u00f6\u00dfe\n".encode("latin-1"), "expected YAML in UTF-8 ("),
-        ("a.yaml", b"seed:\n\tnoise: 1\n", "expected YAML (a tab begins line 2"),
-        ("a.yaml", b"", "expected a mapping of settings, got nothing"),
-        ("a.yaml", b"seed: &s {noise: *s}\n", "expected YAML ("),
-        ("a.yaml", b"- epoch\n", "expected a mapping of settings, got list"),
-    ],
-    ids=[
-        "no file",
-        "target",
-        "file as target",
-        "table",
-        "UTF-16",
-        "Latin-1",
-        "tab",
-        "empty",
-        "anchor in itself",
-        "list",
-    ],
-)
+WRONG = {
+    "no file": ("none.yaml", None, "no such file"),
+    "target": ("study", None, TARGET),
+    "file as target": ("results/figs/x.pdf", None, TARGET),
+    "table": ("x.parquet", b"PAR1\xff\xfe", TARGET),
+    "UTF-16": ("a.yaml", "epoch: x\n".encode("utf-16"), "expected YAML in UTF-8 ("),
+    "Latin-1": ("a.yaml", "results: Gr\u00f6\u00dfe\n".encode("latin-1"), "expected YAML in UTF-8 ("),
+    "tab": ("a.yaml", b"seed:\n\tnoise: 1\n", "expected YAML (a tab begins line 2"),
+    "empty": ("a.yaml", b"", "expected a mapping of settings, got nothing"),
+    "anchor in itself": ("a.yaml", b"seed: &s {noise: *s}\n", "expected YAML ("),
+    "list": ("a.yaml", b"- epoch\n", "expected a mapping of settings, got list"),
+}
+
+
+@pytest.mark.parametrize(("name", "content", "told"), WRONG.values(), ids=WRONG)
 def test_a_file_behind_configfile_that_holds_no_settings_is_told(here, name, content, told):
     (here / "good.yaml").write_text("epoch: x\n")
     if content is not None:

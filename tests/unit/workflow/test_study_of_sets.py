@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import sinking_histories
 from element_histories import history, tle_text
+from support import refusals
 
 from opml import cli
 from opml.interop.element_sets import mean_elements
@@ -47,14 +48,7 @@ def test_the_sets_may_be_where_the_project_begins(tmp_path, monkeypatch):
     assert len(mean_elements.read_sets(tmp_path / "sets.tle")) == 30
 
 
-@pytest.mark.parametrize(
-    ("name", "said"),
-    [
-        ("mine.yaml", "mine.yaml: expected another name than that of a project's own file"),
-        ("Snakefile", "Snakefile: expected another name than that of a project's own file"),
-        ("points.csv", "points.csv: line 2: expected line 1 of a TLE"),
-    ],
-)
+@pytest.mark.parametrize(("name", "said"), refusals("files_of_no_project"))
 def test_files_that_make_no_project_are_refused(name, said, tmp_path, capsys):
     sinking_histories.write(tmp_path / name, [101], 30)
     if name == "points.csv":
