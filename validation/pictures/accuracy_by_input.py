@@ -64,7 +64,7 @@ def accuracy(errors: Mapping[tuple[str, str], Mapping[int, float]]) -> Figure:
     axes.set_ylabel("median along-track error")
     name_ends(axes, ends, colors)
     note = "medians of the table below; months and references differ"
-    style.add_headline(axes, "Better data and higher orbits: from kilometres to metres", note)
+    style.add_head(axes.figure, "Better data and higher orbits: from kilometres to metres", note)
     return figure
 
 

@@ -171,7 +171,7 @@ if PLAN.settings.catalogue:
         benchmark:
             CATALOGUE_SEASONS.benchmark
         params:
-            **drawing("catalogue_seasons", PARAMS.catalogue_labels(PLAN.settings.catalogue.tests)),
+            **drawing("catalogue_seasons", PARAMS.catalogue_seasons),
         message:
             "Figure: what improved sets leave of SGP4's errors, test by test"
 
@@ -200,6 +200,6 @@ if PLAN.settings.catalogue:
         benchmark:
             CATALOGUE_GAINS.benchmark
         params:
-            **drawing("catalogue_gains", PARAMS.catalogue_labels(PLAN.catalogue_gains)),
+            **drawing("catalogue_gains", PARAMS.catalogue_seasons | {"tests": PLAN.catalogue_gains}),
         message:
             "Figure: when learning helps, by height, drag and number of sets"

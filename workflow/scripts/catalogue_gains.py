@@ -8,12 +8,13 @@ from opml.workflow.jobs import job, read_by_key
 
 
 class Settings(JobSettings):
+    tests: list[str]
     labels: dict[str, str]
 
 
 with job(snakemake):
-    labels = Settings(**snakemake.params.settings).labels
-    residuals = read_by_key(labels, snakemake.input.residuals, "catalogue_residuals")
-    rows = read_by_key(labels, snakemake.input.rows, held_out.ROWS)
-    figure = gains.gains(residuals, rows, labels)
+    settings = Settings(**snakemake.params.settings)
+    residuals = read_by_key(settings.tests, snakemake.input.residuals, "catalogue_residuals")
+    rows = read_by_key(settings.tests, snakemake.input.rows, held_out.ROWS)
+    figure = gains.gains(residuals, rows, settings.labels)
     style.save_all([figure], snakemake.output.pdf, snakemake.output.png)

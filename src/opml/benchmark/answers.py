@@ -195,8 +195,9 @@ def _rows(path: Path) -> Iterator[tuple[int, dict[str, str]]]:
         reader = csv.DictReader(file)
         names = reader.fieldnames or []
         wanted = (*REQUIRED, *(COVARIANCE if {*COVARIANCE} & {*names} else ()))
-        if missing := [name for name in wanted if name not in names]:
-            raise InputError(f"{path}: expected the columns {', '.join(missing)}, got {', '.join(names)}")
+        if wrong := [name for name in wanted if names.count(name) != 1]:
+            got = ", ".join(names)
+            raise InputError(f"{path}: expected the columns {', '.join(wrong)}, each once, got {got}")
         for row in reader:
             if None in row or None in row.values():
                 raise InputError(f"{path}: line {reader.line_num}: expected {len(names)} cells: cut short?")

@@ -22,7 +22,7 @@ from scipy.stats import qmc
 
 from opml.base import seeds
 from opml.base.constants import DAY
-from opml.conjunctions.probability import LEAST_SIGMA, integral
+from opml.conjunctions.probability import integral, principal
 from opml.learning.data.components import UNCORRECTED
 from opml.learning.judge.model_choice import CHOSEN, Mornings
 from opml.orbits.rsw_covariance import AXES
@@ -36,12 +36,7 @@ _ALONG = np.array([0.0, 1.0, 0.0])
 _FARTHEST = 60.0  # standard deviations beyond which no alarm is raised
 
 ANY = "any"
-CROSSINGS = {
-    ANY: (0.0, 180.0),
-    "below 60": (0.0, 60.0),
-    "60 to 120": (60.0, 120.0),
-    "over 120": (120.0, 180.0),
-}
+CROSSINGS = {ANY: (0, 180), "below 60": (0, 60), "60 to 120": (60, 120), "over 120": (120, 180)}
 """Angles at which the directions of two objects cross [deg]."""
 
 NEAR = 1e3  # distance of approaches that screenings count [m]
@@ -129,33 +124,27 @@ def _drawn(known: pd.DataFrame, screening: Screening, rng: np.random.Generator) 
     known = known.sort_values(["sigma_y", "sigma_x", "sigma_z"], kind="stable").reset_index(drop=True)
     errors = known[[f"e_{axis}" for axis in AXES]].to_numpy()
     variances = known[[f"sigma_{axis}" for axis in AXES]].to_numpy() ** 2
-    common = known["common"].to_numpy() if "common" in known else np.zeros(len(known))
-    beside = _beside(known)
+    known = known.assign(**{name: 0.0 for name in ("morning", "common") if name not in known})
+    common, mornings = known["common"].to_numpy(), known["morning"].tolist()
+    beside = known.groupby("morning").indices
     points = qmc.Sobol(5, seed=rng).random(_DRAWS)
     flagged, alarms = np.empty(_DRAWS), np.full(_DRAWS, np.nan)
     for k, point in enumerate(points.tolist()):
         one = int(point[0] * len(known))
-        other = beside[one][int(point[1] * len(beside[one]))]
+        same = beside[mornings[one]]
+        other = same[int(point[1] * len(same))]
         plane, turn = _crossing(2.0 * math.pi * point[2])
         shared = np.outer(common[one] * _ALONG, common[other] * (turn @ _ALONG))
         covariance = np.diag(variances[one]) + turn @ np.diag(variances[other]) @ turn.T - shared - shared.T
         off = plane @ (turn @ errors[other] - errors[one])
         away, angle = screening.radius * math.sqrt(point[3]), 2.0 * math.pi * point[4]
         miss = away * np.array([math.cos(angle), math.sin(angle)])
-        along, sigmas = _principal(miss + off, plane @ covariance @ plane.T, screening.radius)
+        along, sigmas = principal(miss + off, plane @ covariance @ plane.T, screening.radius)
         flagged[k] = integral(along, sigmas, screening.radius) >= screening.threshold
         if k < _AREAS:
             alarms[k] = _alarm_area(sigmas, screening) / (math.pi * screening.radius**2)
     angle = 180.0 - np.abs(180.0 - 360.0 * points[:, 2])
     return pd.DataFrame({"angle": angle, "flagged": flagged, "alarms": alarms})
-
-
-def _beside(known: pd.DataFrame) -> Sequence[np.ndarray]:
-    """Return the rows that the second object may have erred as, of each row that the first did."""
-    if "morning" not in known:
-        return [np.arange(len(known))] * len(known)
-    own = known.groupby("morning").indices
-    return [own[morning] for morning in known["morning"]]
 
 
 def _crossing(angle: float) -> tuple[np.ndarray, np.ndarray]:
@@ -169,12 +158,6 @@ def _crossing(angle: float) -> tuple[np.ndarray, np.ndarray]:
     turn = np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])
     half = 0.5 * angle
     return np.array([[1.0, 0.0, 0.0], [0.0, math.cos(half), math.sin(half)]]), turn
-
-
-def _principal(miss: np.ndarray, covariance: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return a miss (2,) and standard deviations (2,) in the principal axes of a covariance (2, 2)."""
-    variances, axes = np.linalg.eigh(covariance)
-    return axes.T @ miss, np.sqrt(np.maximum(variances, (LEAST_SIGMA * radius) ** 2))
 
 
 def _alarm_area(sigmas: np.ndarray, screening: Screening) -> float:

@@ -100,15 +100,19 @@ class Chance:
 def chance(encounter: Encounter) -> Chance:
     """Return how likely a collision is in a short encounter."""
     miss, covariance = in_plane(encounter)
-    variances, axes = np.linalg.eigh(covariance)
-    least = (LEAST_SIGMA * encounter.radius) ** 2
-    sigmas, along = np.sqrt(np.maximum(variances, least)), axes.T @ miss
+    along, sigmas = principal(miss, covariance, encounter.radius)
 
     def by_scale(scale: float) -> float:
         return integral(along, scale * sigmas, encounter.radius)
 
     most, scale = _largest(by_scale)
     return Chance(by_scale(1.0), most, scale, is_flat(covariance))
+
+
+def principal(miss: np.ndarray, covariance: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return a miss (2,) and standard deviations (2,) in the principal axes of a covariance (2, 2)."""
+    variances, axes = np.linalg.eigh(covariance)
+    return axes.T @ miss, np.sqrt(np.maximum(variances, (LEAST_SIGMA * radius) ** 2))
 
 
 def is_flat(covariance: np.ndarray) -> bool:

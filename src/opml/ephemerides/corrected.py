@@ -14,6 +14,7 @@ import pandas as pd
 from opml.base.constants import DAY
 from opml.catalog.flight import Flight, FlightSettings
 from opml.catalog.predict import spread
+from opml.catalog.predict.labels import with_sigmas
 from opml.catalog.predict.spread import Weathers
 from opml.ephemerides.along_track_shift import check_smooth, corrected, through
 from opml.ephemerides.known import Known
@@ -25,7 +26,7 @@ from opml.learning.models.contract import Model
 from opml.learning.models.daily_training import Lessons
 from opml.orbits.elements import in_rsw
 from opml.orbits.rsw_covariance import rates, rsw_covariances
-from opml.tables import SPREAD, STATE, read_table
+from opml.tables import SIGMAS, SPREAD, STATE, read_table
 
 Spreads = Callable[[pd.DataFrame], pd.DataFrame]  # returns the `spread` table of pairs
 
@@ -125,8 +126,8 @@ def held_against(ephemeris: pd.DataFrame, estimates: pd.DataFrame) -> pd.DataFra
     """Return how far one ephemeris, rows of a `corrected` table, is off the estimates of later tracks.
 
     Columns: duration [s]; before_*, after_*: predicted and corrected less estimated position in RSW of the
-    estimate [m]; sigma_*: standard deviations by the ephemeris [m]. Estimates that did not converge are left
-    out.
+    estimate [m]; sigma_*: standard deviations by the ephemeris [m]; sigma_e_*: by the estimate's own fit
+    [m]. Estimates that did not converge are left out.
     """
     t = ephemeris["t"].to_numpy()
     later = estimates[estimates["converged"] & estimates["t"].between(t[0], t[-1])]
@@ -138,4 +139,4 @@ def held_against(ephemeris: pd.DataFrame, estimates: pd.DataFrame) -> pd.DataFra
         columns |= {f"{when}_{axis}": off[:, k] for k, axis in enumerate("xyz")}
     for axis in "xyz":
         columns[f"sigma_{axis}"] = np.interp(at, t, np.sqrt(ephemeris[f"cov_{axis}_{axis}"].to_numpy()))
-    return pd.DataFrame(columns)
+    return pd.DataFrame(columns).join(with_sigmas(later)[SIGMAS[:3]].reset_index(drop=True))

@@ -28,13 +28,14 @@ from opml.figures.style import (
     SERIES,
     TRACK_COLOR,
     TRUE_COLOR,
+    add_head_and_legend,
     add_note,
     legend,
     page_figure,
     panel_figure,
 )
-from opml.figures.ticks import mark_dates, metres
-from opml.learning.judge.errors_by_duration import REACH_DAYS, by_duration
+from opml.figures.ticks import mark_dates, metres, rounded
+from opml.learning.judge.errors_by_duration import REACH_DAYS
 from opml.learning.judge.model_choice import Mornings
 from opml.tables.convergence import none_converged
 
@@ -103,7 +104,10 @@ def residuals(mornings: Mornings, *, laws: Collection[str], note: str = "") -> F
     ends = {display_learner(name): float(medians[name].iloc[-1]) for name in named}
     name_ends(axes, ends, dict.fromkeys(ends, BASELINE))
     reading = "lines: medians, in grey of the other models; bands: the middle 50 % and 90 % of the errors"
-    legend(figure, columns=4, note=lines(note, reading))
+    selected, without = (metres(rounded(float(one["50"].iloc[-1]))) for one in (after, before))
+    by_day = f"{selected} with the model selected each day, {without} uncorrected"
+    headline = f"After {after.index[-1]:.2g} d the median error is {by_day}"
+    add_head_and_legend(figure, headline, lines(note, reading), columns=4)
     return figure
 
 
@@ -126,14 +130,8 @@ def sizes(table: pd.DataFrame, column: str) -> pd.DataFrame:
     bins = size.groupby(np.ceil(days / width))
     percentiles = bins.quantile([0.05, 0.25, 0.5, 0.75, 0.95]).unstack()
     percentiles = percentiles.set_axis(days.groupby(np.ceil(days / width)).mean(), axis=0)
-    percentiles = percentiles.set_axis(["5", "25", "50", "75", "95"], axis=1)
-    return percentiles[_that_tell(bins.size().to_numpy())]
-
-
-def _that_tell(rows: np.ndarray) -> np.ndarray:
-    """Return which bins of so many rows (n,) are drawn: those of LEAST_ROWS, or all where none has them."""
-    enough: np.ndarray = rows >= LEAST_ROWS
-    return enough if enough.any() else rows > 0
+    enough = bins.size().to_numpy() >= LEAST_ROWS
+    return percentiles.set_axis(["5", "25", "50", "75", "95"], axis=1)[enough if enough.any() else ~enough]
 
 
 def _draw_bands(axes: Axes, percentiles: pd.DataFrame, color: str, marker: str, label: str) -> None:
@@ -157,18 +155,14 @@ def _size_axis(axes: Axes, component: str) -> None:
 
 
 def _draw_growth(axes: Axes, evaluation: pd.DataFrame, component: str) -> None:
-    reach = evaluation["duration"].max() / DAY
-    growth = by_duration(evaluation, width_days=min(BIN_DAYS, reach / 4.0))
-    growth = growth[_that_tell(growth["rows"].to_numpy())]
-    for when, color, marker, label in (
-        ("before", TRUE_COLOR, "o", "no correction"),
-        ("after", RESIDUAL, "^", "corrected"),
+    for column, color, marker, label in (
+        ("true", TRUE_COLOR, "o", "no correction"),
+        ("residual", RESIDUAL, "^", "corrected"),
     ):
-        median, most = growth[f"{when}_50"], growth[f"{when}_95"]
-        axes.plot(growth["day"], median, f"{marker}-", color=color, ms=3.0, label=f"{label}, median")
-        axes.fill_between(
-            growth["day"], median, most, color=color, alpha=0.18, lw=0.0, label=f"{label}, to 95 %"
-        )
+        growth = sizes(evaluation, column)
+        axes.plot(growth["50"], f"{marker}-", color=color, ms=3.0, label=f"{label}, median")
+        look: dict[str, Any] = {"color": color, "alpha": 0.18, "lw": 0.0, "label": f"{label}, to 95 %"}
+        axes.fill_between(growth.index, growth["50"], growth["95"], **look)
     _size_axis(axes, component)
 
 
@@ -218,13 +212,8 @@ def drag_figure(
 
 def _draw_cd(axes: Axes, usable: Mapping[str, pd.DataFrame]) -> None:
     for k, (name, table) in enumerate(usable.items()):
-        look: dict[str, Any] = {
-            "ls": "",
-            "marker": MARKERS[k % len(MARKERS)],
-            "ms": 2.2,
-            "color": RAMP[k % len(RAMP)],
-        }
-        axes.plot(table["t"] / DAY, table["cd"], label=name, **look)
+        look: dict[str, Any] = {"ls": "", "ms": 2.2, "color": RAMP[k % len(RAMP)], "label": name}
+        axes.plot(table["t"] / DAY, table["cd"], marker=MARKERS[k % len(MARKERS)], **look)
     every = pd.concat(list(usable.values()))
     low, high = np.quantile(every["cd"], [0.05, 0.95])
     room = OUTSIDE * (high - low)
@@ -250,9 +239,7 @@ def _draw_activity(upper: Axes, lower: Axes, activity: pd.DataFrame) -> None:
     upper.plot(days, activity["f107"], color=TRUE_COLOR, label="F10.7")
     upper.plot(days, activity["f107_mean"], color=MUTED, ls="--", label="its 81-day mean")
     upper.set_ylabel("F10.7 [sfu]")
-    lower.plot(
-        days, activity["kp_3h"], color=PREDICTED_COLOR, lw=0.9, drawstyle="steps-post", label="$K_p$, 3 h"
-    )
+    lower.plot(days, activity["kp_3h"], PREDICTED_COLOR, lw=0.9, drawstyle="steps-post", label="$K_p$, 3 h")
     lower.set_ylabel("$K_p$")
 
 

@@ -49,7 +49,7 @@ NOTE_ADVANCE = 0.54
 
 HEADLINE_SIZE = 9.0  # of the type [pt]
 
-_HEAD_INCHES = 0.35  # of headline and note
+_HEAD_INCHES, _LINE_INCHES = 0.35, 0.11  # of a headline and a note of one line, and of each line more
 _LEGEND_ROW = 1.5  # lines of a note that a row of a legend is as high as
 
 POINTS_PER_INCH = 72.0
@@ -182,12 +182,6 @@ def add_note(figure: Figure, note: str) -> None:
         figure.suptitle(_wrap(figure, note), x=0.01, ha="left", fontsize=NOTE_SIZE, color=PUBLISHED)
 
 
-def add_headline(axes: Axes, headline: str, note: str) -> None:
-    """Put a sentence that says what a figure shows above its only axes, and a note in small type."""
-    axes.figure.suptitle(headline, x=0.01, ha="left", fontsize=9.0, fontweight="bold")
-    axes.set_title(note, loc="left", fontsize=NOTE_SIZE, color=PUBLISHED)
-
-
 def add_head(figure: Figure, headline: str, note: str) -> None:
     """Put a sentence that says what a figure shows above its panels, and a note in small type under it."""
     wrapped = _wrap(figure, note)
@@ -206,7 +200,8 @@ def add_head_and_legend(figure: Figure, headline: str, note: str, *, columns: in
     add_head(figure, headline, note + "\n " * math.ceil(_LEGEND_ROW * rows + 0.5))
     marks = legend(figure, columns=columns)
     marks.set_loc("upper left")
-    marks.set_bbox_to_anchor((0.0, 1.0 - _HEAD_INCHES / figure.get_figheight()), figure.transFigure)
+    head = _HEAD_INCHES + _LINE_INCHES * _wrap(figure, note).count("\n")
+    marks.set_bbox_to_anchor((0.0, 1.0 - head / figure.get_figheight()), figure.transFigure)
 
 
 def _wrap(figure: Figure, note: str) -> str:

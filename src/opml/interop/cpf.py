@@ -26,9 +26,12 @@ from opml.interop.orbit_arcs import (
 
 _NAME = {"1": 9, "2": 10}  # word of the first line with the satellite's name, by version
 _IDS = slice(1, 4)  # words of the second line: COSPAR, SIC and NORAD number
-_FRAME = 19  # word of the second line: 0 for the ITRF
-_ROTATION = 20  # word of the second line: 0 where the target does not turn, as the Moon does
-_CENTRE = 21  # word of the second line: 0 for the centre of mass
+_FRAME = 19  # word of the second line from which on these are 0; the last two may be missing
+_ZEROS = (
+    "reference frame 0, the ITRF",
+    "rotation angles 0, of no body that turns",
+    "0 for the centre of mass, not the reflectors'",
+)
 _MJD_ZERO = np.datetime64("1858-11-17")
 _PASSED_OVER = re.compile(r"00|30|40|50|60|70|H[3459]")
 _Row = tuple[int, list[str]]  # line and words
@@ -83,12 +86,9 @@ def _satellite(path: FilePath, rows: Sequence[_Row], wanted: str | None) -> tupl
     number, second = rows[1] if len(rows) > 1 else (number + 1, [""])
     if len(second) <= _FRAME or second[0].upper() != "H2":
         raise line_error(path, number, "H2 with ids, times and reference frame", " ".join(second))
-    if second[_FRAME] != "0":
-        raise line_error(path, number, "reference frame 0, the ITRF", second[_FRAME])
-    if len(second) > _ROTATION and second[_ROTATION] != "0":
-        raise line_error(path, number, "rotation angles 0, of no body that turns", second[_ROTATION])
-    if len(second) > _CENTRE and second[_CENTRE] != "0":
-        raise line_error(path, number, "0 for the centre of mass, not the reflectors'", second[_CENTRE])
+    for word, zero in zip(second[_FRAME:], _ZEROS, strict=False):
+        if word != "0":
+            raise line_error(path, number, zero, word)
     name = first[_NAME[version]]
     ids = second[_IDS]
     choose_satellite(path, [[name, *ids]], wanted)

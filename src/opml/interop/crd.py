@@ -54,12 +54,6 @@ class _Pass:
     points: list[_Row] = field(default_factory=list)
     weather: list[_Row] = field(default_factory=list)
 
-    @property
-    def is_poor(self) -> bool:
-        """Whether the station itself calls the data poor."""
-        words = self.head["H4"][1]
-        return len(words) > _QUALITY and words[_QUALITY] == _POOR
-
 
 def read(paths: Sequence[FilePath], *, epoch: str, satellite: str | None = None) -> pd.DataFrame:
     """Read the normal points of CRD files, in the order of their passes.
@@ -80,7 +74,7 @@ def read(paths: Sequence[FilePath], *, epoch: str, satellite: str | None = None)
     for path in paths:
         for one in _passes(path, satellite):
             satellite = satellite or one.head["H3"][1][1]
-            if one.is_poor:
+            if one.head["H4"][1][_QUALITY : _QUALITY + 1] == [_POOR]:  # says the station itself
                 _log.warning("%s: line %d: a pass of poor quality is ignored", path, one.head["H4"][0])
             elif one.points:
                 tables.append(_points(path, one, epoch))
@@ -176,23 +170,24 @@ def _check_head(path: FilePath, head: dict[str, _Row], satellite: str | None) ->
 
 def _points(path: FilePath, one: _Pass, epoch: str) -> pd.DataFrame:
     lines = np.array([number for number, _ in one.points])
+    line, words = one.head["H4"]
     sent, flight = numbers(path, np.array([words[1:3] for _, words in one.points]), lines).T
     is_flight = (flight > 0.0) & (flight < _LONGEST_FLIGHT)
     strange = np.flatnonzero(~is_flight | (sent < 0.0) | (sent > DAY))
     if strange.size:
-        number, words = one.points[strange[0]]
-        raise line_error(path, number, "a second of the day and a time of flight", " ".join(words[1:3]))
+        number, point = one.points[strange[0]]
+        raise line_error(path, number, "a second of the day and a time of flight", " ".join(point[1:3]))
     seconds = _since_midnight(path, one, sent)
     parts = {_SENT: 1.0, _BOUNCED: 0.5, _RECEIVED: 0.0}
-    for number, words in one.points:
-        if words[4] not in parts:
-            raise line_error(path, number, "epoch event 0, 1 or 2", words[4])
-    later = flight * [parts[words[4]] for _, words in one.points]
+    for number, point in one.points:
+        if point[4] not in parts:
+            raise line_error(path, number, "epoch event 0, 1 or 2", point[4])
+    later = flight * [parts[point[4]] for _, point in one.points]
     return pd.DataFrame(
         {
             "t": _midnight(path, one, epoch) + seconds + later,
             "station": one.head["H2"][1][2],
-            "release": _release(path, one),
+            "release": int(numbers(path, np.array([words[14:15]]), np.array([line]))[0, 0]),
             "system": "".join(word.zfill(2) for word in one.head["H2"][1][3:5]),
             "flight": flight,
             "scatter": _scatter(one),
@@ -220,11 +215,6 @@ def _since_midnight(path: FilePath, one: _Pass, seconds: np.ndarray) -> np.ndarr
     hour, minute, second = numbers(path, np.array([words[5:8]]), np.array([number]))[0]
     begin = 3600.0 * hour + 60.0 * minute + second
     return np.where(seconds < begin - 0.5 * DAY, seconds + DAY, seconds)
-
-
-def _release(path: FilePath, one: _Pass) -> int:
-    line, words = one.head["H4"]
-    return int(numbers(path, np.array([words[14:15]]), np.array([line]))[0, 0])
 
 
 def _scatter(one: _Pass) -> np.ndarray:

@@ -17,13 +17,7 @@ _ANY = "2000-01-01T12:00:00"
 
 def check(path: FilePath) -> None:
     """Raise InputError, naming file and line or key, where a file has no state to start from."""
-    content = contents(path)
-    if oem.matches(content):
-        oem.read(path, epoch=_ANY)
-    elif is_orbit(content):
-        whole_arcs(OrbitFiles([path], _ANY, 0.0))
-    else:
-        mean_elements.read(path)
+    identity(path)
 
 
 def read(path: FilePath, *, epoch: str, t: float) -> tuple[float, np.ndarray]:
@@ -55,6 +49,7 @@ def identity(path: FilePath) -> ObjectId:
         return oem.read(path, epoch=_ANY)[0].identity
     if is_orbit(content):
         return whole_arcs(OrbitFiles([path], _ANY, 0.0))[0].identity
+    mean_elements.read(path)  # refuses several
     (one,) = mean_elements.read_sets(path)
     return ObjectId.of(one.name, one.designator, str(one.number))
 

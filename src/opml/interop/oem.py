@@ -21,14 +21,13 @@ from opml.interop import ccsds
 from opml.interop.object_ids import UNKNOWN, ObjectId
 from opml.interop.orbit_arcs import MOST_APART, Arc, check_ascending, choose_satellite
 from opml.orbits.density_error import DensityErrors
-from opml.tables import STATE
+from opml.tables import STATE, STATE_COVARIANCES, symmetric_matrices
 from opml.tables.convergence import none_converged
 
 _KEY = "CCSDS_OEM_VERS"
 _VERSIONS = ("1.0", "2.0")
 _KILO = 3  # kilometres in the message, metres here
 _LOWER = np.tril_indices(6)
-_COVARIANCES = [f"cov_{STATE[a]}_{STATE[b]}" for a, b in zip(*_LOWER, strict=True)]
 
 _RSW = "RSW"
 _SENSITIVITY = "DCP_SENSITIVITY_VECTOR"
@@ -90,7 +89,8 @@ def estimate_segments(estimates: pd.DataFrame, *, rso: str) -> list[Segment]:
     if usable.empty:
         raise none_converged(rso, [estimates])
     t, remark = usable["t"].to_numpy(), "estimates at the starts of tracks, not for interpolation"
-    return [Segment(rso, t, usable[STATE].to_numpy(), t, _matrices(usable), remark=remark, known=t[-1])]
+    covariances = symmetric_matrices(usable, STATE_COVARIANCES)
+    return [Segment(rso, t, usable[STATE].to_numpy(), t, covariances, remark=remark, known=t[-1])]
 
 
 def prediction_segments(predictions: pd.DataFrame, *, rso: str) -> list[Segment]:
@@ -135,7 +135,7 @@ def _ephemeris_segments(table: pd.DataFrame, rso: str, content: str) -> list[Seg
                 t,
                 rows[STATE].to_numpy(),
                 t[sparse],
-                _matrices(rows.iloc[sparse]),
+                symmetric_matrices(rows.iloc[sparse], STATE_COVARIANCES),
                 covariance_frame=_RSW,
                 remark=f"{content} from the estimate of track {i}",
                 degree=_DEGREE,
@@ -231,26 +231,15 @@ def arcs(path: FilePath, *, epoch: str, satellite: str | None = None) -> list[Ar
     return arcs
 
 
-def _matrices(table: pd.DataFrame) -> np.ndarray:
-    covariances = np.empty((len(table), 6, 6))
-    covariances[:, _LOWER[0], _LOWER[1]] = covariances[:, _LOWER[1], _LOWER[0]] = table[_COVARIANCES]
-    return covariances
-
-
 def _lines(segments: Sequence[Segment], epoch: str, comment: str) -> Iterator[str]:
     version, *rest = ccsds.header(_KEY, epoch, max(segment.newest for segment in segments))
     yield from (version, *([f"COMMENT {comment}"] if comment else []), *rest)
     for segment in segments:
         times = ccsds.utc_texts(epoch, segment.t)
-        yield ""
-        yield "META_START"
-        if segment.remark:
-            yield f"COMMENT {segment.remark}"
+        yield from ("", "META_START", *([f"COMMENT {segment.remark}"] if segment.remark else []))
         yield f"OBJECT_NAME = {segment.name}"
         yield f"OBJECT_ID = {segment.identity.identifier or segment.name}"
-        yield "CENTER_NAME = EARTH"
-        yield "REF_FRAME = GCRF"
-        yield "TIME_SYSTEM = UTC"
+        yield from ("CENTER_NAME = EARTH", "REF_FRAME = GCRF", "TIME_SYSTEM = UTC")
         yield f"START_TIME = {times[0]}"
         yield f"STOP_TIME = {times[-1]}"
         if segment.degree:

@@ -56,6 +56,7 @@ def truth(files: OrbitFiles, *, step: float, limit: float = LIMIT) -> tuple[pd.D
     known = np.isfinite(states).all(axis=1)
     if not known.any():
         raise InputError(f"{arcs[0].path}: expected an orbit on the run's grid, got none that is smooth")
+    positions, velocities = np.sum([curve.left_out for curve in curves], axis=0).tolist()
     facts = {
         "files": list(dict.fromkeys(Path(arc.path).name for arc in arcs)),
         "satellite": arcs[0].satellite,
@@ -63,7 +64,8 @@ def truth(files: OrbitFiles, *, step: float, limit: float = LIMIT) -> tuple[pd.D
         "time_system": arcs[0].scale,
         **object_ids.facts(arcs[0].identity),
         "interpolation_error_m": _interpolation_error(curves),
-        **_left_out(curves),
+        "positions_left_out": positions,
+        "velocities_left_out": velocities,
         "gaps": _gaps(grid, known, files.duration),
         **_breaks(curves, grid, owner, {t for arc in arcs for t in arc.burns}),
     }
@@ -102,11 +104,6 @@ def _interpolation_error(curves: Sequence[OrbitCurve]) -> dict[str, float | None
     if not misses.size:
         return {"rms": None, "max": None}
     return {"rms": float(np.sqrt(np.mean(misses**2))), "max": float(misses.max())}
-
-
-def _left_out(curves: Sequence[OrbitCurve]) -> dict[str, int]:
-    positions, velocities = np.sum([curve.left_out for curve in curves], axis=0)
-    return {"positions_left_out": int(positions), "velocities_left_out": int(velocities)}
 
 
 def _gaps(grid: np.ndarray, known: np.ndarray, duration: float) -> list[list[float]]:

@@ -47,6 +47,8 @@ _FULL = (errno.ENOSPC, errno.EDQUOT)  # errors of a disk that is full: of no obj
 _SHARED = {"epoch", "force_model", "integrator", "estimation", "models"}
 """Settings that all mornings of a run are made with."""
 
+_SWITCHES = ("solid_tides", "relativity")  # forces that had a setting each when the first mornings were kept
+
 _log = logging.getLogger(__name__)
 
 Made = TypeVar("Made")
@@ -92,6 +94,14 @@ class BatchSettings(JobSettings):
     objects: dict[str, ObjectSettings]
 
     @property
+    def shared(self) -> dict[str, Any]:
+        """What all mornings of a run are made with, in the form whose digests kept mornings have."""
+        shared = self.model_dump(include=_SHARED)
+        forces = dict.fromkeys(shared["force_model"].pop("forces"), True)
+        shared["force_model"] |= dict.fromkeys(_SWITCHES, False) | forces
+        return shared
+
+    @property
     def calendar(self) -> Calendar:
         """When mornings are."""
         return Calendar(self.epoch, self.hour)
@@ -112,12 +122,11 @@ class BatchSettings(JobSettings):
 
 @dataclass(frozen=True)
 class Surroundings:
-    """What all objects of a job fly in: force models as of `morning.FlightModel`, and the stations.
+    """What all objects of a job fly in: force models as of `watched.FlightModel`, and the stations.
 
     The weather was seen until `seen_until` [s]. The models of fits and predictions stand with the parts of
     them that neighbours fly under, made once: arcs under one model fly together. Mean elements are improved
-    beside those of all objects of the run, whose
-    files are read once.
+    beside those of all objects of the run, whose files are read once.
     """
 
     fits: tuple[ForceModel, ForceModel]
@@ -145,6 +154,7 @@ class Surroundings:
         of_fits, of_predictions = (read(one, settings=settings.force_model) for one in (fits, predictions))
         flattened = read(predictions, settings=spread.FLATTENED)
         futures = _futures(files.futures, since=since) if files.futures else None
+        activity = read_table(fits["solar_activity"], "solar_activity")
         return cls(
             (of_fits, near_part(of_fits)),
             (of_predictions, near_part(of_predictions)),
@@ -152,7 +162,7 @@ class Surroundings:
             Weathers.of(flattened, futures),
             read_table(fits["earth_orientation"], "earth_orientation"),
             settings.stations,
-            _last_seen(read_table(fits["solar_activity"], "solar_activity")),
+            float(activity.dropna(subset=list(FIGURES))["t"].max()),
             _improved(settings, since),
             cache(histories.read),
             propagate,
@@ -189,7 +199,7 @@ def run(files: Any, settings: BatchSettings, *, metadata: Mapping[str, Any]) -> 
                 if settings.date not in done[name]
             }
         )
-        shared = settings_digest(settings.model_dump(include=_SHARED))
+        shared = settings_digest(settings.shared)
         days.catch_up(
             store,
             list(begun.values()),
@@ -248,11 +258,6 @@ def _improved(settings: BatchSettings, since: float) -> ImprovedHistory | None:
         return None
 
 
-def _last_seen(activity: pd.DataFrame) -> float:
-    """Return until when the weather of a table `solar_activity` was measured [s]."""
-    return float(activity.dropna(subset=list(FIGURES))["t"].max())
-
-
 def _futures(path: FilePath, *, since: float) -> pd.DataFrame:
     """Return the table `futures` of the issues after a time [s]: of a year, all would be a gigabyte."""
     runs = read_runs(path, "futures", "issued")
@@ -302,8 +307,7 @@ def _begin(
         found.identity,
         found.sgp4 and replace(found.sgp4, improved=surroundings.improved),
     )
-    shared = settings.model_dump(include=_SHARED)
-    digest = settings_digest(shared | one.model_dump(include={"rso", "taking"}))
+    digest = settings_digest(settings.shared | one.model_dump(include={"rso", "taking"}))
     return UnderWay.begin(
         BatchTask(name, calendar, settings.date, digest, one.has_message), watched, store, done
     )

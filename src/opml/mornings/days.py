@@ -188,6 +188,7 @@ def outcome(rso: str, day: date, left: Left, plan: MorningPlan) -> dict[str, Any
     """Return what became of an object on a morning, as JSON values."""
     row, made = left.records.issued.iloc[0], left.records.estimates
     base = made[made["window_hours"] == plan.base]
+    age = (row["morning"] - row["t_i"]) / HOUR
     return {
         "object": rso,
         "date": day.isoformat(),
@@ -195,7 +196,7 @@ def outcome(rso: str, day: date, left: Left, plan: MorningPlan) -> dict[str, Any
         "reason": left.verdict.reason,
         "model": row["model"] or None,
         "newest_estimate": _utc(plan.epoch, row["t_i"]),
-        "age_hours": _age(row["morning"] - row["t_i"]),
+        "age_hours": round(age, 1) if np.isfinite(age) else None,
         "burn": _utc(plan.epoch, row["burn_t"]),
         "tracks": len(base),
         "converged": int(base["converged"].sum()),
@@ -215,11 +216,6 @@ def orbit(ephemeris: pd.DataFrame | None) -> dict[str, float | None]:
         "height_km": round((a - WGS84_A) / 1e3, 1),
         "inclination_deg": round(float(np.degrees(inclination)), 2),
     }
-
-
-def _age(seconds: float) -> float | None:
-    """Return an age in hours, None where nothing has one."""
-    return round(seconds / HOUR, 1) if np.isfinite(seconds) else None
 
 
 def _utc(epoch: str, t: float) -> str | None:

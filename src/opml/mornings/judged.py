@@ -83,10 +83,6 @@ class Verdict:
     word: str
     reason: str
 
-    def or_not_for(self, reason: str) -> "Verdict":
-        """Return the verdict on what could not be flown for a reason: this one where it says as much."""
-        return self if self.word == DO_NOT_USE else Verdict(DO_NOT_USE, reason)
-
 
 def verdict(
     judged: pd.DataFrame,

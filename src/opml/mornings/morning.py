@@ -50,7 +50,8 @@ def morning(watched: Watched, records: Records, *, now: float) -> Left:
         one.fit()
         one.issue(one.fly())
     except InputError as reason:
-        one.verdict = one.verdict.or_not_for(str(reason))
+        if one.verdict.word != DO_NOT_USE:
+            one.verdict = Verdict(DO_NOT_USE, str(reason))
     return one.outcome
 
 

@@ -32,8 +32,9 @@ from opml.environment.forecasts.methods import AnyForecast
 from opml.environment.knowledge import Issues
 from opml.environment.settings import EnvironmentSettings
 from opml.ephemerides.along_track_shift import through
-from opml.interop import ccsds, measured_files, points_from_files, tdm
+from opml.interop import ccsds, points_from_files, tdm
 from opml.interop.object_ids import ObjectId
+from opml.interop.orbit_arcs import contents
 from opml.interop.orbit_from_files import OrbitFiles
 from opml.interop.predicted_orbit import STEP, PredictedOrbit
 from opml.learning.models import learners
@@ -59,6 +60,7 @@ _SECONDS, _DAY = len("2016-09-28T12:09:45"), len("2016-09-28")
 _HISTORY = 5.0  # of measurements that the first morning fits [days]
 _AFTER = HOUR  # that paths reach beyond the end
 _LEAST_STRETCHES = 4.0
+_NO_ORBIT = 1e3  # root mean square of the weighted residuals of what no orbit fits
 _FEWEST_TRACKS = 3  # in a fit: of fewer its state is hardly known
 _MOST_WITH_FEWER = 0.1  # part of the fits that may have fewer
 _JUDGED = 3.0  # longest prediction that tells the verdict, as few mornings have longer ones [days]
@@ -81,7 +83,7 @@ class Request:
     @property
     def kind(self) -> str:
         """Tracks or fixes."""
-        return "tracks" if measured_files.has_tracks(self.files[0]) else "fixes"
+        return "tracks" if tdm.matches(contents(self.files[0])) else "fixes"
 
 
 @dataclass(frozen=True, eq=False)
@@ -205,11 +207,18 @@ def predict(request: Request, settings: OrbitSettings, *, progress: Progress) ->
         records = records.and_then(left.records, since=now - DAY * watched.plan.max_days)
     if not records.paths:
         raise InputError(f"{request.files[0]}: expected what an orbit fits, got none: {left.verdict.reason}")
-    flown = _flown(watched, left, records, now=times.date)
+    made = records.estimates[records.estimates["track"] == records.paths[-1].start]
+    if (rms := made["weighted_rms"].max()) > _NO_ORBIT:
+        got = f"got some {rms:.0f} standard deviations off the best: are object, frame and times right?"
+        raise InputError(f"{request.files[0]}: expected measurements of an orbit, {got}")
+    expected = f"{request.files[0]}: expected an orbit for {request.days:g} days, got"
+    try:
+        flown = _flown(watched, left, records, now=times.date)
+    except InputError:
+        raise InputError(f"{expected} fits over several windows that differ too fast") from None
     t = flown.table["t"].to_numpy() - times.date
     if t[-1] < DAY * request.days:
-        got = f"got one of {t[-1] / DAY:.1f}: {flown.verdict.reason}"
-        raise InputError(f"{request.files[0]}: expected an orbit for {request.days:g} days, {got}")
+        raise InputError(f"{expected} one that comes down, or is hardly determined, after {t[-1] / DAY:.1f}")
     past = flown.past.assign(lead=flown.past["duration"] / DAY, left=flown.past["e_y"])
     return FittedOrbit(
         watched.identity,

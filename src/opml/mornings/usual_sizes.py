@@ -35,6 +35,7 @@ from opml.tables import (
     STATE,
     symmetric_matrices,
 )
+from opml.tables.convergence import FAR
 
 CONSTANT = np.array([1.0, 1.5, 1.0])  # what forces leave in a fit, in RSW [m]
 RATE = np.array([1.2, 2.0, 1.0])  # by what that grows [m/day]
@@ -69,7 +70,8 @@ def formal_errors(
     """
     daily = pd.Series({one.start: one.drag_after(DAY) for one in paths})
     known = estimates[estimates["converged"].astype(bool) & estimates["track"].isin(daily.index)]
-    started = labels.with_sigmas(known[known["window_hours"] == base]).set_index("track")
+    known = labels.with_sigmas(_as_they_miss(known))
+    started = known[known["window_hours"] == base].set_index("track")
     covariance = symmetric_matrices(started, PARAMETER_COVARIANCES)
     states = started[STATE].to_numpy(float)
     outwards, ahead, _ = rsw_rotation(states).transpose(1, 0, 2)
@@ -88,6 +90,13 @@ def formal_errors(
     rate = np.hypot(RATE, np.stack([0.0 * drift, drift, 0.0 * drift], axis=1))
     density = np.minimum(np.hypot(DENSITY * np.sqrt(LONG / hours), cd), VAGUE)
     return pd.DataFrame(np.column_stack([constant, rate, density]), index=started.index, columns=_COLUMNS)
+
+
+def _as_they_miss(estimates: pd.DataFrame) -> pd.DataFrame:
+    """Return estimates, with covariances of the noise that they leave where it is FAR beyond that given."""
+    rms = estimates["weighted_rms"]
+    larger = rms.where(rms > FAR, 1.0) ** 2
+    return estimates.assign(**{name: estimates[name] * larger for name in PARAMETER_COVARIANCES})
 
 
 def sizes(past: pd.DataFrame, formal: pd.DataFrame, *, start: int, now: float) -> Sizes:

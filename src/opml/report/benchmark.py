@@ -181,14 +181,9 @@ def _cell(value: Any) -> str:
 
 
 def _records(table: pd.DataFrame) -> list[dict[str, Any]]:
-    return [{key: _plain(value) for key, value in row.items()} for row in table.to_dict("records")]
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, str):
-        return value
-    number = float(value)
-    return (int(number) if number.is_integer() else number) if math.isfinite(number) else None
+    """Return rows as JSON values, None for what is not finite."""
+    finite = table.replace([np.inf, -np.inf], np.nan)
+    return finite.astype(object).where(finite.notna(), None).to_dict("records")
 
 
 def write(path: FilePath, score: Score) -> None:

@@ -14,6 +14,7 @@ from opml.report.results import NO_VALUE
 from opml.report.skill import NO_CORRECTION
 
 TITLE = "Benefit in conjunctions"
+_NAMES = {UNCORRECTED: NO_CORRECTION, CHOSEN: CHOSEN}
 
 
 def section(tables: Mapping[Dataset, pd.DataFrame], screening: Mapping[str, float]) -> Iterator[Block]:
@@ -29,7 +30,7 @@ def section(tables: Mapping[Dataset, pd.DataFrame], screening: Mapping[str, floa
         days = list(dict.fromkeys(table["day"]))
         shown = table[(table["crossing"] == ANY) | (table["model"] == CHOSEN)]
         rows = [
-            [_named(str(model)), *map(str, others), *_cells(found, days)]
+            [_NAMES.get(str(model), f"`{model}`"), *map(str, others), *_cells(found, days)]
             for (model, *others), found in shown.groupby(
                 ["model", "covariance", "weather", "crossing"], sort=False
             )
@@ -38,16 +39,7 @@ def section(tables: Mapping[Dataset, pd.DataFrame], screening: Mapping[str, floa
         yield from texts.blocks("conjunctions.dataset", rows, **names)
 
 
-def _named(model: str) -> str:
-    names = {UNCORRECTED: NO_CORRECTION, CHOSEN: CHOSEN}
-    return names.get(model, f"`{model}`")
-
-
 def _cells(found: pd.DataFrame, days: list[float]) -> list[str]:
     by_day = found.assign(flagged=100.0 * found["flagged"]).set_index("day")
-    return [
-        "{alarms:.0f} / {per_approach:.2g} / {flagged:.0f}".format(**by_day.loc[day])
-        if day in by_day.index
-        else NO_VALUE
-        for day in days
-    ]
+    cell = "{alarms:.0f} / {per_approach:.2g} / {flagged:.0f}".format
+    return [cell(**by_day.loc[day]) if day in by_day.index else NO_VALUE for day in days]

@@ -6,7 +6,7 @@ import pandas as pd
 
 from opml.base.errors import InputError
 
-_FAR = 3.0  # root mean square of weighted residuals from which on measurements are none of the orbit
+FAR = 3.0  # root mean square of weighted residuals from which on measurements are none of the orbit
 
 
 def none_converged(what: str, estimates: Iterable[pd.DataFrame]) -> InputError:
@@ -20,7 +20,7 @@ def none_converged(what: str, estimates: Iterable[pd.DataFrame]) -> InputError:
     hint = (
         f", with residuals of {rms:.3g} times the stations' noise in the median: "
         "did these stations measure, and this RSO?"
-        if rms > _FAR
+        if rms > FAR
         else ""
     )
     count = f"none of {len(table)}" if len(table) else "none"

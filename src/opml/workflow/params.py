@@ -340,18 +340,14 @@ class Params:
 
     @property
     def catalogue_seasons(self) -> dict[str, Any]:
-        """Dates of all of a catalogue's tests, and who taught."""
+        """Dates of all of a catalogue's tests, who taught, and what figures call them."""
         tests = self.plan.settings.catalogue.tests if self.plan.settings.catalogue else {}
         return {
             "epoch": self.run.epoch,
             "seasons_of_tests": {name: _seasons(test) for name, test in tests.items()},
             "teachers": {name: test.teachers for name, test in tests.items()},
+            "labels": {name: test.words for name, test in tests.items()},
         }
-
-    def catalogue_labels(self, tests: Iterable[str]) -> dict[str, Any]:
-        """Return what tests of a catalogue are about, in the words of a figure, by name."""
-        words = {name: self.plan.catalogue_test(name).words for name in tests}
-        return {"epoch": self.run.epoch, "labels": words}
 
     def catalogue_season(self, wildcards: Wildcards) -> dict[str, Any]:
         """Return the dates of the wildcard `test` of a catalogue."""

@@ -132,12 +132,3 @@ def test_the_command_screens_a_catalogue_alone_and_ours_for_days(catalogue, tmp_
         assert len(table) > 0
         assert table["tca"].is_monotonic_increasing
     assert table["first"].nunique() == 1
-
-
-def test_a_catalogue_of_one_object_and_days_that_are_none_are_refused(catalogue, tmp_path, capsys):
-    one = tmp_path / "one.tle"
-    one.write_text("".join(catalogue.read_text().splitlines(keepends=True)[:2]))
-    assert cli.main(["screen", str(one)]) == 1
-    assert "one.tle: expected mean elements of two objects or more, got one" in capsys.readouterr().err
-    assert cli.main(["screen", str(catalogue), "--days", "0"]) == 1
-    assert "--days: expected a number above 0 and up to 30, got 0" in capsys.readouterr().err

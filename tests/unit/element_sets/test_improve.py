@@ -1,6 +1,5 @@
 """Better sets for a morning: nothing later counts, two numbers carry the correction, each set says why."""
 
-import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -8,7 +7,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import sinking_histories
-from support import refusal, refusals
+from support import refusal
 
 from opml import cli
 from opml.element_sets import catalogue, corrector, density, features, improve, pairs, ways
@@ -166,25 +165,6 @@ def test_the_command_writes_sets_and_table(
     code = cli.main(["improve", str(folder), "-o", str(output), "--table", f"{table}.csv", "--date", DATE])
     assert code == 0
     assert len(pd.read_csv(f"{table}.csv")) == len(NUMBERS)
-
-
-@pytest.mark.parametrize(("arguments", "expected"), refusals("improve"))
-def test_what_cannot_be_is_told_in_one_line(
-    arguments: list[str],
-    expected: str,
-    folder: Path,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture,
-) -> None:
-    monkeypatch.chdir(tmp_path)
-
-    assert cli.main(["improve", str(folder), *arguments]) == 1
-
-    (line,) = capsys.readouterr().err.splitlines()[-1:]
-    assert line.startswith("opml: ")
-    assert re.search(expected, line)
-    assert not (tmp_path / "better.tle").exists()
 
 
 def test_a_folder_without_sets_is_refused(tmp_path: Path) -> None:

@@ -232,40 +232,6 @@ def test_a_day_alone_begins_at_midnight(file, capsys):
     assert f" from {DATE[:10]}T00:00:00 UTC: " in capsys.readouterr().out
 
 
-REFUSED = {
-    "another suffix": (["-o", "mine.xlsx"], r"mine\.xlsx: expected a suffix \.oem"),
-    "too many days": (["--days", "8"], "expected more than 0 and at most 7 days, got 8"),
-    "an input as output": (["-o", "{file}"], r"sets\.tle: expected another file for what is written"),
-    "an output twice": (["-o", "mine.oem"], r"mine\.oem: expected another file for what is written"),
-    "a folder as output": (["-o", ".."], r"\.\.: expected a suffix"),
-    "a body of points": (["--area-to-mass", "0.02"], "--area-to-mass: expected points or tracks to fit"),
-    "a date that is none": (
-        ["--date", "yesterday"],
-        "^opml: date: expected UTC text like .*, got 'yesterday'",
-    ),
-    "weather of later": (["--date", "1957-04-30T06:00:00"], "measured before 1957-04-30, got it from 19"),
-    "another object": (["--object", "102"], "expected one object 102, got 101"),
-    "no name": (["--object", ""], "expected one object , got 101"),
-    "no date": (["--date", ""], "^opml: date: expected UTC text like .*, got ''"),
-    "old weather": (
-        ["--date", "2026-03-01T00:00:00"],
-        "space weather measured up to 2026-03-01.*newer: https",
-    ),
-}
-
-
-@pytest.mark.parametrize("case", REFUSED)
-def test_what_cannot_be_is_refused_in_a_line(case, file, tmp_path, capsys, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    arguments, message = REFUSED[case]
-    given, before = [one.format(file=file) for one in arguments], file.read_bytes()
-    assert cli.main(["predict", str(file), "-o", "mine.oem", *given]) == 1
-    assert file.read_bytes() == before
-    (line,) = [line for line in capsys.readouterr().err.splitlines() if "expected" in line]
-    assert re.search(message, line)
-    assert list(tmp_path.iterdir()) == []
-
-
 def test_one_set_has_the_usual_errors(file, tmp_path):
     (tmp_path / "one.tle").write_text("".join(file.read_text().splitlines(keepends=True)[-2:]))
     made = prediction.predict(tmp_path / "one.tle", days=1.0)

@@ -341,11 +341,14 @@ def test_it_is_held_against_later_estimates(table, known):
     states = own[[f"{name}_predicted" for name in STATE]].to_numpy()[100:600:100]
     later = pd.DataFrame(states, columns=STATE).assign(t=own["t"].to_numpy()[100:600:100], converged=True)
     later.loc[2, "converged"] = False
+    later = later.assign(**dict.fromkeys(PARAMETER_COVARIANCES, 0.0))
+    later[["cov_x_x", "cov_y_y", "cov_z_z"]] = 9.0
     errors = corrected.held_against(own, later)
     assert len(errors) == 4
     np.testing.assert_allclose(errors[["before_x", "before_y", "before_z"]], 0.0, atol=1e-6)
     assert (errors["after_y"].abs() > 1.0).all()
     np.testing.assert_allclose(errors["duration"], later["t"].drop(2) - TIMES[1])
+    np.testing.assert_allclose(errors[["sigma_e_x", "sigma_e_y", "sigma_e_z"]], 3.0)
     panels = later_errors.later_errors(errors, level=0.9).axes
     assert [axes.get_ylabel() for axes in panels[::2]] == [
         "radial error",

@@ -26,7 +26,7 @@ def tables():
 def test_shares_are_by_groups_of_each_quantity_three_days_ahead():
     residuals, rows = tables()
     figure = gains({"summer": residuals}, {"summer": rows}, {"summer": "from May\npayloads"})
-    assert "leave 7 to 90 % of SGP4's" in figure.get_suptitle()
+    assert "after 3 days is 7 to 90 % of SGP4's" in figure.get_suptitle()
     assert [axes.get_xlabel() for axes in figure.axes] == [
         "height [km]",
         "drag's displacement in 3 days [km]",

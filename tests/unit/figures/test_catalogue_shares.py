@@ -38,7 +38,9 @@ def test_panels_are_bands_and_marks_are_learners():
 
 def test_headline_and_note_state_shares_and_both_seasons():
     figure = shares(scores(), SEASONS, name="summer")
-    assert figure.get_suptitle().strip() == "Learned corrections leave 80 to 80 % of SGP4's median error"
+    assert (
+        figure.get_suptitle().strip() == "With learned corrections the median error is 80 to 80 % of SGP4's"
+    )
     (note,) = figure.texts[-1:]
     assert " ".join(note.get_text().split()) == (
         "summer: trained on half, 2026-03-15 to 2026-05-07; tested on the others, 2026-05-31 to 2026-07-31; "

@@ -516,9 +516,9 @@ def test_swarm_between_nodes_is_right_within_two_centimetres():
 
 
 def test_velocities_in_another_unit_may_be_passed_over(tmp_path, nodes):
-    """As those of CNES's orbits of TOPEX, in m/s where SP3 has dm/s."""
+    """Neither in dm/s, as SP3 has them, nor in m/s, as CNES's orbits of TOPEX."""
     t, states = nodes(60.0)
-    path = orbit_files.sp3(tmp_path / "orbit.sp3", t, states * np.repeat([1.0, 0.1], 3))
+    path = orbit_files.sp3(tmp_path / "orbit.sp3", t, states * np.repeat([1.0, 0.3], 3))
     files = OrbitFiles([path], EPOCH, DURATION, positions_alone=True)
     table, _ = truth_from_orbit.truth(files, step=60.0)
     with pytest.raises(InputError, match="another unit or frame"):

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
-from support import EPOCH
+from support import EPOCH, refusal
 
 from opml import api, cli
 from opml.base.constants import DAY, HOUR
@@ -15,8 +15,10 @@ from opml.base.errors import InputError
 from opml.catalog.flight import Flight
 from opml.catalog.simulate import tracking, truth
 from opml.dynamics.settings import ForceModelSettings
+from opml.ephemerides import along_track_shift
 from opml.interop import oem, tdm
 from opml.interop.element_sets import mean_elements
+from opml.mornings import issued
 from opml.mornings.outcomes import UNPROVEN
 from opml.mornings.prediction import Request
 from opml.orbits.elements import in_rsw
@@ -124,6 +126,17 @@ def test_tracks_are_fitted_by_their_radars(orbit, earth_orientation, three_stati
     assert np.linalg.norm(made.state(when)[:3] - orbit[STATE[:3]].to_numpy()[late]) < 2e3
 
 
+def test_measurements_that_no_orbit_fits_are_refused(tmp_path):
+    """A circle whose plane does not turn."""
+    turn, t = 1.1e-3, np.arange(0.0, 0.75 * DAY, 120.0)
+    circle = 6.9e6 * np.array([np.cos(turn * t), 0.6 * np.sin(turn * t), 0.8 * np.sin(turn * t)])
+    utc = np.datetime64("2016-10-02T00:00:00") + t.astype("m8[s]")
+    table = pd.DataFrame(dict(zip(("utc", "x_gcrf_m", "y_gcrf_m", "z_gcrf_m"), [utc, *circle], strict=True)))
+    table.to_csv(tmp_path / "mine.csv", index=False, date_format="%Y-%m-%dT%H:%M:%S")
+    with pytest.raises(InputError, match=r"mine.csv: expected measurements of an orbit, got .* off the"):
+        made_of(tmp_path / "mine.csv", date=None)
+
+
 def test_one_track_of_one_radar_tells_no_drag_but_where_the_object_is(
     orbit, earth_orientation, three_stations, tmp_path
 ):
@@ -170,32 +183,24 @@ def test_the_command_writes_every_format(hours, short, tmp_path, capsys):
     assert "SGP4" not in page
 
 
-REFUSED = {
-    "too many days": (["--days", "8"], "expected more than 0 and at most 7 days, got 8"),
-    "an area below 0": (["--area-to-mass", "-1"], "expected an area to mass above 0 m2/kg, got -1"),
-    "no area": (["--area-to-mass", "nan"], "expected an area to mass above 0 m2/kg, got nan"),
-    "a date before all": (["--date", "2016-09-01T00:00:00"], "expected measurements before 2016-09-01"),
-    "a set that is not fitted": (["-o", "mine.xml"], "mine.xml: expected .tle or .kvn"),
-    "other radars": (["--radars", "none.tsv"], "none.tsv: no such file"),
-}
-
-
-@pytest.mark.parametrize("case", REFUSED)
-def test_what_cannot_be_is_refused_in_a_line(case, hours, tmp_path, capsys, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    arguments, message = REFUSED[case]
-    assert cli.main(["predict", str(hours), *arguments]) == 1
-    (line,) = [
-        line for line in capsys.readouterr().err.splitlines() if "expected" in line or "no such" in line
-    ]
-    assert re.search(message, line)
-    assert list(tmp_path.iterdir()) == []
-
-
 def test_a_single_point_is_refused(tmp_path):
     (tmp_path / "one.csv").write_text("utc,x_gcrf_m,y_gcrf_m,z_gcrf_m\n2019-09-03T00:00:00,7e6,0,0\n")
     with pytest.raises(InputError, match=r"one\.csv: expected measurements, got fewer than two"):
         made_of(tmp_path / "one.csv", date=None)
+
+
+def test_an_orbit_that_is_hardly_determined_is_refused(hours, monkeypatch):
+    made = issued.ephemeris
+    monkeypatch.setattr(issued, "ephemeris", lambda *path, step: made(*path, step=step).head(200))
+    said = refusal(made_of, hours, date=None)
+    assert re.fullmatch(
+        r".*iss\.oem: expected an orbit for 1 days, got one that comes down, or .* after 0\.\d", said
+    )
+    monkeypatch.setattr(along_track_shift, "ROUGH", 0.0)
+    said = refusal(made_of, hours, date=None)
+    assert said.endswith(
+        "iss.oem: expected an orbit for 1 days, got fits over several windows that differ too fast"
+    )
 
 
 def test_points_of_no_orbit_are_refused(tmp_path):

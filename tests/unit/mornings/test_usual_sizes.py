@@ -13,13 +13,20 @@ RATE = 0.0011
 LEADS = np.array([0.5, 1.0, 3.0, 7.0])
 
 
-def estimates(*, cd=1.0, sigma_cd=0.01, rise=0.0):
+def estimates(*, cd=1.0, sigma_cd=0.01, rise=0.0, rms=1.0):
     """Fits over 12 and 48 h of one track on a circular orbit, 0.1 m in each position."""
     state = [7e6, 0.0, 0.0, 0.0, 7e6 * RATE, 0.0]
     columns = dict.fromkeys(PARAMETER_COVARIANCES, 0.0)
     columns |= {f"cov_{axis}_{axis}": 0.01 for axis in "xyz"} | {"cov_cd_cd": sigma_cd**2}
     columns |= {"cov_vy_vy": rise**2}
-    row = {"track": 4, "t": 2 * DAY, "converged": True, "cd": cd, **dict(zip(STATE, state, strict=True))}
+    row = {
+        "track": 4,
+        "t": 2 * DAY,
+        "converged": True,
+        "weighted_rms": rms,
+        "cd": cd,
+        **dict(zip(STATE, state, strict=True)),
+    }
     rows = [row | columns | {"window_hours": hours} for hours in (12.0, 48.0)]
     first = row | columns | {"track": 0, "t": 0.0, "window_hours": 12.0}
     return pd.DataFrame([first, *rows])
@@ -48,6 +55,11 @@ def past(errors, days):
 def sigmas(rows, known=None):
     made = usual_sizes.sizes(rows, formal() if known is None else known, start=4, now=2 * DAY)
     return made.sigmas(causes(LEADS))[:, :3]
+
+
+def test_what_misses_its_measurements_is_known_no_better():
+    assert formal(rms=100.0)["a_x"].item() == pytest.approx(np.hypot(usual_sizes.CONSTANT[0], 10.0))
+    assert formal(rms=1.2).equals(formal())
 
 
 def test_without_a_past_they_are_the_usual_ones():

@@ -73,11 +73,15 @@ def test_pages_of_days_stay_while_another_call_is_at_work(tmp_path, monkeypatch)
     (day / "objects_0.json").write_text(json.dumps([{"object": "one", "verdict": "failed"}]))
     (day / "day.html").write_text("one: failed")
     call = Call(date(2016, 10, 1), date(2016, 10, 1), [], [], dry=False)
+    converted = []
+    monkeypatch.setattr(daily.older_days, "convert", converted.append)
     with lock.hold(tmp_path):
         assert "expected no other run in this folder of results, but process" in refusal(daily.run, call)
         assert len(list(day.iterdir())) == 2
+    assert not converted
     monkeypatch.setattr(daily, "_snakemake", lambda *_: 1)
     assert daily.run(call) == daily.WORKFLOW_FAILED
+    assert converted == [tmp_path / "days"]
     assert not list(day.iterdir())
 
 

@@ -49,7 +49,7 @@ def gains(
     panels[0].set_ylabel("median error [% of SGP4's]")
     learned = pd.concat(drawn)["learned"]
     reach = f"{learned.min():.0f} to {learned.max():.0f} %"
-    headline = f"Learned corrections leave {reach} of SGP4's median error after {LEAD} days"
+    headline = f"With learned corrections the median error after {LEAD} days is {reach} of SGP4's"
     note = clauses("filled: learned", "each mark is a sixth of a test's predictions")
     add_head_and_legend(figure, headline, note, columns=2)
     return figure

@@ -38,7 +38,7 @@ def shares(scores: pd.DataFrame, seasons: Mapping[str, Sequence[str]], *, name: 
     learned = f"trained on half, {' to '.join(seasons['train'])}"
     judged = f"tested on the others, {' to '.join(seasons['test'])}"
     whole = scores[scores["band"] == ALL]
-    headline = f"Learned corrections leave {_reach(whole, 'learned')} % of SGP4's median error"
+    headline = f"With learned corrections the median error is {_reach(whole, 'learned')} % of SGP4's"
     return _panels(bands, _draw_band, headline, clauses(f"{name}: {learned}", judged, _INTERVALS))
 
 

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 
-import numpy as np
 import pandas as pd
 
 from opml.base.constants import DAY
@@ -23,24 +22,7 @@ def at_days(evaluation: pd.DataFrame, days: Sequence[float]) -> pd.DataFrame:
     for day in days:
         near = (evaluation["duration"] / DAY - day).abs() <= REACH_DAYS
         if near.any():
-            sizes.append({"day": day, "rows": int(near.sum())} | _quantiles(size[near]))
+            quantiles = size[near].quantile(list(_QUANTILES)).unstack()
+            named = {f"{when}_{100.0 * share:.0f}": value for (when, share), value in quantiles.items()}
+            sizes.append({"day": day, "rows": int(near.sum())} | named)
     return pd.DataFrame(sizes)
-
-
-def by_duration(evaluation: pd.DataFrame, *, width_days: float) -> pd.DataFrame:
-    """Return the table of `at_days` for bins of the duration, each at its mean duration [days]."""
-    size = evaluation[["true", "residual"]].abs().set_axis(["before", "after"], axis=1)
-    days = evaluation["duration"] / DAY
-    sizes = []
-    # A bin holds its upper end, so that the longest predictions make no bin of their own.
-    for _, rows in size.groupby(np.ceil(days / width_days)):
-        sizes.append({"day": float(days[rows.index].mean()), "rows": len(rows)} | _quantiles(rows))
-    return pd.DataFrame(sizes)
-
-
-def _quantiles(size: pd.DataFrame) -> dict[str, float]:
-    return {
-        f"{name}_{100.0 * quantile:.0f}": float(np.quantile(size[name], quantile))
-        for name in size
-        for quantile in _QUANTILES
-    }
