@@ -17,8 +17,9 @@ SHARE = 1e-6  # of the Earth's mass that the force adds
 
 
 @compiled
-def heavier(x, y, z, vx, vy, vz, inverse_r, reflection, model, values, own):
+def heavier(state, reflection, model, values, own):
     """The pull of more mass at the Earth's centre; its column has the mass, as GM."""
+    x, y, z, _, _, _, inverse_r = state
     pull = -own[0] * inverse_r * inverse_r * inverse_r
     return pull * x, pull * y, pull * z
 

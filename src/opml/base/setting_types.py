@@ -22,16 +22,6 @@ class Expected:
 
 
 @dataclass(frozen=True)
-class Pattern:
-    """Mark of a text that a regular expression describes."""
-
-    regex: str
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: Handler) -> TypeSchema:
-        return handler(source) | {"pattern": self.regex}
-
-
-@dataclass(frozen=True)
 class OneOf:
     """Mark of a text that is one of some names."""
 

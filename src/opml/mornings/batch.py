@@ -46,6 +46,8 @@ _FULL = (errno.ENOSPC, errno.EDQUOT)  # errors of a disk that is full: of no obj
 _SHARED = {"epoch", "force_model", "integrator", "estimation", "models"}
 """Settings that all mornings of a run are made with."""
 
+_SWITCHES = ("solid_tides", "relativity")  # forces that had a setting each when the first mornings were kept
+
 _log = logging.getLogger(__name__)
 
 Made = TypeVar("Made")
@@ -91,6 +93,14 @@ class BatchSettings(JobSettings):
     objects: dict[str, ObjectSettings]
 
     @property
+    def shared(self) -> dict[str, Any]:
+        """What all mornings of a run are made with, in the form whose digests kept mornings have."""
+        shared = self.model_dump(include=_SHARED)
+        forces = dict.fromkeys(shared["force_model"].pop("forces"), True)
+        shared["force_model"] |= dict.fromkeys(_SWITCHES, False) | forces
+        return shared
+
+    @property
     def calendar(self) -> Calendar:
         """When mornings are."""
         return Calendar(self.epoch, self.hour)
@@ -111,12 +121,11 @@ class BatchSettings(JobSettings):
 
 @dataclass(frozen=True)
 class Surroundings:
-    """What all objects of a job fly in: force models as of `morning.FlightModel`, and the stations.
+    """What all objects of a job fly in: force models as of `watched.FlightModel`, and the stations.
 
     The weather was seen until `seen_until` [s]. The models of fits and predictions stand with the parts of
     them that neighbours fly under, made once: arcs under one model fly together. Mean elements are improved
-    beside those of all objects of the run, whose
-    files are read once.
+    beside those of all objects of the run, whose files are read once.
     """
 
     fits: tuple[ForceModel, ForceModel]
@@ -188,7 +197,7 @@ def run(files: Any, settings: BatchSettings, *, metadata: Mapping[str, Any]) -> 
                 if settings.date not in done[name]
             }
         )
-        shared = settings_digest(settings.model_dump(include=_SHARED))
+        shared = settings_digest(settings.shared)
         days.catch_up(
             store,
             list(begun.values()),
@@ -295,8 +304,7 @@ def _begin(
         found.identity,
         found.sgp4 and replace(found.sgp4, improved=surroundings.improved),
     )
-    shared = settings.model_dump(include=_SHARED)
-    digest = settings_digest(shared | one.model_dump(include={"rso", "taking"}))
+    digest = settings_digest(settings.shared | one.model_dump(include={"rso", "taking"}))
     return UnderWay.begin(
         BatchTask(name, calendar, settings.date, digest, one.has_message), watched, store, done
     )

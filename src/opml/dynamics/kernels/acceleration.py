@@ -50,8 +50,8 @@ def acceleration(x, y, z, vx, vy, vz, ballistic, reflection, kind, model, values
     sx, sy, sz = radiation_pressure(x, y, z, sun, lit, reflection)
     # The small ones first: next to the central acceleration each would lose its last digits.
     total = (ax + (bx + (dx + sx)), ay + (by + (dy + sy)), az + (bz + (dz + sz)))
-    own = BODIES + model.bodies.shape[1]
-    ax, ay, az = _with_added(x, y, z, vx, vy, vz, inverse_r, reflection, model, values, own, total)
+    state = (x, y, z, vx, vy, vz, inverse_r)
+    ax, ay, az = _with_added(state, reflection, model, values, total)
     return ax, ay, az, altitude, lit
 
 

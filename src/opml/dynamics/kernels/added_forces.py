@@ -10,20 +10,21 @@ from typing import Any
 
 from opml.dynamics.kernels import relativity as general_relativity
 from opml.dynamics.kernels.lanes import compiled
-from opml.dynamics.kernels.surroundings import AXIS
+from opml.dynamics.kernels.surroundings import AXIS, BODIES
 
 OFF = -1  # in the place of a force's first column, where a model is without the force
 
 
 @compiled
-def relativity(x, y, z, vx, vy, vz, inverse_r, reflection, model, values, own):
+def relativity(state, reflection, model, values, own):
     """Return the acceleration by general relativity in GCRF [m/s2].
 
-    x to vz: position [m] and velocity [m/s] in GCRF
+    state: position [m], velocity [m/s] and 1/r [1/m] in GCRF, seven lanes
     reflection: Cr times area over mass [m2/kg]
     values: from `surroundings.look_up` at the same time
     own: the columns of the force at that time; here the precession of velocities
     """
+    x, y, z, vx, vy, vz, inverse_r = state
     axis = values[AXIS : AXIS + 3]
     return general_relativity.relativity(x, y, z, vx, vy, vz, inverse_r, model.gm, axis, own)
 
@@ -38,7 +39,7 @@ def sum_of(forces: Iterable[Callable[..., Any]]) -> Callable[..., Any]:
 
 
 @compiled
-def _nothing(x, y, z, vx, vy, vz, inverse_r, reflection, model, values, first, total):
+def _nothing(state, reflection, model, values, total):
     return total
 
 
@@ -47,11 +48,11 @@ def _with(others: Callable[..., Any], added: tuple[int, Callable[..., Any]]) -> 
     index, force = added
 
     @compiled
-    def total_of(x, y, z, vx, vy, vz, inverse_r, reflection, model, values, first, total):
-        ax, ay, az = others(x, y, z, vx, vy, vz, inverse_r, reflection, model, values, first, total)
+    def total_of(state, reflection, model, values, total):
+        ax, ay, az = others(state, reflection, model, values, total)
         if model.added[index] != OFF:
-            own = values[first + model.added[index] :]
-            bx, by, bz = force(x, y, z, vx, vy, vz, inverse_r, reflection, model, values, own)
+            own = values[BODIES + model.bodies.shape[1] + model.added[index] :]
+            bx, by, bz = force(state, reflection, model, values, own)
             ax, ay, az = ax + bx, ay + by, az + bz
         return ax, ay, az
 

@@ -12,10 +12,11 @@ from typing import Annotated, Any, Self
 import numpy as np
 import pandas as pd
 from annotated_types import MinLen
+from pydantic import Field
 from threadpoolctl import threadpool_limits
 
 from opml.base.errors import InputError
-from opml.base.setting_types import Expected, Pattern, Unique
+from opml.base.setting_types import Expected, Unique
 from opml.learning.models.contract import (
     ArcSettings,
     Learner,
@@ -64,7 +65,9 @@ class LinearLaw:
 
 
 _Term = Annotated[
-    str, Pattern(r"^[a-z0-9_]+(\*[a-z0-9_]+)*$"), Expected("a product of variables, such as v*cd")
+    str,
+    Field(pattern=r"^[a-z0-9_]+(\*[a-z0-9_]+)*$"),
+    Expected("a product of variables, such as v*cd"),
 ]
 
 

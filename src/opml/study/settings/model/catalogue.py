@@ -3,13 +3,17 @@
 from typing import Annotated, Literal
 
 from annotated_types import MinLen
-from pydantic import Strict
+from pydantic import Field, Strict
 
 from opml.base.section import Section, absent, setting
-from opml.base.setting_types import Absent, Expected, NotNegative, Pattern, Text, Unique
+from opml.base.setting_types import Absent, Expected, NotNegative, Text, Unique
 from opml.study.settings.model.names import Name, PathList
 
-Date = Annotated[str, Pattern(r"^\d{4}-\d{2}-\d{2}$"), Expected('a date (UTC) in quotes, like "2026-03-15"')]
+Date = Annotated[
+    str,
+    Field(pattern=r"^\d{4}-\d{2}-\d{2}$"),
+    Expected('a date (UTC) in quotes, like "2026-03-15"'),
+]
 
 Dates = Annotated[tuple[Date, Date], Strict(False), Expected("two dates in quotes, the first and the last")]
 

@@ -3,25 +3,25 @@
 from typing import Annotated, Literal
 
 from annotated_types import Ge, Le, MinLen
-from pydantic import Strict
+from pydantic import Field, Strict
 
 from opml import naming
 from opml.base.section import Placeholder
-from opml.base.setting_types import Count, Expected, OneOf, Pattern, Positive, Text, Unique
+from opml.base.setting_types import Count, Expected, OneOf, Positive, Text, Unique
 from opml.learning.models.contract import Variable
 from opml.report import claims
 from opml.tables import COMPONENTS
 
 Name = Annotated[
     str,
-    Pattern("^[a-z][a-z0-9]{0,59}$"),
+    Field(pattern="^[a-z][a-z0-9]{0,59}$"),
     Expected("a name of up to 60 lower-case letters and digits"),
     Placeholder("name"),
 ]
 
 EntryName = Annotated[
     str,
-    Pattern("^[a-z][a-z0-9_]{0,59}$"),
+    Field(pattern="^[a-z][a-z0-9_]{0,59}$"),
     Expected("a name of up to 60 lower-case letters, digits and _"),
     Placeholder("name"),
 ]
@@ -33,7 +33,7 @@ RsoName = Annotated[str, Placeholder("rso")]
 Folder = Annotated[
     str,
     # Snakemake reads braces as wildcards, and shells end a word at a space.
-    Pattern(r"^(?!~)[\w./~+@-]*[\w~+@-]$"),
+    Field(pattern=r"^(?!~)[\w./~+@-]*[\w~+@-]$"),
     Expected("a folder's path without spaces, braces or a leading ~"),
 ]
 
@@ -43,7 +43,7 @@ PathList = Annotated[
 
 Epoch = Annotated[
     str,
-    Pattern(r"^\d{4}-\d{2}-\d{2}T\d{2}:\d{2}:\d{2}(\.\d+)?$"),
+    Field(pattern=r"^\d{4}-\d{2}-\d{2}T\d{2}:\d{2}:\d{2}(\.\d+)?$"),
     Expected('UTC text in quotes, like "2016-09-28T12:09:45"'),
 ]
 
@@ -77,13 +77,13 @@ ResonanceList = Annotated[list[Resonance], Unique()]
 
 Train = Annotated[
     str,
-    Pattern(f"^(?:{naming.TRAIN})$"),
+    Field(pattern=f"^(?:{naming.TRAIN})$"),
     Expected("random-<percent>, grouped-<percent> or days-<first>-<last>"),
 ]
 
 Test = Annotated[
     str,
-    Pattern(f"^(?:{naming.TEST})$"),
+    Field(pattern=f"^(?:{naming.TEST})$"),
     Expected("seen, rest, days-<first>-<last> or days-<first>-<last>-unseen"),
 ]
 
@@ -108,11 +108,13 @@ Ratio = Annotated[int, Ge(1), Le(99), Expected("a whole percentage from 1 to 99"
 
 Ratios = Annotated[list[Ratio], MinLen(1), Unique(), Expected("a list of percentages")]
 
-RatioKey = Annotated[str, Pattern("^[1-9][0-9]?$"), Expected("a whole percentage from 1 to 99, in quotes")]
+RatioKey = Annotated[
+    str, Field(pattern="^[1-9][0-9]?$"), Expected("a whole percentage from 1 to 99, in quotes")
+]
 
 PublishedByRatio = Annotated[dict[RatioKey, Positive], Expected("P_ML by ratio, the ratio in quotes")]
 
-ValueKey = Annotated[str, Pattern(r"^-?[0-9]+(\.[0-9]+)?$"), Expected("a number in quotes")]
+ValueKey = Annotated[str, Field(pattern=r"^-?[0-9]+(\.[0-9]+)?$"), Expected("a number in quotes")]
 
 PublishedByValue = Annotated[
     dict[Test, Annotated[dict[ValueKey, Positive], Expected("P_ML by value, the value in quotes")]],
