@@ -26,7 +26,7 @@ from opml.interop.element_sets import element_fits, mean_elements, usual_errors
 from opml.orbits.elements import rsw_rotation
 from opml.tables import STATE
 
-FULL = {"degree": 48, "order": 48, "solid_tides": True, "relativity": True}
+FULL = {"degree": 48, "order": 48, "forces": ["solid_tides", "relativity"]}
 ANY_CD = {"cd_min": 0.01, "cd_max": 10.0}
 ERRORS = ["e_x", "e_y", "e_z"]  # radial, along, across
 AHEAD = 8  # days of weather after t

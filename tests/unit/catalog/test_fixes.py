@@ -159,8 +159,11 @@ def test_a_filter_takes_fixes_too(flight, orbit):
 def sets(orbit, epochs, *, reach=12 * HOUR, known=(np.nan,) * 3, **given):
     """The table of sets at epochs, each with the points of so long before it."""
     rows = points(orbit, velocities=True, **given)
-    before = [rows[(rows["t"] <= epoch) & (rows["t"] >= epoch - reach)] for epoch in epochs]
-    return fixes.of_sets(np.asarray(epochs), before, known=np.asarray(known))
+    before = [
+        rows[(rows["t"] <= epoch) & (rows["t"] >= epoch - reach)].assign(track=track)
+        for track, epoch in enumerate(epochs)
+    ]
+    return fixes.of_sets(np.asarray(epochs), pd.concat(before), known=np.asarray(known))
 
 
 def test_sets_are_told_from_points_along_an_orbit(orbit):
@@ -225,4 +228,4 @@ def test_wrong_points_are_told_in_one_line(orbit):
         with pytest.raises(InputError, match="expected numbers, and sigmas above 0, of all that counts"):
             fixes.Fixes(fixes.stretches(wrong))
     with pytest.raises(InputError, match=r"expected ascending epochs, got 7200.000 s twice"):
-        fixes.of_sets(np.array([7200.0, 7200.0]), [rows, rows], known=np.full(2, np.nan))
+        fixes.of_sets(np.array([7200.0, 7200.0]), rows.assign(track=0), known=np.full(2, np.nan))
