@@ -45,8 +45,8 @@ check: $(INSTALLED)
 # Tests of the workflow start Python some hundred times: each start reads what an earlier one compiled.
 test: export PYTHONDONTWRITEBYTECODE =
 test: $(VENV)/.docs
-	$(PYTEST) tests/workflow
-	$(PYTEST) tests/reference tests/project tests/unit --cov --cov-report= --cov-fail-under=0
+	$(PYTEST) tests/workflow tests/project
+	$(PYTEST) tests/reference tests/unit --cov --cov-report= --cov-fail-under=0
 	$(BIN)/python tests/reached.py
 
 faults: $(INSTALLED)

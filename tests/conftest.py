@@ -31,6 +31,13 @@ settings.register_profile("anew", max_examples=300, derandomize=False, deadline=
 settings.load_profile("same")
 
 
+def pytest_collection_modifyitems(items):
+    """Slow tests are not followed: to see each line that they reach, they would take half as long again."""
+    for item in items:
+        if item.get_closest_marker("slow"):
+            item.add_marker("no_cover")
+
+
 @pytest.fixture(scope="session")
 def earth_orientation():
     """The Earth orientation table of the paper's 50 days."""
