@@ -20,7 +20,7 @@ from opml.environment import knowledge, nrlmsis
 from opml.environment.weather import Weather
 from opml.interop import ccsds
 from opml.interop.element_sets.element_set import changed, seconds_since
-from opml.tables import IMPROVED_MODELS, SCHEMAS, read_table, write_table
+from opml.tables import IMPROVED_MODELS, SCHEMAS, read_metadata, read_table, write_table
 
 _REACH = 80
 """Days before a morning beyond which no set tells anything of it, those of the PAST mornings reckoned."""
@@ -92,18 +92,21 @@ class ImprovedHistory:
     def _numbers_on(self, morning: float, number: int, t: float) -> pd.DataFrame:
         """Return the table `improved_numbers` by model and number, with those of an object's set of a time.
 
-        What is kept from before the set came is made again.
+        What is kept from before the set, or weather that was known then, came is made again.
         """
         path = Path(self._kept, epochs.calendar(morning), "improved.parquet") if self._kept else None
+        made_by = {"morning": morning, "weather": float(density.end_of(self._weather.keep_known(morning)))}
         if morning not in self._numbers and path and path.exists():
-            self._numbers[morning] = read_table(path, "improved_numbers").set_index(_KEYS)
+            told = read_metadata(path)
+            if all(told.get(name) == value for name, value in made_by.items()):
+                self._numbers[morning] = read_table(path, "improved_numbers").set_index(_KEYS)
         found = self._numbers.get(morning)
         if found is None or found["t"].get((DENSITY, number)) != t:
             tables = {name: one.rename_axis("number") for name, one in self._improve(morning).items()}
             self._numbers[morning] = pd.concat(tables, names=_KEYS)
             if path:
                 made = self._numbers[morning].reset_index()
-                write_table(path, made, "improved_numbers", metadata={"morning": morning})
+                write_table(path, made, "improved_numbers", metadata=made_by)
         return self._numbers[morning]
 
     def _improve(self, morning: float) -> Mapping[str, pd.DataFrame]:

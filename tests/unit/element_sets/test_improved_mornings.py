@@ -80,6 +80,17 @@ def test_the_numbers_of_a_morning_are_made_once_for_all_jobs(
     assert late[0] == late[1] == numbers(whole, LEARNED) != early
 
 
+def test_the_numbers_of_a_morning_are_made_again_with_weather_that_came_late(
+    history: Path, tmp_path: Path
+) -> None:
+    sets, weather = catalogue.read([history], latency=0.0), density.clean(knowledge.read("OBSERVED"))
+    ends = MORNING - 7.0, MORNING
+    before = ImprovedHistory(sets, weather.keep_known(MORNING - 10.0), model.read())
+    published = numbers(before.within(*ends, kept=tmp_path), LEARNED)
+    whole = ImprovedHistory(sets, weather, model.read())
+    assert numbers(whole.within(*ends, kept=tmp_path), LEARNED) == numbers(whole, LEARNED) != published
+
+
 def test_sets_are_as_published_where_the_weather_ends_too_early(history: Path) -> None:
     sets, weather = catalogue.read([history], latency=0.0), density.clean(knowledge.read("OBSERVED"))
     old = ImprovedHistory(sets, weather.keep_known(MORNING - 10.0), model.read())
