@@ -47,7 +47,7 @@ class Lessons:
         return self._trained[now]
 
     def _known(self, now: float) -> pd.DataFrame:
-        """Return the kept rows whose error is known at `now` [s], and no manoeuvre that spoilt it."""
+        """Return the kept rows whose error is known at `now` [s], without manoeuvres known by then."""
         within = in_days(self.dataset["t_j"].to_numpy(), (self.first_day, now / DAY))
         rows = self.dataset[self.dataset["keep"].to_numpy() & within & are_over(self.dataset, now)]
         if rows.empty:
