@@ -16,7 +16,7 @@ from opml.base.errors import InputError
 from opml.base.progress import counted
 from opml.ephemerides.along_track_shift import check_smooth, corrected, through
 from opml.ephemerides.corrected import interpolate_spread
-from opml.ephemerides.task import ephemeris_table
+from opml.ephemerides.ephemeris_task import ephemeris_table
 from opml.learning.data.splits import are_over
 from opml.learning.judge.error_sizes import LEAST_ROWS, Sizes
 from opml.learning.judge.model_choice import choose

@@ -40,12 +40,12 @@ from opml.interop.predicted_orbit import STEP, PredictedOrbit
 from opml.learning.models import learners
 from opml.learning.models.contract import ResolvedSettings
 from opml.learning.models.learners import JobLearner, arc_of
-from opml.mornings import issued, judged, measured, usual_sizes
+from opml.mornings import issued, measured, usual_sizes, verdicts
 from opml.mornings.issued import Flown
-from opml.mornings.judged import OLDEST, Verdict
 from opml.mornings.measured import MeasurementSource, Span
 from opml.mornings.morning import Left, morning
 from opml.mornings.records import Records
+from opml.mornings.verdicts import OLDEST, Verdict
 from opml.mornings.watched import FlightModel, MorningPlan, Watched
 from opml.orbits.sheets import Rso, Station
 from opml.tables import STATE, STATE_COVARIANCES, symmetric_matrices
@@ -367,7 +367,7 @@ def _verdict(watched: Watched, left: Left, records: Records, past: pd.DataFrame,
     if start["t"].isna().all():
         return left.verdict
     burns, often = [*watched.manoeuvres, *records.burns], past[past["duration"] <= DAY * _JUDGED]
-    return judged.verdict(often, start, now=now, burns=burns, window=watched.plan.base * HOUR)
+    return verdicts.verdict(often, start, now=now, burns=burns, window=watched.plan.base * HOUR)
 
 
 def _basis(past: pd.DataFrame) -> str:

@@ -15,9 +15,9 @@ from opml.catalog.predict import prediction, spread
 from opml.catalog.predict.spread import Weathers
 from opml.catalog.simulate import tracking, truth
 from opml.ephemerides import corrected, replays
-from opml.ephemerides.known import Known
-from opml.ephemerides.part import Grid
-from opml.ephemerides.task import Task
+from opml.ephemerides.ephemeris_task import Task
+from opml.ephemerides.known_tables import Known
+from opml.ephemerides.task_part import Grid
 from opml.interop import oem
 from opml.learning.data import dataset
 from opml.learning.data.cleaning import Cleaning

@@ -6,7 +6,7 @@ import pandas as pd
 
 from opml.base.constants import DAY
 from opml.base.errors import InputError
-from opml.learning.data.components import CORRECTED
+from opml.learning.data.error_components import CORRECTED
 from opml.learning.data.splits import are_over, in_days
 from opml.learning.models import learners
 from opml.learning.models.contract import Model, ResolvedSettings
