@@ -31,7 +31,7 @@ from opml.environment import knowledge, nodes
 from opml.environment.forecasts.methods import AnyForecast
 from opml.environment.knowledge import Issues
 from opml.environment.settings import EnvironmentSettings
-from opml.ephemerides.along_track_shift import through
+from opml.ephemerides.along_track_shift import NotSmoothError, through
 from opml.interop import ccsds, points_from_files, tdm
 from opml.interop.object_ids import ObjectId
 from opml.interop.orbit_arcs import contents
@@ -214,7 +214,7 @@ def predict(request: Request, settings: OrbitSettings, *, progress: Progress) ->
     expected = f"{request.files[0]}: expected an orbit for {request.days:g} days, got"
     try:
         flown = _flown(watched, left, records, now=times.date)
-    except InputError:
+    except NotSmoothError:
         raise InputError(f"{expected} fits over several windows that differ too fast") from None
     t = flown.table["t"].to_numpy() - times.date
     if t[-1] < DAY * request.days:
