@@ -27,6 +27,8 @@ from opml.catalog.flight import Flight
 from opml.catalog.predict import labels, prediction, spread
 from opml.catalog.predict.spread import Weathers
 from opml.catalog.simulate import tracking, truth
+from opml.conjunctions import comparison, known_orbits
+from opml.conjunctions.known_orbits import KnownOrbit
 from opml.dynamics.forces import build, tabulated
 from opml.dynamics.kernels.surroundings import ForceModel
 from opml.dynamics.run_environment import Environment
@@ -422,6 +424,34 @@ def predict(
         catalogue=catalogue,
         trained=trained,
     )
+
+
+def read_orbit(*paths: FilePath, object: str | int | None = None) -> KnownOrbit:
+    """Read an orbit with its covariances from OEM, SP3, CPF, CSV, TLE, OMM or a table, whatever its frame.
+
+    object: name, designator or number, of several; its states are in GCRF, interpolated between those that
+    are five minutes apart or less. Raises InputError, naming file and line, for files that are malformed.
+
+    >>> orbit = opml.read_orbit("mine.oem")
+    >>> orbit.state("2026-01-09T00:00:00").shape, orbit.covariance("2026-01-09T00:00:00").shape
+    ((6,), (6, 6))
+    >>> orbit.to_pandas().columns.tolist()
+    ['utc', 'x', 'y', 'z', 'vx', 'vy', 'vz', 'sigma_r', 'sigma_s', 'sigma_w']
+    """
+    return known_orbits.read(paths, None if object is None else str(object))
+
+
+def compare(ours: KnownOrbit, other: KnownOrbit) -> pd.DataFrame:
+    """Compare two orbits: the table `comparison`, ours less the other in RSW [m], at the other's times.
+
+    It has our standard deviations, and the part of our ellipsoid's probability that each error is within.
+    Raises InputError where both know nothing of the same time.
+
+    >>> apart = opml.compare(orbit, opml.read_orbit("sets.tle"))
+    >>> bool((apart["sigma_s"] > 0.0).all())
+    True
+    """
+    return comparison.compare(ours, other)
 
 
 def predict_tracks(

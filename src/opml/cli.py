@@ -149,13 +149,13 @@ def _add_compare(parser: argparse.ArgumentParser) -> None:
 
 def _compare(options: argparse.Namespace) -> None:
     from opml import tables
-    from opml.conjunctions import comparison
+    from opml.conjunctions import comparison, known_orbits
 
     if options.output:
         suffix_of(options.output, tables.TABLE_SUFFIXES)
         check_apart([options.output], [options.ours, *options.other])
-    ours = comparison.read([options.ours], options.object)
-    table = comparison.compare(ours, comparison.read(options.other, options.other_object))
+    ours = known_orbits.read([options.ours], options.object)
+    table = comparison.compare(ours, known_orbits.read(options.other, options.other_object))
     if options.output:
         metadata = {"ours": options.ours, "other": options.other}
         tables.write_as(options.output, table, "comparison", metadata=metadata)
