@@ -392,14 +392,15 @@ def predict(
     catalogue: Sequence[FilePath] = (),
     trained: FilePath | None = None,
     stations: Sequence[Station] = (),
-    area_to_mass: float = 0.01,
+    area_to_mass: float | None = None,
 ) -> PredictedOrbit:
     """Predict an object with a covariance: SGP4 from its newest element set, improved, or a fit flown on.
 
     files: files or folders of TLEs or OMMs; or files of points (OEM, SP3, CPF, CSV) or tracks (TDM); days: 7
     at most; object: name, designator or number, of several; date: UTC text, None for when the newest was
     known; weather: OBSERVED, the packaged one, or a CSSI file; catalogue: sets of other objects to compare
-    with; trained: a model of ``opml train``; stations: of tracks; area_to_mass: of what was measured [m2/kg].
+    with; trained: a model of ``opml train``; stations: of tracks; area_to_mass: of what was measured [m2/kg],
+    None: a guess.
     Raises InputError for unreadable files, an object that is not there, days out of range, old weather.
     Source: ``opml docs improve``.
 
