@@ -91,7 +91,8 @@ def paths(
     windows = learners.arc_windows(plan.models.values())
     whole = replace(known, others={hours: records.of_window(hours, burns) for hours in windows})
     part = Part(watched.model.predictions, whole, starts, Grid(STEP, plan.max_days, plan.end))
-    part.fly_together(windows, _held_arcs(plan.models.values()))
+    answering = [one for one in plan.models.values() if "v_arc_y" in one.variables]
+    part.fly_together(windows, learners.arc_windows(answering), _held_arcs(plan.models.values()))
     table = part.pairs().assign(morning=now)
     for name, settings in plan.models.items():
         table[f"e_y_{name}"] = _along(part, settings)
@@ -122,10 +123,9 @@ def _held_arcs(settings: Iterable[ResolvedSettings]) -> list[tuple[float, float]
 
 def _along(part: Part, settings: ResolvedSettings) -> np.ndarray:
     """Return the e_y (n,) [m] that a model expects along a part's ephemeris, NaN where none reaches."""
-    asked = [*STATE, *settings.variables]
-    columns = part.columns(settings.variables, arc=learners.arc_of(settings))[["i", *asked]]
+    columns = part.columns(settings.variables, arc=learners.arc_of(settings))
     along = np.full(len(columns), np.nan)
-    finite = np.isfinite(columns[asked].to_numpy()).all(axis=1)
+    finite = np.isfinite(columns[[*STATE, *settings.variables]].to_numpy()).all(axis=1)
     if finite.any():
         rows = columns[finite]
         along[finite] = expected(rows, model(settings, rows))

@@ -50,23 +50,37 @@ def read_estimates(files: Any, *, window_hours: float) -> pd.DataFrame:
 def build_arcs(
     flight: Flight, predictions: pd.DataFrame, *, arc_estimates: pd.DataFrame, arc_predictions: pd.DataFrame
 ) -> pd.DataFrame:
+    """Return the `arcs` table of `arcs_beside`, whose neighbours are propagated here."""
+    larger = nudged_beside(flight, arc_estimates, arc_predictions)
+    apriori = flight.rso.cd
+    return arcs_beside(predictions, arc_predictions, larger, arc_estimates=arc_estimates, apriori=apriori)
+
+
+def arcs_beside(
+    predictions: pd.DataFrame,
+    arc_predictions: pd.DataFrame,
+    larger: pd.DataFrame,
+    *,
+    arc_estimates: pd.DataFrame,
+    apriori: float,
+) -> pd.DataFrame:
     """Return the `arcs` table: one row per pair of `predictions`, in their order.
 
-    arc_estimates, arc_predictions: of the same tracks, estimated over another window, or over the same
+    arc_predictions: of the same tracks, estimated over another window, or over the same
+    larger: the same arcs with a larger Cd, from `nudged`
+    arc_estimates: the estimates over that window
+    apriori: Cd of the sheet
 
     In RSW of the predicted state [m, m/s]: l_arc_* is the prediction less that of the arc; v_arc_* how the
     arc's prediction answers to its Cd along the fit's covariance. Where the arc did not converge or does not
     reach t_j, it says nothing: l and v are 0, cd_arc is that of the sheet.
     """
     predicted = predictions[STATE].to_numpy()
-    arc, nudged = (
-        _at_pairs(states, predictions)
-        for states in (arc_predictions, _nudged(flight, arc_estimates, arc_predictions))
-    )
+    arc, nudged = (_at_pairs(states, predictions) for states in (arc_predictions, larger))
     differences = {"l_arc": predicted - arc, "v_arc": (nudged - arc) / CD_NUDGE}
     estimates = _by_pair(arc_estimates, predictions)
     usable = _usable(estimates, differences)
-    table = predictions[["i", "j"]].assign(cd_arc=np.where(usable, estimates["cd"], flight.rso.cd))
+    table = predictions[["i", "j"]].assign(cd_arc=np.where(usable, estimates["cd"], apriori))
     return table.assign(**_turned(differences, predicted, usable))
 
 
@@ -138,13 +152,20 @@ def held_beside(
     return predictions[["i", "j"]].assign(**_turned(differences, predicted, usable))
 
 
-def _nudged(flight: Flight, estimates: pd.DataFrame, predictions: pd.DataFrame) -> pd.DataFrame:
+def nudged_beside(flight: Flight, estimates: pd.DataFrame, predictions: pd.DataFrame) -> pd.DataFrame:
+    """Return predictions of estimates over another window, propagated from `nudged` of these."""
     first = np.searchsorted(estimates["track"], np.unique(predictions["i"]))
     started = estimates.iloc[first]
-    states, cd = started[STATE].to_numpy(), started["cd"].to_numpy()
+    departing = nudged(started)
     neighbours = Neighbours.beside(flight, predictions, started)
-    flown = neighbours.fly(states + CD_NUDGE * shift_with_cd(started), cd + CD_NUDGE)
+    flown = neighbours.fly(departing[STATE].to_numpy(), departing["cd"].to_numpy())
     return _flown(predictions, flown)
+
+
+def nudged(estimates: pd.DataFrame) -> pd.DataFrame:
+    """Return estimates with Cd larger by CD_NUDGE and the states that go with it."""
+    moved = estimates[STATE].to_numpy() + CD_NUDGE * shift_with_cd(estimates)
+    return estimates.assign(**dict(zip(STATE, moved.T, strict=True)), cd=estimates["cd"] + CD_NUDGE)
 
 
 def _flown(predictions: pd.DataFrame, states: np.ndarray) -> pd.DataFrame:
