@@ -101,13 +101,14 @@ $(VENV)/.verify: $(INSTALLED) requirements-verify.lock
 	$(INSTALL) --constraint requirements.lock --requirement requirements-verify.lock
 	touch $@
 
-# Modules are compiled at the end, on all cores; pip would compile on one, which takes as long as all the rest.
+# Modules are compiled at the end, on all cores, as far as they can be; pip would compile on one, which takes as
+# long as all the rest.
 $(INSTALLED): requirements.lock pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(None if sys.version_info >= (3, 11) else "opml needs Python 3.11 or later")'
 	$(MAKE_VENV) $(VENV)
 	$(INSTALL) --no-deps --requirement requirements.lock
 	$(INSTALL) --no-deps --no-build-isolation --editable .
-	$(BIN)/python -m compileall -q -j 0 -x /tests/ $(VENV)/lib src
+	-$(BIN)/python -m compileall -q -j 0 -x /tests/ $(VENV)/lib src
 	$(BIN)/python -c "from opml.study.settings import editor_schema; editor_schema.write('.')"
 	touch $@
 
