@@ -96,19 +96,13 @@ def _add_init(parser: argparse.ArgumentParser) -> None:
 
 def _init(options: argparse.Namespace) -> None:
     from opml.workflow import new_project
+    from opml.workflow.first_study import FirstStudy
 
-    if options.elements:
-        from opml.workflow.study_of_sets import StudyOfSets
-
-        study = StudyOfSets.of(options.elements)
-        new_project.write(options.folder, study.text, [study.file])
+    if options.elements or options.orbit:
+        by_sets = bool(options.elements)
+        study = FirstStudy.of_sets(options.elements) if by_sets else FirstStudy.of_points(options.orbit)
+        new_project.write(options.folder, study.text, study.beside)
         print(study.told)
-    elif options.orbit:
-        from opml.workflow.study_of_points import StudyOfPoints
-
-        points = StudyOfPoints.of(options.orbit)
-        new_project.write(options.folder, points.text)
-        print(points.told)
     else:
         new_project.write(options.folder)
     print(new_project.next_steps(options.folder))

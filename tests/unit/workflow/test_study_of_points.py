@@ -10,7 +10,7 @@ from opml.base.constants import DAY
 from opml.interop import ccsds
 from opml.study.checks import load_settings
 from opml.study.settings.merging import merged
-from opml.workflow.study_of_points import LONGEST
+from opml.workflow.first_study import LONGEST_POINTS
 
 
 @pytest.fixture
@@ -32,7 +32,9 @@ def days_of_points(tmp_path):
     return write
 
 
-@pytest.mark.parametrize(("days", "first", "whole"), [(12, "2016-09-29", 11), (45, "2016-10-08", LONGEST)])
+@pytest.mark.parametrize(
+    ("days", "first", "whole"), [(12, "2016-09-29", 11), (45, "2016-10-08", LONGEST_POINTS)]
+)
 def test_a_project_of_points_can_be_run(days, first, whole, days_of_points, tmp_path, monkeypatch, capsys):
     paths = days_of_points(days)
     assert cli.main(["init", str(tmp_path / "new"), "--orbit", *map(str, paths)]) == 0
