@@ -37,9 +37,9 @@ from opml.element_sets import prediction as set_prediction
 from opml.element_sets.prediction import Prediction
 from opml.environment import MARGIN_S, nodes, solar_activity
 from opml.ephemerides import corrected, replays
-from opml.ephemerides.known import Known
-from opml.ephemerides.part import Grid
-from opml.ephemerides.task import Task, departures
+from opml.ephemerides.ephemeris_task import Task, departures
+from opml.ephemerides.known_tables import Known
+from opml.ephemerides.task_part import Grid
 from opml.interop import crd, points_from_files, sinex, tdm
 from opml.interop.element_sets import mean_elements
 from opml.interop.measured_files import is_measured
@@ -48,10 +48,10 @@ from opml.interop.predicted_orbit import PredictedOrbit
 from opml.learning.data import dataset as datasets
 from opml.learning.data import splits
 from opml.learning.data.cleaning import Cleaning
-from opml.learning.data.components import CORRECTED
+from opml.learning.data.error_components import CORRECTED
 from opml.learning.judge import metrics
 from opml.learning.judge.evaluation import evaluate
-from opml.learning.judge.own_standardisation import as_tested
+from opml.learning.judge.standardised_by_test import as_tested
 from opml.learning.models import learners
 from opml.learning.models.contract import Model
 from opml.learning.models.daily_training import Lessons

@@ -33,6 +33,7 @@ from opml.figures.style import (
     legend,
     page_figure,
     panel_figure,
+    screen_figure,
 )
 from opml.figures.ticks import mark_dates, metres, rounded
 from opml.learning.judge.errors_by_duration import REACH_DAYS
@@ -85,17 +86,17 @@ def residuals(mornings: Mornings, *, laws: Collection[str], note: str = "") -> F
 
     laws: the models that learned
     """
-    figure = page_figure(height_mm=100.0)
+    figure = screen_figure(height_mm=105.0)
     axes = figure.add_subplot()
     before, after = (sizes(mornings.flown, column) for column in ("before", "e_y"))
     _draw_bands(axes, before, TRUE_COLOR, "o", "no correction")
-    _draw_bands(axes, after, RESIDUAL, "^", "corrected by the model selected each day")
+    _draw_bands(axes, after, RESIDUAL, "^", "model selected each day")
     medians = {name: sizes(table, "e_y")["50"] for name, table in mornings.tables.items() if name != "none"}
     named = _to_name(mornings, laws)
     for name, median in medians.items():
         look: dict[str, Any] = {"ls": "--" if name in laws else "-", "lw": 0.6, "color": MUTED}
         if name in named:
-            look |= {"lw": 1.2, "color": BASELINE, "label": "learned" if name in laws else "nothing learned"}
+            look |= {"lw": 1.2, "color": BASELINE, "label": "learned" if name in laws else "without learning"}
         axes.plot(median.index, median, zorder=2.5, **look)
     _size_axis(axes, "e_y")
     axes.set_xlim(0.0, before.index[-1])
@@ -103,11 +104,10 @@ def residuals(mornings: Mornings, *, laws: Collection[str], note: str = "") -> F
     axes.set_ylabel(_size_label("e_y"))
     ends = {display_learner(name): float(medians[name].iloc[-1]) for name in named}
     name_ends(axes, ends, dict.fromkeys(ends, BASELINE))
-    reading = "lines: medians, in grey of the other models; bands: the middle 50 % and 90 % of the errors"
+    bands = "lines: medians, grey: other models; bands: middle 50 % and 90 % of the errors"
     selected, without = (metres(rounded(float(one["50"].iloc[-1]))) for one in (after, before))
-    by_day = f"{selected} with the model selected each day, {without} uncorrected"
-    headline = f"After {after.index[-1]:.2g} d the median error is {by_day}"
-    add_head_and_legend(figure, headline, lines(note, reading), columns=4)
+    headline = f"After {after.index[-1]:.2g} d: median {selected}, uncorrected {without}"
+    add_head_and_legend(figure, headline, lines(note, bands), columns=2)
     return figure
 
 

@@ -99,9 +99,9 @@ def page_figure(*, height_mm: float) -> Figure:
     return _figure(PAGE_WIDTH_MM, height_mm)
 
 
-def screen_figure() -> Figure:
+def screen_figure(*, height_mm: float = 70.0) -> Figure:
     """Return an empty figure whose words a phone still shows large enough."""
-    return _figure(SCREEN_WIDTH_MM, 0.7 * SCREEN_WIDTH_MM)
+    return _figure(SCREEN_WIDTH_MM, height_mm)
 
 
 def panel_figure(

@@ -31,7 +31,7 @@ from opml.environment import knowledge, nodes
 from opml.environment.forecasts.methods import AnyForecast
 from opml.environment.knowledge import Issues
 from opml.environment.settings import EnvironmentSettings
-from opml.ephemerides.along_track_shift import through
+from opml.ephemerides.along_track_shift import NotSmoothError, through
 from opml.interop import ccsds, points_from_files, tdm
 from opml.interop.object_ids import ObjectId
 from opml.interop.orbit_arcs import contents
@@ -40,12 +40,12 @@ from opml.interop.predicted_orbit import STEP, PredictedOrbit
 from opml.learning.models import learners
 from opml.learning.models.contract import ResolvedSettings
 from opml.learning.models.learners import JobLearner, arc_of
-from opml.mornings import issued, judged, measured, usual_sizes
+from opml.mornings import issued, measured, usual_sizes, verdicts
 from opml.mornings.issued import Flown
-from opml.mornings.judged import OLDEST, Verdict
 from opml.mornings.measured import MeasurementSource, Span
 from opml.mornings.morning import Left, morning
 from opml.mornings.records import Records
+from opml.mornings.verdicts import OLDEST, Verdict
 from opml.mornings.watched import FlightModel, MorningPlan, Watched
 from opml.orbits.sheets import Rso, Station
 from opml.tables import STATE, STATE_COVARIANCES, symmetric_matrices
@@ -216,7 +216,7 @@ def predict(request: Request, settings: OrbitSettings, *, progress: Progress) ->
     try:
         light = usual_sizes.GUESSED if request.area_to_mass is None else usual_sizes.GIVEN
         flown = _flown(watched, left, records, now=times.date, light=light)
-    except InputError:
+    except NotSmoothError:
         raise InputError(f"{expected} fits over several windows that differ too fast") from None
     t = flown.table["t"].to_numpy() - times.date
     if t[-1] < DAY * request.days:
@@ -369,7 +369,7 @@ def _verdict(watched: Watched, left: Left, records: Records, past: pd.DataFrame,
     if start["t"].isna().all():
         return left.verdict
     burns, often = [*watched.manoeuvres, *records.burns], past[past["duration"] <= DAY * _JUDGED]
-    return judged.verdict(often, start, now=now, burns=burns, window=watched.plan.base * HOUR)
+    return verdicts.verdict(often, start, now=now, burns=burns, window=watched.plan.base * HOUR)
 
 
 def _basis(past: pd.DataFrame) -> str:

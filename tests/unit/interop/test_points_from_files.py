@@ -160,8 +160,12 @@ def test_a_wrong_csv_is_told_in_one_line(tmp_path, text, old, new, message):
             gzip.compress(GOOD.encode(), mtime=0)[:-9],
             "expected a file that is whole, got Compressed file ended",
         ),
+        (
+            gzip.compress(b"\n" * 60_000_000, mtime=0),
+            "expected a file that is whole, got a gzip of more than 200 times its size",
+        ),
     ],
-    ids=["UTF-16", "every byte", "cut gzip"],
+    ids=["UTF-16", "every byte", "cut gzip", "gzip of blank lines"],
 )
 def test_bytes_that_are_no_csv_are_told_in_one_line(tmp_path, content, message):
     path = tmp_path / "orbit.csv"

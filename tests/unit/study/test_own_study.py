@@ -467,12 +467,12 @@ def test_figure_of_residuals_has_bands_of_what_was_flown_and_lines_of_the_models
     assert axes.get_ylabel() == "along-track error $|e_{y}|$"
     assert {text.get_text() for text in axes.texts} == {"running", "fit96"}
     looks = {line.get_label(): line for line in axes.lines}
-    before, after = looks["no correction"], looks["corrected by the model selected each day"]
+    before, after = looks["no correction"], looks["model selected each day"]
     assert np.median(after.get_ydata()) == pytest.approx(0.02 * np.median(before.get_ydata()))
     assert looks["learned"].get_linestyle() == "--"
-    assert looks["nothing learned"].get_linestyle() == "-"
+    assert looks["without learning"].get_linestyle() == "-"
     assert len(axes.collections) == 4  # the middle 50 and 90 % of both
-    assert figure.get_suptitle().startswith("After 6.9 d the median error is 510 m with the model selected")
+    assert figure.get_suptitle().strip() == "After 6.9 d: median 510 m, uncorrected 25 km"
     assert figure.texts[-1].get_text().startswith("lares\n")
 
 
