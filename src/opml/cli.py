@@ -149,13 +149,13 @@ def _add_compare(parser: argparse.ArgumentParser) -> None:
 
 def _compare(options: argparse.Namespace) -> None:
     from opml import tables
-    from opml.conjunctions import comparison
+    from opml.conjunctions import comparison, known_orbits
 
     if options.output:
         suffix_of(options.output, tables.TABLE_SUFFIXES)
         check_apart([options.output], [options.ours, *options.other])
-    ours = comparison.read([options.ours], options.object)
-    table = comparison.compare(ours, comparison.read(options.other, options.other_object))
+    ours = known_orbits.read([options.ours], options.object)
+    table = comparison.compare(ours, known_orbits.read(options.other, options.other_object))
     if options.output:
         metadata = {"ours": options.ours, "other": options.other}
         tables.write_as(options.output, table, "comparison", metadata=metadata)
@@ -213,7 +213,7 @@ def _add_predict(parser: argparse.ArgumentParser) -> None:
     sets.add_argument("--catalogue", nargs="+", default=[], help="sets of other objects, to compare with")
     sets.add_argument("--model", help="a model of `opml train` (that of the package)")
     measured = parser.add_argument_group("of points and tracks")
-    measured.add_argument("--area-to-mass", type=float, help="area over mass [m2/kg] (0.01)")
+    measured.add_argument("--area-to-mass", type=float, help="area over mass [m2/kg] (a guess: 0.01)")
     measured.add_argument("--radars", default="config/stations.tsv", help="sheet of the stations of tracks")
 
 
@@ -263,10 +263,9 @@ def _fit(options: argparse.Namespace, progress: "Progress") -> "PredictedOrbit":
     prediction_files.check_fitted(options.output)
     if options.catalogue or options.model:
         raise InputError("--catalogue, --model: expected element sets, got points or tracks")
-    asked = {name: getattr(options, name) for name in ("days", "object", "date", "weather")}
+    asked = {name: getattr(options, name) for name in ("days", "object", "date", "weather", "area_to_mass")}
     stations = list(read_stations(project_file(options.radars)).values())
-    area_to_mass = 0.01 if options.area_to_mass is None else options.area_to_mass
-    request = Request(options.files, **asked, stations=stations, area_to_mass=area_to_mass)
+    request = Request(options.files, **asked, stations=stations)
     return prediction.of_measurements(request, progress=progress)
 
 

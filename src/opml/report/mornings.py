@@ -57,8 +57,8 @@ def _verdict(mornings: Mornings, laws: Sequence[str]) -> str:
         predictions=len(mornings.flown),
         earlier=mornings.earlier,
     )
-    spoilt = int(np.isfinite(mornings.flown["spoilt"]).sum()) if "spoilt" in mornings.flown else 0
-    return f"{verdict} {texts.sentences('mornings.burns', spoilt=spoilt)}" if spoilt else verdict
+    across = int(np.isfinite(mornings.flown["burn_known"]).sum()) if "burn_known" in mornings.flown else 0
+    return f"{verdict} {texts.sentences('mornings.burns', across=across)}" if across else verdict
 
 
 def best_model(mornings: Mornings, laws: Sequence[str]) -> tuple[str, float]:

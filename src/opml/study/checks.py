@@ -16,8 +16,8 @@ from opml.catalog import kinds
 from opml.catalog.kinds import KINDS, Asked, Kind
 from opml.environment import knowledge
 from opml.interop import first_state, orbit_from_files
-from opml.learning.data.components import CORRECTED
 from opml.learning.data.dataset import MEASUREMENT
+from opml.learning.data.error_components import CORRECTED
 from opml.learning.models import learners
 from opml.orbits import sheets
 from opml.study import catalogue_checks, element_checks, source_coverage

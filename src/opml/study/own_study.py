@@ -7,7 +7,7 @@ from typing import Any
 
 from opml import naming
 from opml.environment import nrlmsis
-from opml.learning.data.components import CORRECTED, UNCORRECTED
+from opml.learning.data.error_components import CORRECTED, UNCORRECTED
 from opml.learning.judge.calibration import marks
 from opml.learning.models.contract import hours_to_fill
 from opml.learning.models.learners import arc_of, learns, resolved

@@ -14,9 +14,9 @@ from opml.interop.element_sets import histories
 from opml.interop.element_sets.element_set import changed
 from opml.learning.judge.error_sizes import Sizes
 from opml.mornings import days, issued
-from opml.mornings.judged import Verdict, beside_sgp4, medians_beside_sgp4, verdict
 from opml.mornings.outcomes import DO_NOT_USE, GOOD, UNPROVEN, WIDE
 from opml.mornings.records import Records
+from opml.mornings.verdicts import Verdict, beside_sgp4, medians_beside_sgp4, verdict
 from opml.mornings.watched import Sgp4
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import SIGMA_STATE, STATE

@@ -12,7 +12,6 @@ from opml.base.progress import counted
 from opml.catalog.fit import fixes
 from opml.catalog.predict import labels
 from opml.ephemerides.corrected import interpolate_spread
-from opml.ephemerides.replays import missed
 from opml.learning.judge.error_sizes import INSIDE, LEVEL
 from opml.mornings import issued
 from opml.mornings.fits import FAR, Recent, sigmas_off
@@ -49,8 +48,7 @@ def judge(watched: Watched, estimates: pd.DataFrame, recent: Recent, records: Re
     for one in records.paths:
         ahead = _ahead(one.table, later, watched)
         if len(ahead):
-            t_i = float(one.table["t_i"].iloc[0])
-            tables.append(missed(one.arrivals, ahead, t_i=t_i, now=one.made_at))
+            tables.append(one.missed(ahead))
             models += [name for name in one.models for _ in range(len(ahead))]
     if not tables:
         return Records.empty().judged
