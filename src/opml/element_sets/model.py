@@ -7,6 +7,7 @@ and how it was judged.
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib import resources
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ import pandas as pd
 
 from opml.base.errors import InputError
 from opml.base.files import FilePath
+from opml.base.provenance import contents_digest
 from opml.element_sets.corrector import BandModels, Corrector
 from opml.element_sets.density import DAYS_AHEAD, HEIGHTS, Outlook
 from opml.element_sets.features import FEATURES
@@ -35,6 +37,7 @@ class CatalogueModel:
     outlook: Outlook  # the forecast of the density
     correctors: Mapping[str, Corrector]  # by the name of the population
     card: Mapping[str, Any]  # what it was trained on, JSON values
+    digest: str = ""  # of the file that it was read from
 
 
 def write(path: FilePath, model: CatalogueModel) -> None:
@@ -72,7 +75,7 @@ def read(path: FilePath | None = None) -> CatalogueModel:
             return read(packaged)
     table, metadata = read_table(path, "corrector"), read_metadata(path)
     if metadata.get("features") != list(FEATURES):
-        raise InputError(f"{path}: expected a model of this version's features, got another: train it anew")
+        raise InputError(f"{path}: expected a model of this version's features, got another: train it again")
     outlook = np.array(metadata["outlook"])
     if outlook.shape[::2] != (DAYS_AHEAD, len(HEIGHTS)):
         raise InputError(f"{path}: expected an outlook of {DAYS_AHEAD} days, got an array {outlook.shape}")
@@ -83,9 +86,8 @@ def read(path: FilePath | None = None) -> CatalogueModel:
         shares = {(band, lead): share for band, lead, share in part["shares"]}
         own = BandModels(tuple(part["bands"]), tuple(part["leads"]), miss, size, shares)
         correctors[part["population"]] = (*correctors.get(part["population"], ()), own)
-    return CatalogueModel(
-        Outlook(outlook), {name: Corrector(parts) for name, parts in correctors.items()}, metadata["card"]
-    )
+    by_population = {name: Corrector(parts) for name, parts in correctors.items()}
+    return CatalogueModel(Outlook(outlook), by_population, metadata["card"], contents_digest([Path(path)]))
 
 
 def _trees(nodes: pd.DataFrame, offset: float) -> BoostingModel:

@@ -1,5 +1,6 @@
 """Sets as they could be improved when they were known, by the density and by what a catalogue taught."""
 
+import hashlib
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
@@ -30,6 +31,7 @@ _SOON = 0.5  # time after which a set is known for certain, as days in a double 
 _MINUTE = 60.0
 
 _KEYS = ["model", "number"]
+_NUMBERS = ["number", "t", "known", "motion", "bstar", "eccentricity", "inclination"]  # that tell sets apart
 
 
 class ImprovedHistory:
@@ -85,29 +87,35 @@ class ImprovedHistory:
         known = np.flatnonzero((table["number"] == number) & (table["known"] <= morning))
         if not known.size:
             return None
-        numbers = self._numbers_on(morning, number, float(table["t"].iloc[known[-1]]))
-        motion, bstar = numbers.loc[(name, number), ["motion", "bstar"]]
+        motion, bstar = self._numbers_on(morning).loc[(name, number), ["motion", "bstar"]]
         return changed(self._catalogue.satellites[known[-1]], motion, bstar)
 
-    def _numbers_on(self, morning: float, number: int, t: float) -> pd.DataFrame:
-        """Return the table `improved_numbers` by model and number, with those of an object's set of a time.
+    def _numbers_on(self, morning: float) -> pd.DataFrame:
+        """Return the table `improved_numbers` by model and number.
 
-        What is kept from before the set, or weather that was known then, came is made again.
+        What is kept is made again where sets or weather that were known then came or changed, and by another
+        trained model.
         """
-        path = Path(self._kept, epochs.calendar(morning), "improved.parquet") if self._kept else None
-        made_by = {"morning": morning, "weather": float(density.end_of(self._weather.keep_known(morning)))}
-        if morning not in self._numbers and path and path.exists():
-            told = read_metadata(path)
-            if all(told.get(name) == value for name, value in made_by.items()):
-                self._numbers[morning] = read_table(path, "improved_numbers").set_index(_KEYS)
-        found = self._numbers.get(morning)
-        if found is None or found["t"].get((DENSITY, number)) != t:
-            tables = {name: one.rename_axis("number") for name, one in self._improve(morning).items()}
-            self._numbers[morning] = pd.concat(tables, names=_KEYS)
-            if path:
-                made = self._numbers[morning].reset_index()
-                write_table(path, made, "improved_numbers", metadata=made_by)
+        if morning not in self._numbers:
+            path = Path(self._kept, epochs.calendar(morning), "improved.parquet") if self._kept else None
+            made_of = {"morning": morning, "made_of": self._known_by(morning)}
+            if path and path.exists() and made_of.items() <= read_metadata(path).items():
+                kept = read_table(path, "improved_numbers")
+            else:
+                tables = {name: one.rename_axis("number") for name, one in self._improve(morning).items()}
+                kept = pd.concat(tables, names=_KEYS).reset_index()
+                if path:
+                    write_table(path, kept, "improved_numbers", metadata=made_of)
+            self._numbers[morning] = kept.set_index(_KEYS)
         return self._numbers[morning]
+
+    def _known_by(self, morning: float) -> str:
+        """Return the SHA-256 over all that numbers of a morning are made of."""
+        table, weather = self._catalogue.table, self._weather.keep_known(morning)
+        is_known = (table["t"] >= morning - _REACH) & (table["known"] <= morning)
+        sets = table.loc[is_known, _NUMBERS].to_numpy(float)
+        parts = [sets.tobytes(), weather.flux.tobytes(), weather.kp.tobytes(), self._trained.digest.encode()]
+        return hashlib.sha256(b"".join(hashlib.sha256(part).digest() for part in parts)).hexdigest()
 
     def _improve(self, morning: float) -> Mapping[str, pd.DataFrame]:
         """Return mean motion, B* and epoch `t` of the newest sets, by model."""

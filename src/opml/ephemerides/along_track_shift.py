@@ -44,16 +44,22 @@ def corrected(t: np.ndarray, states: np.ndarray, along_track: np.ndarray) -> np.
     return np.asarray(found)
 
 
-def corrected_by_each(t: np.ndarray, states: np.ndarray, along_track: np.ndarray) -> np.ndarray:
-    """Return (k, n, 6) what `corrected` returns of one path by each of several corrections (k, n)."""
+def corrected_by_each(
+    t: np.ndarray, states: np.ndarray, along_track: np.ndarray, part: slice = slice(None)
+) -> np.ndarray:
+    """Return (k, n, 6) what `corrected` returns of one path by each of several corrections (k, n).
+
+    part: epochs that are wanted, with some about them, as splines need them
+    """
     if len(t) < LEAST_EPOCHS:
         raise InputError(f"ephemeris: expected at least {LEAST_EPOCHS} epochs to correct, got {len(t)}")
     radius = np.linalg.norm(states[:, :3], axis=1)
     rate = np.linalg.norm(np.cross(states[:, :3], states[:, 3:]), axis=1) / radius**2
     late = np.arcsin(np.clip(along_track / radius, -1.0, 1.0)) / rate
-    shifted = through(t, states)(t - late)
+    radial = radial_part(t, late, radius, part)
+    t, late, rate = t[part], late[:, part], rate[part]
+    shifted = through(t, states[part])(t - late)
     shifted[..., 3:] *= 1.0 - _derivative(t, late)[..., None]
-    radial = radial_part(t, late, radius)
     axes = rsw_rotation(shifted.reshape(-1, 6)).reshape(*late.shape, 3, 3)
     shifted[..., :3] -= radial[..., None] * axes[..., 0, :]
     shifted[..., 3:] -= _derivative(t, radial)[..., None] * axes[..., 0, :]
@@ -66,17 +72,19 @@ def through(t: np.ndarray, states: np.ndarray) -> Callable[[np.ndarray], np.ndar
     return make_interp_spline(t, states, _PATH)
 
 
-def radial_part(t: np.ndarray, late: np.ndarray, radius: np.ndarray) -> np.ndarray:
+def radial_part(t: np.ndarray, late: np.ndarray, radius: np.ndarray, part: slice = slice(None)) -> np.ndarray:
     """Return the radial error [m] that goes with being `late` (..., n) [s] on an orbit of `radius` (n,) [m].
+
+    part: epochs that are wanted, as of `corrected_by_each`
 
     What a cubic spline with a knot a day can follow is the slow drift, the rest a matter of revolutions.
     """
     days = max(1, round((t[-1] - t[0]) / DAY))
     inner = np.linspace(t[0], t[-1], days + 1)
     knots = np.concatenate([np.repeat(t[0], _SLOW), inner, np.repeat(t[-1], _SLOW)])
-    drift = make_lsq_spline(t, np.moveaxis(late, -1, 0), knots, _SLOW).derivative()(t)
+    drift = make_lsq_spline(t, np.moveaxis(late, -1, 0), knots, _SLOW).derivative()(t[part])
     drift = np.moveaxis(drift, 0, -1)
-    return -radius * (2.0 / 3.0 * drift + 0.5 * (_derivative(t, late) - drift))
+    return -radius[part] * (2.0 / 3.0 * drift + 0.5 * (_derivative(t[part], late[..., part]) - drift))
 
 
 def _derivative(t: np.ndarray, values: np.ndarray) -> np.ndarray:

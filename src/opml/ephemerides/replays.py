@@ -6,7 +6,7 @@ off by. So nothing behind a row was known after its t_i, but the row's own error
 from has been through all that the next ephemeris will go through.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,9 +18,9 @@ from opml.catalog.flight import Flight
 from opml.catalog.predict.prediction import TRUE
 from opml.ephemerides.along_track_shift import corrected_by_each, through
 from opml.ephemerides.corrected import expected, morning
-from opml.ephemerides.known import Known
-from opml.ephemerides.part import Grid, Part
-from opml.ephemerides.task import Task, reached
+from opml.ephemerides.ephemeris_task import Task, reached
+from opml.ephemerides.known_tables import Known
+from opml.ephemerides.task_part import Grid, Part
 from opml.learning.data.splits import known_at
 from opml.learning.judge.error_sizes import as_known
 from opml.learning.models.contract import hours_to_fill
@@ -32,6 +32,9 @@ from opml.tables import COMPONENTS, DOUBT, SCHEMAS, SPREAD, STATE
 
 STEP = 120.0
 """Time between the epochs of the ephemerides that are replayed [s]: a centimetre from those of a minute."""
+
+_NEAR = 64
+"""Epochs to both sides of a time that tell where an ephemeris is: others move splines by less than 1 um."""
 
 
 def morning_departures(known: Known, *, every_hours: float, first_day: float = 0.0) -> pd.DataFrame:
@@ -160,37 +163,33 @@ def _held(rows: pd.DataFrame, later: pd.DataFrame, lessons: Lessons) -> pd.DataF
     """Return how far one ephemeris is off the states of later tracks."""
     t, t_i = rows["t_j"].to_numpy(), float(rows["t_i"].iloc[0])
     now = morning(t_i)
-    arrived = arrivals(rows, [expected(rows, lessons(now))])
-    return missed(arrived, later[later["t_j"].between(t[0], t[-1])], t_i=t_i, now=now)
+    corrections = np.array([expected(rows, lessons(now))])
+    return missed(rows, corrections, later[later["t_j"].between(t[0], t[-1])], now=now)
 
 
-def arrivals(rows: pd.DataFrame, corrections: Sequence[np.ndarray]) -> Callable[[np.ndarray], np.ndarray]:
-    """Return where an ephemeris is, and where each of some corrections has it: a function of times (m,) [s].
-
-    rows: of one estimate: t_j and a state (STATE) at each epoch of the ephemeris
-    corrections: e_y (n,) that are taken from it [m]
-
-    The function returns states (m, 1 + corrections, 6) GCRF [m, m/s].
-    """
-    t, predicted = rows["t_j"].to_numpy(), np.ascontiguousarray(rows[STATE])
-    paths = [predicted, *corrected_by_each(t, predicted, np.array(corrections))]
-    return through(t, np.stack(paths, axis=1))
-
-
-def missed(
-    arrived: Callable[[np.ndarray], np.ndarray], later: pd.DataFrame, *, t_i: float, now: float
-) -> pd.DataFrame:
+def missed(rows: pd.DataFrame, corrections: np.ndarray, later: pd.DataFrame, *, now: float) -> pd.DataFrame:
     """Return how far an ephemeris is off later states by each correction in turn, but for SIGMA_STATE.
 
-    arrived: from `arrivals`
+    rows: of one estimate: t_i, and t_j and a state (STATE) at each epoch of the ephemeris
+    corrections: (k, epochs) e_y that are taken from it [m]
     later: as `judge` returns it, with SPREAD, at times that the ephemeris has
-    t_i, now: when the ephemeris begins, and when it was made [s]
+    now: when it was made [s]
     """
     at, states = later["t_j"].to_numpy(), np.ascontiguousarray(later[STATE])
-    there = arrived(at)
-    before, *after = (in_rsw(there[:, k] - states, states) for k in range(there.shape[1]))
+    off = (_arrived(rows, corrections, at) - states).reshape(-1, len(STATE))
+    before, *after = in_rsw(off, np.tile(states, (1 + len(corrections), 1))).reshape(-1, *states.shape)
+    t_i = float(rows["t_i"].iloc[0])
     known = {name: later[name].to_numpy() for name in later.columns.difference(STATE, sort=False)}
     known |= {"t_i": np.full(len(at), t_i), "morning": np.full(len(at), now), "duration": at - t_i}
     known |= {"rate": rates(states), "before": before[:, 1]}
     each = {name: np.tile(values, len(after)) for name, values in known.items()}
     return pd.DataFrame(each | dict(zip(COMPONENTS, np.concatenate(after).T, strict=True)))
+
+
+def _arrived(rows: pd.DataFrame, corrections: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """Return where an ephemeris is at times (m,), and where each correction has it: (1 + k, m, 6) GCRF."""
+    t, predicted = rows["t_j"].to_numpy(), np.ascontiguousarray(rows[STATE])
+    first, last = np.searchsorted(t, [at.min(initial=t[-1]), at.max(initial=t[0])])
+    near = slice(max(0, min(first, last) - _NEAR), max(first, last) + _NEAR)
+    paths = [predicted[near], *corrected_by_each(t, predicted, corrections, near)]
+    return np.moveaxis(through(t[near], np.stack(paths, axis=1))(at), 1, 0)

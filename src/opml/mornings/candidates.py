@@ -13,11 +13,11 @@ from opml.catalog.predict import spread
 from opml.catalog.predict.prediction import predict_pairs
 from opml.ephemerides.along_track_shift import LEAST_EPOCHS
 from opml.ephemerides.corrected import expected, interpolate_spread
-from opml.ephemerides.known import Known
-from opml.ephemerides.part import Grid, Part
+from opml.ephemerides.known_tables import Known
+from opml.ephemerides.task_part import Grid, Part
 from opml.learning.data import dataset
 from opml.learning.data.cleaning import Cleaning
-from opml.learning.data.components import CORRECTED
+from opml.learning.data.error_components import CORRECTED
 from opml.learning.models import learners
 from opml.learning.models.contract import Model, ResolvedSettings
 from opml.mornings.fits import Recent
@@ -91,7 +91,8 @@ def paths(
     windows = learners.arc_windows(plan.models.values())
     whole = replace(known, others={hours: records.of_window(hours, burns) for hours in windows})
     part = Part(watched.model.predictions, whole, starts, Grid(STEP, plan.max_days, plan.end))
-    part.fly_together(windows, _held_arcs(plan.models.values()))
+    answering = [one for one in plan.models.values() if "v_arc_y" in one.variables]
+    part.fly_together(windows, learners.arc_windows(answering), _held_arcs(plan.models.values()))
     table = part.pairs().assign(morning=now)
     for name, settings in plan.models.items():
         table[f"e_y_{name}"] = _along(part, settings)
@@ -108,7 +109,8 @@ def paths(
 
 def _with_spread(reached: pd.DataFrame, watched: Watched, estimates: pd.DataFrame) -> pd.DataFrame:
     """Return ephemerides with what more drag and the weather to come would do to them."""
-    sparse = reached.iloc[::EVERY]
+    # From an estimate on the raster all are multiples of EVERY steps away.
+    sparse = reached.iloc[EVERY - 1 :: EVERY]
     spreads = spread.build(watched.model.flattened, estimates, sparse, weathers=watched.model.weathers)
     causes = sparse[["t_j"]].join(spreads[SPREAD].set_axis(sparse.index))
     return interpolate_spread(reached, causes).drop(columns=["j", "reason"])
@@ -122,10 +124,9 @@ def _held_arcs(settings: Iterable[ResolvedSettings]) -> list[tuple[float, float]
 
 def _along(part: Part, settings: ResolvedSettings) -> np.ndarray:
     """Return the e_y (n,) [m] that a model expects along a part's ephemeris, NaN where none reaches."""
-    asked = [*STATE, *settings.variables]
-    columns = part.columns(settings.variables, arc=learners.arc_of(settings))[["i", *asked]]
+    columns = part.columns(settings.variables, arc=learners.arc_of(settings))
     along = np.full(len(columns), np.nan)
-    finite = np.isfinite(columns[asked].to_numpy()).all(axis=1)
+    finite = np.isfinite(columns[[*STATE, *settings.variables]].to_numpy()).all(axis=1)
     if finite.any():
         rows = columns[finite]
         along[finite] = expected(rows, model(settings, rows))

@@ -10,13 +10,12 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from scipy.interpolate import make_interp_spline
 
 from opml.base.errors import InputError
 from opml.base.progress import counted
 from opml.ephemerides.along_track_shift import check_smooth, corrected, through
 from opml.ephemerides.corrected import interpolate_spread
-from opml.ephemerides.task import ephemeris_table
+from opml.ephemerides.ephemeris_task import ephemeris_table
 from opml.learning.data.splits import are_over
 from opml.learning.judge.error_sizes import LEAST_ROWS, Sizes
 from opml.learning.judge.model_choice import choose
@@ -54,7 +53,7 @@ def best_model(judged: pd.DataFrame, models: Sequence[str], *, now: float) -> tu
     over = past["model"].value_counts()
     if (most := over.max()) < LEAST_ROWS:
         judged_so_far = f"judged so far: {counted(most, 'prediction')}"
-        raise InputError(f"{judged_so_far}, fewer than the {LEAST_ROWS} that tell how large errors are")
+        raise InputError(f"{judged_so_far}, fewer than the {LEAST_ROWS} needed for sizes of errors")
     # A model that is new in the menu waits for a past of its own.
     replays = {
         name: judged[judged["model"] == name].drop(columns="model")
@@ -110,9 +109,6 @@ def _sizes(flight: Mapping[str, Any]) -> Sizes:
     return Sizes(**values, **{name: flight[name] for name in _TIMES})
 
 
-_DEGREE = 5  # of the correction between the epochs of a path
-
-
 def ephemeris(paths: pd.DataFrame, flown: Flown, *, step: float) -> pd.DataFrame:
     """Return the `corrected` table of the model that is flown.
 
@@ -125,8 +121,8 @@ def ephemeris(paths: pd.DataFrame, flown: Flown, *, step: float) -> pd.DataFrame
     t, along = paths["t_j"].to_numpy(), paths[f"e_y_{flown.model}"].to_numpy()
     check_smooth(t, along)
     at = np.arange(np.ceil(t[0] / step), np.floor(t[-1] / step) + 1.0) * step
-    predicted = through(t, np.ascontiguousarray(paths[STATE]))(at)
-    states = corrected(at, predicted, make_interp_spline(t, along, _DEGREE)(at))
+    path = np.ascontiguousarray(paths[STATE])
+    predicted, states = np.moveaxis(through(t, np.stack([path, corrected(t, path, along)], axis=1))(at), 1, 0)
     rows = pd.DataFrame(dict(zip(STATE, predicted.T, strict=True))).assign(
         i=paths["i"].iloc[0], t_i=paths["t_i"].iloc[0], t_j=at
     )

@@ -1,15 +1,14 @@
 """What is kept of an object from morning to morning."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import ClassVar, Self
 
 import numpy as np
 import pandas as pd
 
 from opml.base.constants import HOUR
-from opml.ephemerides.replays import arrivals
+from opml.ephemerides.replays import missed
 from opml.orbits.manoeuvres import Manoeuvre, are_unaware
 from opml.tables import SCHEMAS
 
@@ -41,11 +40,10 @@ class Paths:
         """The names of their models."""
         return [name.removeprefix(_ALONG) for name in self.table if name.startswith(_ALONG)]
 
-    @cached_property
-    def arrivals(self) -> Callable[[np.ndarray], np.ndarray]:
-        """Where the prediction is at times [s], and each model's, as `replays.arrivals`; made once."""
+    def missed(self, later: pd.DataFrame) -> pd.DataFrame:
+        """Return how far each model is off later states, as `replays.missed`."""
         corrections = self.table[[f"{_ALONG}{model}" for model in self.models]].to_numpy().T
-        return arrivals(self.table, corrections)
+        return missed(self.table, corrections, later, now=self.made_at)
 
 
 @dataclass(frozen=True)

@@ -1,5 +1,6 @@
 """Sets of mornings, improved: those of `opml improve` on the same date, whatever comes later."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,7 @@ import sinking_histories
 from opml.base.errors import InputError
 from opml.element_sets import catalogue, density, improve, model, on_mornings, ways
 from opml.element_sets.catalogue import ElementCatalogue
+from opml.element_sets.density import Outlook
 from opml.element_sets.on_mornings import ImprovedHistory
 from opml.element_sets.ways import DENSITY, LEARNED
 from opml.environment import knowledge
@@ -80,15 +82,33 @@ def test_the_numbers_of_a_morning_are_made_once_for_all_jobs(
     assert late[0] == late[1] == numbers(whole, LEARNED) != early
 
 
-def test_the_numbers_of_a_morning_are_made_again_with_weather_that_came_late(
-    history: Path, tmp_path: Path
+def revised(weather: Weather) -> Weather:
+    """Weather whose fluxes of two weeks were corrected later."""
+    flux = weather.flux.copy()
+    flux[int(MORNING) - weather.first - 20 : int(MORNING) - weather.first - 6] *= 1.2
+    return Weather(weather.first, flux, weather.kp)
+
+
+@pytest.mark.parametrize("change", ["late", "revised", "model"])
+def test_the_numbers_of_a_morning_are_made_again_of_other_weather_and_by_another_model(
+    history: Path, tmp_path: Path, change: str
 ) -> None:
-    sets, weather = catalogue.read([history], latency=0.0), density.clean(knowledge.read("OBSERVED"))
+    sets, weather, trained = (
+        catalogue.read([history], latency=0.0),
+        density.clean(knowledge.read("OBSERVED")),
+        model.read(),
+    )
     ends = MORNING - 7.0, MORNING
-    before = ImprovedHistory(sets, weather.keep_known(MORNING - 10.0), model.read())
-    published = numbers(before.within(*ends, kept=tmp_path), LEARNED)
-    whole = ImprovedHistory(sets, weather, model.read())
-    assert numbers(whole.within(*ends, kept=tmp_path), LEARNED) == numbers(whole, LEARNED) != published
+    other = replace(trained, outlook=Outlook(0.5 * trained.outlook.coefficients))
+    model.write(tmp_path / "other.parquet", other)
+    old = {
+        "late": ImprovedHistory(sets, weather.keep_known(MORNING - 10.0), trained),
+        "revised": ImprovedHistory(sets, revised(weather), trained),
+        "model": ImprovedHistory(sets, weather, model.read(tmp_path / "other.parquet")),
+    }[change]
+    before = numbers(old.within(*ends, kept=tmp_path), LEARNED)
+    whole = ImprovedHistory(sets, weather, trained)
+    assert numbers(whole.within(*ends, kept=tmp_path), LEARNED) == numbers(whole, LEARNED) != before
 
 
 def test_sets_are_as_published_where_the_weather_ends_too_early(history: Path) -> None:

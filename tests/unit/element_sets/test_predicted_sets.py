@@ -2,6 +2,7 @@
 
 import json
 import re
+from dataclasses import replace
 from datetime import UTC, datetime
 
 import numpy as np
@@ -14,6 +15,7 @@ from support import EPOCH, REPOSITORY
 
 import opml
 from opml import cli
+from opml.base import epochs
 from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.element_sets import catalogue, corrector, passes, prediction, ways
@@ -69,6 +71,13 @@ def test_times_are_text_or_clocks_and_lie_within(made):
     np.testing.assert_array_equal(made.state("2026-01-10T06:00:00Z"), made.state(clock))
     with pytest.raises(InputError, match=r"expected a time from 2026-01-08T06.* to 2026-01-15T06"):
         made.state("2026-01-15T06:00:01")
+
+
+@pytest.mark.parametrize(("days", "minutes"), [(2.3, 3312), (0.0101, 14)])
+def test_an_ephemeris_has_the_whole_minutes_of_its_days(made, days, minutes):
+    table = replace(made, days=days).to_pandas()
+    assert len(table) == minutes + 1
+    assert table.notna().all(axis=None)
 
 
 def test_an_ephemeris_tells_what_other_objects_share(made, tmp_path):
@@ -146,7 +155,7 @@ def test_passes_rise_and_set_at_five_degrees(made):
     found = passes.passes(made, place)
     assert len(found) > 20
     for row in found.head(5).to_dict("records"):
-        t = made._seconds(row["rise"]), made._seconds(row["highest"]), made._seconds(row["set"])
+        t = tuple(epochs.seconds_to(made.date, row[name]) for name in ("rise", "highest", "set"))
         low, high, end = (float(np.degrees(passes._elevation(made, place, one)[0])) for one in t)
         assert (low, end) == pytest.approx((5.0, 5.0), abs=0.2)
         assert high == pytest.approx(row["elevation"], abs=1e-3)
@@ -155,7 +164,7 @@ def test_passes_rise_and_set_at_five_degrees(made):
     late = found["early_or_late"].to_numpy()
     assert late[-1] > late[0]
     assert late[0] == pytest.approx(
-        1.645 * made.sigmas(made._seconds(found["highest"][0]))[0, 1] / 7600, rel=0.02
+        1.645 * made.sigmas(epochs.seconds_to(made.date, found["highest"][0]))[0, 1] / 7600, rel=0.02
     )
 
 

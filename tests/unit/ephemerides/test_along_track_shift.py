@@ -1,12 +1,21 @@
 """Along-track corrections of a path: where they put it, its velocity and its energy."""
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from opml.base.constants import DAY
 from opml.base.errors import InputError
-from opml.ephemerides.along_track_shift import LEAST_EPOCHS, check_smooth, corrected, radial_part
+from opml.ephemerides.along_track_shift import (
+    LEAST_EPOCHS,
+    check_smooth,
+    corrected,
+    corrected_by_each,
+    radial_part,
+)
+from opml.ephemerides.replays import missed
 from opml.orbits.elements import cartesian_from_coe, coe_from_cartesian, in_rsw
+from opml.tables import STATE
 
 GM = 3.986004415e14
 T = 60.0 * np.arange(3 * 1440)
@@ -60,6 +69,27 @@ def test_the_orbit_has_the_energy_of_the_truth(drifting):
     axes = [coe_from_cartesian(one, GM)[:, 0] for one in (true, predicted, found)]
     assert np.median(np.abs(axes[1] - axes[0])) == pytest.approx(20.0, abs=0.1)
     assert np.median(np.abs(axes[2] - axes[0])) < 0.5
+
+
+def test_a_part_of_a_path_is_corrected_as_the_whole(drifting):
+    true, predicted, found = drifting
+    along = in_rsw(predicted - true, true)[:, 1]
+    (part,) = corrected_by_each(T, predicted, along[None], slice(2000, 2200))
+    np.testing.assert_allclose(part[60:-60], found[2060:2140], rtol=0, atol=1e-6)
+
+
+def test_an_ephemeris_of_steps_of_five_minutes_misses_where_the_whole_path_does(drifting):
+    """Of a path, what is near a time tells the miss: of several times, what is between them, too."""
+    true, predicted, _ = drifting
+    along = in_rsw(predicted - true, true)[:, 1]
+    table = pd.DataFrame(predicted, columns=STATE).assign(t_j=T, t_i=0.0)[::5]
+    later = pd.DataFrame(true, columns=STATE).assign(t_j=T)
+    misses = [
+        missed(table, along[None, ::5], later.iloc[rows], now=0.0) for rows in ([9, 2003, 4300], [2003])
+    ]
+    pd.testing.assert_frame_equal(misses[0].iloc[[1]].reset_index(drop=True), misses[1], rtol=0, atol=1e-6)
+    assert (misses[0]["before"].abs() > 10.0).all()
+    assert misses[1]["e_y"].abs().item() < 0.2
 
 
 def test_a_drift_tells_a_height_and_a_swing_an_eccentricity():

@@ -118,7 +118,8 @@ def test_a_file_of_another_time_is_told(tmp_path, t, states, caplog):
     points_from_files.check(OrbitFiles(paths, EPOCH, DAY), PLACES)
     (message,) = caplog.messages
     assert message == (
-        f"files without a point within the run: 1, as {paths[1]}, of 1997-02-12T12:09:51.000000 "
+        f"files without a point from {EPOCH}.000000 to 2016-09-29T12:09:45.000000: 1, as {paths[1]}, "
+        "of 1997-02-12T12:09:51.000000 "
         "to 1997-02-12T14:08:51.000000"
     )
 

@@ -217,9 +217,7 @@ def test_missing_setting_is_named():
 def test_half_a_cleaning_is_none(alone, missing):
     values = paper_source().values
     values["study"]["cleaning"] = {alone: PAPER["study"]["cleaning"][alone]}
-    expected = (
-        f"config/studies/paper.yaml: study.cleaning.{missing}: expected a value beside {alone}, got none"
-    )
+    expected = f"config/studies/paper.yaml: study.cleaning.{missing}: expected a value with {alone}, got none"
     assert message(values) == expected
 
 

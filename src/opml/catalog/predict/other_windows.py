@@ -17,7 +17,7 @@ from opml.catalog.flight import Flight
 from opml.catalog.predict.neighbours import Neighbours
 from opml.catalog.predict.sensitivity import CD_NUDGE, shift_with_cd
 from opml.orbits.elements import in_rsw
-from opml.orbits.manoeuvres import Manoeuvre, read_manoeuvres, spoilt_since
+from opml.orbits.manoeuvres import Manoeuvre, read_manoeuvres, when_burns_are_known
 from opml.tables import STATE, read_table
 
 
@@ -27,11 +27,11 @@ def exclude_burns(estimates: pd.DataFrame, *, manoeuvres: Sequence[Manoeuvre], w
     manoeuvres: of which those count that were known at an estimate
     window: of the fits [s]
 
-    `spoilt` is since when such a manoeuvre is known [s], infinite without one: from then on no mean has it.
+    `burn_known` is when such a manoeuvre became known [s], infinite without one: from then on no mean has it.
     """
     t = estimates["t"].to_numpy()
-    spoilt = spoilt_since(t - window, t, manoeuvres)
-    return estimates.assign(converged=estimates["converged"] & (spoilt > t), spoilt=spoilt)
+    known = when_burns_are_known(t - window, t, manoeuvres)
+    return estimates.assign(converged=estimates["converged"] & (known > t), burn_known=known)
 
 
 def read_estimates(files: Any, *, window_hours: float) -> pd.DataFrame:
@@ -50,23 +50,37 @@ def read_estimates(files: Any, *, window_hours: float) -> pd.DataFrame:
 def build_arcs(
     flight: Flight, predictions: pd.DataFrame, *, arc_estimates: pd.DataFrame, arc_predictions: pd.DataFrame
 ) -> pd.DataFrame:
+    """Return the `arcs` table of `arcs_beside`, whose neighbours are propagated here."""
+    larger = nudged_beside(flight, arc_estimates, arc_predictions)
+    apriori = flight.rso.cd
+    return arcs_beside(predictions, arc_predictions, larger, arc_estimates=arc_estimates, apriori=apriori)
+
+
+def arcs_beside(
+    predictions: pd.DataFrame,
+    arc_predictions: pd.DataFrame,
+    larger: pd.DataFrame,
+    *,
+    arc_estimates: pd.DataFrame,
+    apriori: float,
+) -> pd.DataFrame:
     """Return the `arcs` table: one row per pair of `predictions`, in their order.
 
-    arc_estimates, arc_predictions: of the same tracks, estimated over another window, or over the same
+    arc_predictions: of the same tracks, estimated over another window, or over the same
+    larger: the same arcs with a larger Cd, from `nudged`
+    arc_estimates: the estimates over that window
+    apriori: Cd of the sheet
 
     In RSW of the predicted state [m, m/s]: l_arc_* is the prediction less that of the arc; v_arc_* how the
     arc's prediction answers to its Cd along the fit's covariance. Where the arc did not converge or does not
     reach t_j, it says nothing: l and v are 0, cd_arc is that of the sheet.
     """
     predicted = predictions[STATE].to_numpy()
-    arc, nudged = (
-        _at_pairs(states, predictions)
-        for states in (arc_predictions, _nudged(flight, arc_estimates, arc_predictions))
-    )
+    arc, nudged = (_at_pairs(states, predictions) for states in (arc_predictions, larger))
     differences = {"l_arc": predicted - arc, "v_arc": (nudged - arc) / CD_NUDGE}
     estimates = _by_pair(arc_estimates, predictions)
     usable = _usable(estimates, differences)
-    table = predictions[["i", "j"]].assign(cd_arc=np.where(usable, estimates["cd"], flight.rso.cd))
+    table = predictions[["i", "j"]].assign(cd_arc=np.where(usable, estimates["cd"], apriori))
     return table.assign(**_turned(differences, predicted, usable))
 
 
@@ -138,13 +152,20 @@ def held_beside(
     return predictions[["i", "j"]].assign(**_turned(differences, predicted, usable))
 
 
-def _nudged(flight: Flight, estimates: pd.DataFrame, predictions: pd.DataFrame) -> pd.DataFrame:
+def nudged_beside(flight: Flight, estimates: pd.DataFrame, predictions: pd.DataFrame) -> pd.DataFrame:
+    """Return predictions of estimates over another window, propagated from `nudged` of these."""
     first = np.searchsorted(estimates["track"], np.unique(predictions["i"]))
     started = estimates.iloc[first]
-    states, cd = started[STATE].to_numpy(), started["cd"].to_numpy()
+    departing = nudged(started)
     neighbours = Neighbours.beside(flight, predictions, started)
-    flown = neighbours.fly(states + CD_NUDGE * shift_with_cd(started), cd + CD_NUDGE)
+    flown = neighbours.fly(departing[STATE].to_numpy(), departing["cd"].to_numpy())
     return _flown(predictions, flown)
+
+
+def nudged(estimates: pd.DataFrame) -> pd.DataFrame:
+    """Return estimates with Cd larger by CD_NUDGE and the states that go with it."""
+    moved = estimates[STATE].to_numpy() + CD_NUDGE * shift_with_cd(estimates)
+    return estimates.assign(**dict(zip(STATE, moved.T, strict=True)), cd=estimates["cd"] + CD_NUDGE)
 
 
 def _flown(predictions: pd.DataFrame, states: np.ndarray) -> pd.DataFrame:
@@ -199,8 +220,8 @@ def past_cd(estimates: pd.DataFrame, *, apriori: float, memory_days: float) -> p
     values = np.where(trusted, estimates["cd"].to_numpy(), 0.0)
     age = (t[:, None] - t[None, :]) / (memory_days * DAY)
     counts = trusted & (age >= 0.0)
-    if "spoilt" in estimates:
-        counts &= t[:, None] < estimates["spoilt"].to_numpy()
+    if "burn_known" in estimates:
+        counts &= t[:, None] < estimates["burn_known"].to_numpy()
     fading = np.where(counts, np.exp(-np.maximum(age, 0.0)), 0.0)
     apriori_weight = (APRIORI_SIGMA * apriori) ** -2.0
 

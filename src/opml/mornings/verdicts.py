@@ -12,7 +12,6 @@ from opml.base.progress import counted
 from opml.catalog.fit import fixes
 from opml.catalog.predict import labels
 from opml.ephemerides.corrected import interpolate_spread
-from opml.ephemerides.replays import missed
 from opml.learning.judge.error_sizes import INSIDE, LEVEL
 from opml.mornings import issued
 from opml.mornings.fits import FAR, Recent, sigmas_off
@@ -49,8 +48,7 @@ def judge(watched: Watched, estimates: pd.DataFrame, recent: Recent, records: Re
     for one in records.paths:
         ahead = _ahead(one.table, later, watched)
         if len(ahead):
-            t_i = float(one.table["t_i"].iloc[0])
-            tables.append(missed(one.arrivals, ahead, t_i=t_i, now=one.made_at))
+            tables.append(one.missed(ahead))
             models += [name for name in one.models for _ in range(len(ahead))]
     if not tables:
         return Records.empty().judged
@@ -110,7 +108,7 @@ def verdict(
     if age > OLDEST:
         return Verdict(DO_NOT_USE, f"the newest estimate is {age / DAY:.1f} days old")
     if begin - burned < window:
-        return Verdict(DO_NOT_USE, f"a burn {(now - burned) / HOUR:.0f} hours ago, which fits begin behind")
+        return Verdict(DO_NOT_USE, f"a burn {(now - burned) / HOUR:.0f} hours ago, after which fits begin")
     if newest.any() and np.median(off[newest]) > FAR:
         return Verdict(
             DO_NOT_USE,

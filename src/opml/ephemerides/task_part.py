@@ -19,7 +19,7 @@ from opml.catalog.predict.mechanism import FittedArcs
 from opml.catalog.predict.prediction import predict
 from opml.catalog.predict.resonance import Resonances
 from opml.catalog.predict.sensitivity import sensitivities
-from opml.ephemerides.known import Known
+from opml.ephemerides.known_tables import Known
 from opml.interop.element_sets import baseline
 from opml.learning.models.learners import tables_asked
 from opml.tables import STATE
@@ -80,15 +80,15 @@ class Part:
 
         j is the number of the epoch on the grid. Rows without numbers are where an arc does not reach.
         """
-        columns = self._from_estimates()
+        pairs = self.pairs()
+        of_estimates = self.known.at_estimates
+        asked = [name for name in variables if name in of_estimates]
+        found = {"duration": pairs["t_j"] - pairs["t_i"]}
+        found |= dict(of_estimates.loc[pairs["i"], asked].set_axis(pairs.index).items()) if asked else {}
         for kind in tables_asked(variables):
-            columns = columns.join(self._beside(kind, arc, variables).drop(columns=["i", "j"]))
-        return columns
-
-    @_once
-    def _from_estimates(self) -> pd.DataFrame:
-        columns = self.pairs().join(self.known.at_estimates, on="i")
-        return columns.assign(duration=columns["t_j"] - columns["t_i"])
+            table = self._beside(kind, arc, variables)
+            found |= {name: table[name] for name in variables if name in table}
+        return pairs.assign(**found)
 
     def _beside(self, kind: str, arc: tuple[float, float] | None, variables: Sequence[str]) -> pd.DataFrame:
         """Return the table of a kind; raise InputError for one that asks for more than one RSO."""
@@ -115,9 +115,12 @@ class Part:
         """Return predictions to the grid from the same tracks, by fits over another window [h]."""
         return self._predicted(self._at_starts(hours), self.flight)
 
-    def fly_together(self, windows: Sequence[float], held: Sequence[tuple[float, float]]) -> None:
-        """Make `pairs`, `predictions` of windows [h], and `held_predictions` of arcs, all from one start.
+    def fly_together(
+        self, windows: Sequence[float], nudged: Sequence[float], held: Sequence[tuple[float, float]]
+    ) -> None:
+        """Make `pairs`, `predictions` of windows [h], `nudged` and `held_predictions`, all from one start.
 
+        nudged: windows [h] of those
         held: window [h] and memory [days] of each of these arcs
 
         In a large field the first fly under all of it, and the others beside them. A few arcs that fly alone
@@ -126,6 +129,7 @@ class Part:
         families: dict[Hashable, pd.DataFrame] = {
             ("pairs", (), ()): self.starts,
             **{("predictions", (hours,), ()): self._at_starts(hours) for hours in windows},
+            **{("nudged", (hours,), ()): other_windows.nudged(self._at_starts(hours)) for hours in nudged},
             **{("held_predictions", arc, ()): self._with_held_cd(*arc) for arc in held},
         }
         numbered = pd.concat(families.values(), ignore_index=True)
@@ -170,12 +174,18 @@ class Part:
     @_once
     def arcs(self, hours: float) -> pd.DataFrame:
         """Return the `arcs` table of fits over a window [h]."""
-        return other_windows.build_arcs(
-            self.flight,
+        return other_windows.arcs_beside(
             self.pairs(),
+            self.predictions(hours),
+            self.nudged(hours),
             arc_estimates=self.known.estimates_without_burns(hours),
-            arc_predictions=self.predictions(hours),
+            apriori=self.flight.rso.cd,
         )
+
+    @_once
+    def nudged(self, hours: float) -> pd.DataFrame:
+        """Return `predictions` of a window [h], their Cd a little larger."""
+        return other_windows.nudged_beside(self.flight, self._at_starts(hours), self.predictions(hours))
 
     @_once
     def parted(self, hours: float) -> pd.DataFrame:
