@@ -5,6 +5,7 @@ judge what they flew. The last one's ephemeris, of the model that left the least
 covariance has the usual sizes of errors, scaled by those of that past (`usual_sizes`).
 """
 
+import logging
 import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -62,11 +63,15 @@ _HISTORY = 5.0  # of measurements that the first morning fits [days]
 _AFTER = HOUR  # that paths reach beyond the end
 _LEAST_STRETCHES = 4.0
 _NO_ORBIT = 1e3  # root mean square of the weighted residuals of what no orbit fits
+_ROUGH_FIT = 10.0  # the same of what forces hardly explain: 30 with a sign wrong, 20 across a burn
 _FEWEST_TRACKS = 3  # in a fit: of fewer its state is hardly known
 _MOST_WITH_FEWER = 0.1  # part of the fits that may have fewer
 _JUDGED = 3.0  # longest prediction that tells the verdict, as few mornings have longer ones [days]
 _NO_ELEMENTS = dict.fromkeys(("a", "e", "i", "argp", "raan", "mean_anomaly"), np.nan)
 _USUAL = "usual errors of such fits: their own covariance, density, and the weather that may come"
+
+
+_log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -197,6 +202,8 @@ def predict(request: Request, settings: OrbitSettings, *, progress: Progress) ->
         raise InputError(f"predict: expected more than 0 and at most {LONGEST:g} days, got {request.days:g}")
     if request.area_to_mass is not None and not 0.0 < request.area_to_mass < np.inf:
         raise InputError(f"predict: expected an area to mass above 0 m2/kg, got {request.area_to_mass:g}")
+    if request.date is not None:
+        improve.check_date(request.date)
     times = _Times.of(request)
     progress(f"weather and forces from {times.epoch[:_DAY]} on")
     watched = _watched(request, settings, times)
@@ -212,6 +219,9 @@ def predict(request: Request, settings: OrbitSettings, *, progress: Progress) ->
     if (rms := made["weighted_rms"].max()) > _NO_ORBIT:
         got = f"got some {rms:.0f} standard deviations off the best: are object, frame and times right?"
         raise InputError(f"{request.files[0]}: expected measurements of an orbit, {got}")
+    if rms > _ROUGH_FIT:
+        asked = "are sigmas, frame, axes and times right, or did it burn?"
+        _log.warning("%s: measurements are off their fit by %.0f sigma: %s", request.files[0], rms, asked)
     expected = f"{request.files[0]}: expected an orbit for {request.days:g} days, got"
     try:
         light = usual_sizes.GUESSED if request.area_to_mass is None else usual_sizes.GIVEN

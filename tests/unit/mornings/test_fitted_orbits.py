@@ -183,6 +183,20 @@ def test_the_command_writes_every_format(hours, short, tmp_path, capsys):
     assert "SGP4" not in page
 
 
+def test_a_mirrored_orbit_is_told(orbit, tmp_path, caplog):
+    """As with one sign wrong: oceans and continents pull at other longitudes."""
+    mirrored = orbit.assign(x=-orbit["x"], vx=-orbit["vx"])
+    path = points(mirrored, tmp_path / "iss.oem", until=1.2 * DAY)
+    made_of(path, date=None)
+    (told,) = caplog.messages
+    assert re.fullmatch(r".*iss\.oem: measurements are off their fit by \d+ sigma: are .*", told)
+
+
+def test_a_date_that_does_not_exist_is_refused(hours):
+    expected = "date: expected an instant that exists, got '2016-02-30T00:00:00'"
+    assert refusal(made_of, hours, date="2016-02-30T00:00:00").startswith(expected)
+
+
 def test_a_single_point_is_refused(tmp_path):
     (tmp_path / "one.csv").write_text("utc,x_gcrf_m,y_gcrf_m,z_gcrf_m\n2019-09-03T00:00:00,7e6,0,0\n")
     with pytest.raises(InputError, match=r"one\.csv: expected measurements, got fewer than two"):
