@@ -19,23 +19,13 @@ lend_cache()  # before the kernels look for theirs
 
 from support import ASSUMED_BODIES, environment, force_model, rsos, stations  # noqa: E402
 from unchanged import pytest_fixture_setup, shared_values_stay  # noqa: E402, F401
-from untraced import leave_drawing_out  # noqa: E402
 
 from opml.catalog.flight import Flight  # noqa: E402
-
-leave_drawing_out()
 
 # Drawn cases are the same in every run, but for `make draws`. A loaded machine may take its time over each.
 settings.register_profile("same", derandomize=True, deadline=None)
 settings.register_profile("anew", max_examples=300, derandomize=False, deadline=None, print_blob=True)
 settings.load_profile("same")
-
-
-def pytest_collection_modifyitems(items):
-    """Slow tests are not followed: to see each line that they reach, they would take half as long again."""
-    for item in items:
-        if item.get_closest_marker("slow"):
-            item.add_marker("no_cover")
 
 
 @pytest.fixture(scope="session")

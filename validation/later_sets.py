@@ -16,7 +16,7 @@ from sgp4.api import Satrec
 
 from opml.base import epochs
 from opml.base.constants import DAY
-from opml.conjunctions import comparison
+from opml.conjunctions import known_orbits
 from opml.conjunctions.trajectories import EPOCH
 from opml.element_sets import catalogue, density, improve, model, pairs
 from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day
@@ -31,7 +31,7 @@ _REACH = 60.0
 """Days of sets before a morning that it is given."""
 
 
-def errors(orbit: comparison.ComparedOrbit, number: int, sets: ElementCatalogue) -> pd.DataFrame:
+def errors(orbit: known_orbits.KnownOrbit, number: int, sets: ElementCatalogue) -> pd.DataFrame:
     """Return what an object's sets are off by [m]: lead, and each set by the orbit and by the later set."""
     first, last = (modified_julian_day(EPOCH) + orbit.t[k] / DAY for k in (0, -1))
     mornings = np.arange(np.ceil(first), last) + HOUR_OF_MORNING
@@ -39,7 +39,7 @@ def errors(orbit: comparison.ComparedOrbit, number: int, sets: ElementCatalogue)
 
 
 def _of_morning(
-    orbit: comparison.ComparedOrbit, number: int, sets: ElementCatalogue, morning: float
+    orbit: known_orbits.KnownOrbit, number: int, sets: ElementCatalogue, morning: float
 ) -> Iterator[dict[str, float]]:
     near = sets.take(np.flatnonzero(sets.table["t"].between(morning - _REACH, morning + _REACH)))
     known = near.until(morning).daily()
@@ -75,7 +75,7 @@ def _off(flown: dict[str, Satrec], judge: Satrec, truth: np.ndarray) -> dict[str
 def main(arguments: Sequence[str]) -> None:
     """Print the medians of an orbit's file, a number and files of sets."""
     orbit, number, *files = arguments
-    found = errors(comparison.read([orbit]), int(number), catalogue.read(files)).abs()
+    found = errors(known_orbits.read([orbit]), int(number), catalogue.read(files)).abs()
     print(found.groupby("lead").median().join(found.groupby("lead").size().rename("n")).round().to_string())
 
 

@@ -27,6 +27,8 @@ from opml.catalog.flight import Flight
 from opml.catalog.predict import labels, prediction, spread
 from opml.catalog.predict.spread import Weathers
 from opml.catalog.simulate import tracking, truth
+from opml.conjunctions import comparison, known_orbits
+from opml.conjunctions.known_orbits import KnownOrbit
 from opml.dynamics.forces import build, tabulated
 from opml.dynamics.kernels.surroundings import ForceModel
 from opml.dynamics.run_environment import Environment
@@ -35,9 +37,9 @@ from opml.element_sets import prediction as set_prediction
 from opml.element_sets.prediction import Prediction
 from opml.environment import MARGIN_S, nodes, solar_activity
 from opml.ephemerides import corrected, replays
-from opml.ephemerides.known import Known
-from opml.ephemerides.part import Grid
-from opml.ephemerides.task import Task, departures
+from opml.ephemerides.ephemeris_task import Task, departures
+from opml.ephemerides.known_tables import Known
+from opml.ephemerides.task_part import Grid
 from opml.interop import crd, points_from_files, sinex, tdm
 from opml.interop.element_sets import mean_elements
 from opml.interop.measured_files import is_measured
@@ -46,10 +48,10 @@ from opml.interop.predicted_orbit import PredictedOrbit
 from opml.learning.data import dataset as datasets
 from opml.learning.data import splits
 from opml.learning.data.cleaning import Cleaning
-from opml.learning.data.components import CORRECTED
+from opml.learning.data.error_components import CORRECTED
 from opml.learning.judge import metrics
 from opml.learning.judge.evaluation import evaluate
-from opml.learning.judge.own_standardisation import as_tested
+from opml.learning.judge.standardised_by_test import as_tested
 from opml.learning.models import learners
 from opml.learning.models.contract import Model
 from opml.learning.models.daily_training import Lessons
@@ -390,14 +392,15 @@ def predict(
     catalogue: Sequence[FilePath] = (),
     trained: FilePath | None = None,
     stations: Sequence[Station] = (),
-    area_to_mass: float = 0.01,
+    area_to_mass: float | None = None,
 ) -> PredictedOrbit:
     """Predict an object with a covariance: SGP4 from its newest element set, improved, or a fit flown on.
 
     files: files or folders of TLEs or OMMs; or files of points (OEM, SP3, CPF, CSV) or tracks (TDM); days: 7
     at most; object: name, designator or number, of several; date: UTC text, None for when the newest was
     known; weather: OBSERVED, the packaged one, or a CSSI file; catalogue: sets of other objects to compare
-    with; trained: a model of ``opml train``; stations: of tracks; area_to_mass: of what was measured [m2/kg].
+    with; trained: a model of ``opml train``; stations: of tracks; area_to_mass: of what was measured [m2/kg],
+    None: a guess.
     Raises InputError for unreadable files, an object that is not there, days out of range, old weather.
     Source: ``opml docs improve``.
 
@@ -422,6 +425,34 @@ def predict(
         catalogue=catalogue,
         trained=trained,
     )
+
+
+def read_orbit(*paths: FilePath, object: str | int | None = None) -> KnownOrbit:
+    """Read an orbit with its covariances from OEM, SP3, CPF, CSV, TLE, OMM or a table, whatever its frame.
+
+    object: name, designator or number, of several; its states are in GCRF, interpolated between those that
+    are five minutes apart or less. Raises InputError, naming file and line, for files that are malformed.
+
+    >>> orbit = opml.read_orbit("mine.oem")
+    >>> orbit.state("2026-01-09T00:00:00").shape, orbit.covariance("2026-01-09T00:00:00").shape
+    ((6,), (6, 6))
+    >>> orbit.to_pandas().columns.tolist()
+    ['utc', 'x', 'y', 'z', 'vx', 'vy', 'vz', 'sigma_r', 'sigma_s', 'sigma_w']
+    """
+    return known_orbits.read(paths, None if object is None else str(object))
+
+
+def compare(ours: KnownOrbit, other: KnownOrbit) -> pd.DataFrame:
+    """Compare two orbits: the table `comparison`, ours less the other in RSW [m], at the other's times.
+
+    It has our standard deviations, and the part of our ellipsoid's probability that each error is within.
+    Raises InputError where both know nothing of the same time.
+
+    >>> apart = opml.compare(orbit, opml.read_orbit("sets.tle"))
+    >>> bool((apart["sigma_s"] > 0.0).all())
+    True
+    """
+    return comparison.compare(ours, other)
 
 
 def predict_tracks(

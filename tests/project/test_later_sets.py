@@ -5,7 +5,7 @@ import pytest
 from catalogue_files import FIRST_DAY, write_sets
 
 from opml.base.constants import DAY
-from opml.conjunctions import comparison
+from opml.conjunctions import known_orbits
 from opml.conjunctions.screening import EPOCH
 from opml.element_sets import catalogue
 from opml.element_sets.catalogue import modified_julian_day
@@ -34,7 +34,7 @@ def sets(tmp_path_factory):
 
 @pytest.mark.parametrize("ahead", [0.0, AHEAD])
 def test_errors_by_the_orbit_are_those_by_the_set_less_its_shift(sets, ahead):
-    orbit = Shifted(comparison.read([sets], "1"), ahead)
+    orbit = Shifted(known_orbits.read([sets], "1"), ahead)
     found = later_sets.errors(orbit, 1, catalogue.read([sets]))
     assert set(found["lead"]) >= {1.0, 3.0}
     for name in ("sgp4", "improved"):

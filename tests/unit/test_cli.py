@@ -18,11 +18,9 @@ from support import REPOSITORY, refusals
 
 from opml import __main__ as started
 from opml import __version__, cli
-from opml.orbits.sheets import read_rsos
 from opml.study.settings import editor_schema
 from opml.tables import STATE, write_table
 from opml.workflow import manual
-from validation import random_sheet
 
 
 def test_a_new_project_holds_the_workflow_and_the_study_of_the_howto(tmp_path, capsys):
@@ -79,12 +77,6 @@ def test_each_shell_completes_commands_and_their_options(shell, capsys):
     assert "catalogue" in told
 
 
-def test_a_sheet_of_random_rsos_is_read_as_one(tmp_path, capsys):
-    random_sheet.main(["--count", "3", "--seed", "7", "--prefix", "sat"])
-    (tmp_path / "rsos.tsv").write_text(capsys.readouterr().out)
-    assert list(read_rsos(tmp_path / "rsos.tsv")) == ["sat01", "sat02", "sat03"]
-
-
 def test_a_terminal_without_the_letters_of_a_name_shows_others(table, monkeypatch):
     path = table[0].with_name("müll.parquet")
     table[0].rename(path)
@@ -138,6 +130,18 @@ def test_an_interrupt_of_a_command_is_told_in_one_line(monkeypatch, capsys):
     finally:
         signal.signal(signal.SIGINT, before)
     assert capsys.readouterr() == ("", "opml: interrupted; what is written is whole\n")
+
+
+def test_a_warning_is_told_once():
+    script = """
+import logging
+from opml import cli
+cli.main(["docs"])
+for word in ("twice", "twice", "once"):
+    logging.getLogger("opml").warning("%s", word)
+"""
+    ran = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert ran.stderr == "opml: twice\nopml: once\n"
 
 
 def test_a_page_that_is_not_there_is_told_in_one_line(capsys):

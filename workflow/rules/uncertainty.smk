@@ -1,5 +1,5 @@
 # The covariances of the fits, and whether they are true.
-from opml.learning.data import components
+from opml.learning.data import error_components
 
 COVARIANCES = product("covariances/{rso}/{stations}{window}")
 TARGET_COVARIANCES = product("covariances/{target}/{stations}{window}")
@@ -45,8 +45,8 @@ rule fit_calibration:
         FIT_CALIBRATION.benchmark
     wildcard_constraints:
         test=naming.TEST_BY_ROW,
-        learner=components.UNCORRECTED,
-        component=components.CORRECTED,
+        learner=error_components.UNCORRECTED,
+        component=error_components.CORRECTED,
     conda:
         "../envs/opml.yaml"
     params:

@@ -3,7 +3,7 @@
 from opml.conjunctions import collision_alarms
 from opml.tables import read_table, write_table
 from opml.workflow.jobs import job
-from opml.workflow.replayed import ReplayedSettings, read_mornings
+from opml.workflow.replayed_mornings import ReplayedSettings, read_mornings
 
 
 class Settings(ReplayedSettings):

@@ -2,7 +2,7 @@
 
 from opml.base.constants import DAY
 from opml.ephemerides import corrected
-from opml.ephemerides.task import Task, TaskSettings
+from opml.ephemerides.ephemeris_task import Task, TaskSettings
 from opml.learning.data import dataset
 from opml.learning.models.daily_training import Lessons
 from opml.tables import read_table, write_table

@@ -2,7 +2,7 @@
 
 from opml.base.section import JobSettings
 from opml.ephemerides.corrected import held_against
-from opml.figures import later_errors, style
+from opml.figures import errors_at_later_tracks, style
 from opml.figures.axis_labels import describe_training
 from opml.figures.display_names import describe_run, display_learner
 from opml.tables import read_table
@@ -24,5 +24,5 @@ with job(snakemake):
     settings = Settings(**snakemake.params.settings)
     learner, training = display_learner(settings.learner), describe_training(settings.train)
     note = f"{describe_run(settings.rso, settings.stations)}; corrected by {learner} trained on {training}"
-    figure = later_errors.later_errors(errors, level=settings.level, note=note)
+    figure = errors_at_later_tracks.later_errors(errors, level=settings.level, note=note)
     style.save_all([figure], [snakemake.output.pdf], [snakemake.output.png])

@@ -6,7 +6,7 @@ from opml.learning.data import job_rows
 from opml.learning.data.job_rows import RowsSettings
 from opml.learning.judge import metrics
 from opml.learning.judge.evaluation import evaluate
-from opml.learning.judge.own_standardisation import as_tested
+from opml.learning.judge.standardised_by_test import as_tested
 from opml.learning.models import learners
 from opml.tables import read_metadata, write_table
 from opml.workflow.jobs import job

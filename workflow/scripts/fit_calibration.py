@@ -1,7 +1,7 @@
 """Compare the covariances of the fits, carried to the predictions, with the errors of the predictions."""
 
 from opml.learning.data import job_rows
-from opml.learning.data.components import POSITION
+from opml.learning.data.error_components import POSITION
 from opml.learning.data.job_rows import RowsSettings
 from opml.learning.judge import calibration
 from opml.tables import POSITION_COVARIANCES, symmetric_matrices, write_table

@@ -1,7 +1,7 @@
 """Make ephemerides of predictions under a forecast, with what futures of the weather make of them."""
 
 from opml.ephemerides import forecast
-from opml.ephemerides.task import Task, TaskSettings
+from opml.ephemerides.ephemeris_task import Task, TaskSettings
 from opml.tables import read_table, write_table
 from opml.workflow.jobs import job, progress
 

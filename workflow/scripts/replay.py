@@ -2,7 +2,7 @@
 
 from opml.catalog.flight import Flight, FlightSettings
 from opml.ephemerides import replays
-from opml.ephemerides.known import Known, KnownSettings
+from opml.ephemerides.known_tables import Known, KnownSettings
 from opml.learning.data import dataset
 from opml.learning.models.daily_training import Lessons
 from opml.learning.models.learners import paths_of_each

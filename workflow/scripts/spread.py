@@ -3,7 +3,7 @@
 from opml.catalog.flight import Flight, FlightSettings
 from opml.catalog.predict import spread
 from opml.ephemerides import replays
-from opml.ephemerides.known import Known, KnownSettings
+from opml.ephemerides.known_tables import Known, KnownSettings
 from opml.tables import read_table, write_table
 from opml.workflow.jobs import job, progress
 

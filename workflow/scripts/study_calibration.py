@@ -2,12 +2,12 @@
 
 from opml.figures import reliability, style
 from opml.figures.display_names import display_learner
-from opml.learning.data.components import CORRECTED
+from opml.learning.data.error_components import CORRECTED
 from opml.learning.judge import calibration
 from opml.learning.judge.model_choice import CHOSEN
 from opml.tables import ELLIPSOID, read_table
 from opml.workflow.jobs import job
-from opml.workflow.replayed import ReplayedSettings, read_mornings
+from opml.workflow.replayed_mornings import ReplayedSettings, read_mornings
 
 with job(snakemake):
     settings, files = ReplayedSettings(**snakemake.params.settings), snakemake.input

@@ -2,7 +2,7 @@
 
 from opml.figures import own_study, style
 from opml.workflow.jobs import job
-from opml.workflow.replayed import ReplayedSettings, read_mornings
+from opml.workflow.replayed_mornings import ReplayedSettings, read_mornings
 
 with job(snakemake):
     settings, files = ReplayedSettings(**snakemake.params.settings), snakemake.input

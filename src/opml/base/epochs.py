@@ -9,7 +9,7 @@ import re
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
-from datetime import date, timedelta
+from datetime import UTC, date, datetime, timedelta
 from functools import lru_cache
 
 import erfa
@@ -95,6 +95,14 @@ def seconds_between(epoch: str, later: str) -> float:
     (day, fraction), (later_day, later_fraction) = tai(epoch, 0.0), tai(later, 0.0)
     # Rounded to a nanosecond, so that whole seconds come out whole.
     return round(float((later_day - day) + (later_fraction - fraction)) * DAY, 9)
+
+
+def seconds_to(epoch: str, time: str | datetime) -> np.ndarray:
+    """Return the SI seconds (1,) from an epoch to a time, UTC. Raises InputError on a malformed text."""
+    if isinstance(time, datetime):
+        aware = time if time.tzinfo else time.replace(tzinfo=UTC)
+        time = aware.astimezone(UTC).replace(tzinfo=None).isoformat()
+    return np.array([seconds_between(epoch, time.removesuffix("Z"))])
 
 
 def days_of_year(epoch: str, duration_s: float) -> tuple[float, np.ndarray]:

@@ -1,6 +1,8 @@
 """Paths of a project's files; whole files and folders: a temporary one takes the name when it is complete."""
 
 import errno
+import gzip
+import io
 import os
 import tempfile
 from collections.abc import Collection, Iterable, Iterator
@@ -23,11 +25,32 @@ PROJECT = Path(__file__).parents[1] / "workflow" / "project"
 MANUAL = Path(__file__).parents[1] / "manual" / "docs"  # folder of the documentation's pages in the package
 PACKAGED = PROJECT / "config" / "config.yaml"  # settings of a run that come with the package
 
+_GZIPPED = b"\x1f\x8b"
+_MOST_PACKED = (
+    200  # times that numbers as text are longer than their gzip at most; blank lines are 1000 times
+)
+_SMALL = 2**20  # bytes that any file may have
+
 
 def project_file(path: FilePath) -> Path:
     """Return the path of a project's file; where the project has none, that of the package's own file."""
     packaged = PROJECT / path
     return packaged if packaged.is_file() and not Path(path).exists() else Path(path)
+
+
+def unpacked(content: bytes) -> bytes:
+    """Return the bytes of a file, plain or gzipped.
+
+    Raises EOFError, OSError or zlib.error for a gzip that is damaged, or of hardly more than blanks.
+    """
+    if not content.startswith(_GZIPPED):
+        return content
+    most = _SMALL + _MOST_PACKED * len(content)
+    with gzip.open(io.BytesIO(content)) as file:
+        plain = file.read(most + 1)
+    if len(plain) > most:
+        raise gzip.BadGzipFile(f"a gzip of more than {_MOST_PACKED} times its size")
+    return plain
 
 
 def suffix_of(path: FilePath, allowed: Collection[str]) -> str:

@@ -21,7 +21,7 @@ from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.benchmark import tasks
 from opml.benchmark.tasks import STATE, BenchmarkTask
-from opml.conjunctions import comparison
+from opml.conjunctions import known_orbits
 from opml.interop import oem
 from opml.interop.element_sets.teme import teme_to_gcrf
 from opml.orbits.elements import rsw_rotation
@@ -160,11 +160,11 @@ def _read_oem(path: Path, asked: _Asked) -> None:
                 f"{where}: object {number or segment.name}: no question is about it at its first time"
             )
             continue
-        orbit = comparison.States(str(path), comparison.stretches_of(segment))
+        orbit = known_orbits.States(str(path), known_orbits.stretches_of(segment))
         times = asked.time[places]
         states = orbit.at(times)
         _check_orbits(states, where, path)
-        asked.put(places, states, orbit.covariances(times), where, path)
+        asked.put(places, states, orbit.covariances(times)[:, :3, :3], where, path)
 
 
 def _read_csv(path: Path, asked: _Asked) -> None:

@@ -23,7 +23,7 @@ from scipy.stats import qmc
 from opml.base import seeds
 from opml.base.constants import DAY
 from opml.conjunctions.probability import integral, principal
-from opml.learning.data.components import UNCORRECTED
+from opml.learning.data.error_components import UNCORRECTED
 from opml.learning.judge.model_choice import CHOSEN, Mornings
 from opml.orbits.rsw_covariance import AXES
 from opml.tables import SCHEMAS

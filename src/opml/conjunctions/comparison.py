@@ -1,15 +1,10 @@
 """Two orbits compared with each other: how far apart in RSW, time by time, and how much a covariance holds.
 
-    table = comparison.compare(comparison.read(["mine.oem"]), comparison.read(["truth.sp3"]))
-    print(comparison.summary(table))
-
-An orbit is an OEM, SP3, CPF, CSV of points, or mean elements flown by SGP4.
+table = comparison.compare(known_orbits.read(["mine.oem"]), known_orbits.read(["truth.sp3"]))
+print(comparison.summary(table))
 """
 
 import logging
-from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
-from functools import cached_property
 
 import numpy as np
 import pandas as pd
@@ -17,141 +12,22 @@ from scipy.stats import chi2
 
 from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
-from opml.base.files import FilePath
-from opml.conjunctions.approaches import FEWEST, LONGEST_STEP, STEP, Path, velocities_of
-from opml.conjunctions.trajectories import EPOCH, covariances_at
-from opml.environment import earth_orientation, nodes
-from opml.interop import ccsds, fixes_csv, oem
-from opml.interop.curves.orbit_curve import rotate_to_gcrf
-from opml.interop.element_sets import histories
-from opml.interop.element_sets.mean_elements import MOST_DAYS
-from opml.interop.object_ids import UNKNOWN, ObjectId
-from opml.interop.orbit_arcs import Arc, contents
-from opml.interop.orbit_from_files import OrbitFiles, is_orbit, whole_arcs
-from opml.orbits.elements import bent_rsw, rsw_rotation
+from opml.conjunctions.approaches import STEP
+from opml.conjunctions.known_orbits import KnownOrbit, Sets
+from opml.conjunctions.trajectories import EPOCH
+from opml.interop import ccsds
+from opml.orbits.elements import bent_rsw
 from opml.orbits.rsw_covariance import mahalanobis
 
 FLOWN_DAYS = 7.0  # time over which two orbits are compared that are both of mean elements [d]
 LEVELS = (0.5, 0.9)  # shares that the ellipsoids of a covariance hold which a summary counts
 MOST_ROWS = 14  # largest number of rows of a summary
 _SPACINGS = (0.1, 0.5, 1.0, 3.0, 6.0, 12.0, 24.0, 72.0, 240.0, 720.0, 2400.0)  # [h]
-_SAME = 1e-5  # [s]
-_OTHER_UNIT = 0.5  # of most ways between positions that velocities miss by more
 
 _log = logging.getLogger(__name__)
 
 
-@dataclass(frozen=True, eq=False)
-class Stretch:
-    """States of an orbit without a gap.
-
-    covariance_t, covariances: (m,) [s] and (m, 3, 3) of positions in RSW [m2]
-    """
-
-    name: str
-    t: np.ndarray  # (n,) ascending [s since EPOCH]
-    states: np.ndarray  # (n, 6) in GCRF [m, m/s], velocities NaN where unknown
-    covariance_t: np.ndarray = field(default_factory=lambda: np.empty(0))
-    covariances: np.ndarray = field(default_factory=lambda: np.empty((0, 3, 3)))
-
-    @cached_property
-    def _path(self) -> Path:
-        return Path(self.name, self.t, self.states)
-
-    def holds(self, t: np.ndarray) -> np.ndarray:
-        """Return whether states follow at times (n,): at its own, and between them where they are many."""
-        if len(self.t) >= FEWEST:
-            return np.asarray((t >= self.t[0] - _SAME) & (t <= self.t[-1] + _SAME))
-        return np.asarray(np.abs(t[:, None] - self.t).min(axis=1) <= _SAME)
-
-    def at(self, t: np.ndarray) -> np.ndarray:
-        """Return states (n, 6) at times (n,) that it holds."""
-        if len(self.t) >= FEWEST:
-            return self._path.at(t)
-        return np.asarray(self.states[np.abs(t[:, None] - self.t).argmin(axis=1)])
-
-
-@dataclass(frozen=True, eq=False)
-class States:
-    """An orbit of states, interpolated between those that are at most five minutes apart."""
-
-    source: str  # the file, the first of several
-    stretches: Sequence[Stretch]  # in the order of time; where they overlap the later one counts
-    is_flown: bool = False  # whether states follow from mean elements at any time
-    identity: ObjectId = UNKNOWN  # of the object
-
-    @cached_property
-    def t(self) -> np.ndarray:
-        """Return the times (n,) of all states [s since EPOCH]."""
-        return np.unique(np.concatenate([one.t for one in self.stretches]))
-
-    def at(self, t: np.ndarray) -> np.ndarray:
-        """Return GCRF states (n, 6) [m, m/s] at times (n,), NaN where nothing is known."""
-        states = np.full((len(t), 6), np.nan)
-        for one in self.stretches:
-            held = one.holds(t)
-            states[held] = one.at(t[held])
-        return states
-
-    def covariances(self, t: np.ndarray) -> np.ndarray:
-        """Return covariances (n, 3, 3) of positions in RSW [m2] at times (n,), NaN where none is known."""
-        found = np.full((len(t), 3, 3), np.nan)
-        for one in self.stretches:
-            held = one.holds(t)
-            found[held] = covariances_at(one.covariance_t, one.covariances, t[held])
-        return found
-
-
-@dataclass(frozen=True, eq=False)
-class Sets:
-    """An orbit of mean elements: at each time the set flies, by SGP4, whose epoch is nearest."""
-
-    source: str
-    sets: pd.DataFrame
-    identity: ObjectId
-    is_flown: bool = True
-
-    @property
-    def t(self) -> np.ndarray:
-        """Return the epochs (n,) [s since EPOCH]."""
-        return np.asarray(self.sets["t"])
-
-    def at(self, t: np.ndarray) -> np.ndarray:
-        """Return states as `States.at`; a set flies 30 days at most."""
-        states = np.full((len(t), 6), np.nan)
-        nearest = np.searchsorted(0.5 * (self.t[1:] + self.t[:-1]), t)
-        young = np.abs(t - self.t[nearest]) <= DAY * MOST_DAYS
-        for row in np.unique(nearest[young]):
-            near = young & (nearest == row)
-            states[near] = histories.states_of(self.sets.iloc[row], epoch=EPOCH, t=t[near])
-        return states
-
-    def covariances(self, t: np.ndarray) -> np.ndarray:
-        """Return covariances as `States.covariances`: sets have none."""
-        return np.full((len(t), 3, 3), np.nan)
-
-
-ComparedOrbit = States | Sets
-
-
-def read(paths: Sequence[FilePath], wanted: str | None = None) -> ComparedOrbit:
-    """Read an orbit of one object from files of one format, times from EPOCH on.
-
-    wanted: name or number of the object in the files; None: they have only one
-
-    Raises InputError, naming file and line, as the readers of the formats do.
-    """
-    content = contents(paths[0])
-    if is_orbit(content):
-        return _of_orbit(paths, wanted, is_message=oem.matches(content))
-    if not fixes_csv.matches(content):
-        return _of_sets(paths, wanted)
-    return _of_arcs(
-        [fixes_csv.read(path, contents(path), epoch=EPOCH, satellite=wanted)[0] for path in paths]
-    )
-
-
-def compare(ours: ComparedOrbit, other: ComparedOrbit) -> pd.DataFrame:
+def compare(ours: KnownOrbit, other: KnownOrbit) -> pd.DataFrame:
     """Return the table `comparison`: ours less the other, at the times of the other's states.
 
     Where the other has mean elements, or ours knows nothing between its own states, the times are those of
@@ -171,7 +47,7 @@ def compare(ours: ComparedOrbit, other: ComparedOrbit) -> pd.DataFrame:
         raise InputError(f"compare: expected two orbits of the same time, got {spans}")
     t, mine, theirs = t[both], mine[both], theirs[both]
     apart = bent_rsw(mine[:, :3], theirs)
-    covariances = ours.covariances(t)
+    covariances = ours.covariances(t)[:, :3, :3]
     known = np.isfinite(covariances).all(axis=(1, 2))
     share = np.full(len(t), np.nan)
     share[known] = chi2.cdf(mahalanobis(apart[known], covariances[known]), 3)
@@ -213,92 +89,14 @@ def summary(table: pd.DataFrame) -> str:
     return "\n".join(lines)
 
 
-def _times(ours: ComparedOrbit, other: ComparedOrbit) -> np.ndarray:
-    if ours.is_flown and other.is_flown:
+def _times(ours: KnownOrbit, other: KnownOrbit) -> np.ndarray:
+    if isinstance(ours, Sets) and isinstance(other, Sets):
         return np.arange(ours.t[-1], ours.t[-1] + DAY * FLOWN_DAYS, STEP)
-    if other.is_flown or not np.isfinite(ours.at(other.t)).any():
+    if isinstance(other, Sets) or not np.isfinite(ours.at(other.t)).any():
         return ours.t
     return other.t
 
 
-def _span(orbit: ComparedOrbit) -> str:
+def _span(orbit: KnownOrbit) -> str:
     begin, end = ccsds.utc_texts(EPOCH, orbit.t[[0, -1]])
     return f"{orbit.source} from {begin} to {end}"
-
-
-def _of_orbit(paths: Sequence[FilePath], wanted: str | None, *, is_message: bool) -> States:
-    arcs = whole_arcs(OrbitFiles(paths, EPOCH, np.inf, wanted))
-    if not is_message or arcs[0].frame == "ITRF":
-        return _of_arcs(arcs)
-    begins = {(arc.satellite, arc.t[0]) for arc in arcs}
-    segments = [
-        one for path in paths for one in oem.read(path, epoch=EPOCH) if (one.name, one.t[0]) in begins
-    ]
-    stretches = [stretch for one in segments for stretch in stretches_of(one)]
-    return States(str(paths[0]), stretches, identity=segments[0].identity)
-
-
-def _of_arcs(arcs: Sequence[Arc]) -> States:
-    ordered = sorted(arcs, key=lambda arc: float(arc.t[0]))
-    stretches = [one for arc in ordered for one in _stretches(str(arc.path), *_in_gcrf(_in_one_unit(arc)))]
-    return States(str(arcs[0].path), stretches, identity=arcs[0].identity)
-
-
-def _in_one_unit(arc: Arc) -> Arc:
-    """Return an arc, without its velocities where their unit is another, as in SP3 files of CNES."""
-    moved = np.diff(arc.positions, axis=0)
-    by_velocity = 0.5 * np.diff(arc.t)[:, None] * (arc.velocities[1:] + arc.velocities[:-1])
-    ways, misses = (np.linalg.norm(one, axis=1) for one in (moved, moved - by_velocity))
-    if np.count_nonzero(misses > _OTHER_UNIT * ways) <= len(ways) / 2:
-        return arc
-    _log.warning("%s: velocities of another unit passed over", arc.path)
-    return arc.without_velocities()
-
-
-def stretches_of(segment: oem.Segment) -> list[Stretch]:
-    """Return the stretches of a segment, with covariances of positions in RSW."""
-    stretches = _stretches(segment.name, segment.t, segment.states)
-    t, covariances = segment.covariance_t, segment.covariances[:, :3, :3]
-    if segment.covariance_frame == "GCRF" and len(t):
-        states = States(segment.name, stretches).at(t)
-        known = np.isfinite(states).all(axis=1)
-        turns = rsw_rotation(states[known])
-        t, covariances = t[known], turns @ covariances[known] @ turns.transpose(0, 2, 1)
-    return [replace(one, covariance_t=t, covariances=covariances) for one in stretches]
-
-
-def _in_gcrf(arc: Arc) -> tuple[np.ndarray, np.ndarray]:
-    """Return times and GCRF states of an arc."""
-    (begin,) = ccsds.utc_texts(EPOCH, arc.t[:1])
-    hours = nodes(begin, float(arc.t[-1] - arc.t[0]))
-    orientation = earth_orientation.tabulate(begin, hours)
-    return arc.t, rotate_to_gcrf(replace(arc, t=arc.t - arc.t[0]), orientation)
-
-
-def _stretches(name: str, t: np.ndarray, states: np.ndarray) -> list[Stretch]:
-    """Return stretches of ascending times (n,); positions without velocities get them where they are many."""
-    parts = np.split(np.arange(len(t)), np.flatnonzero(np.diff(t) > LONGEST_STEP + _SAME) + 1)
-    return [Stretch(name, t[part], _with_velocities(t[part], states[part])) for part in parts]
-
-
-def _with_velocities(t: np.ndarray, states: np.ndarray) -> np.ndarray:
-    if np.isfinite(states).all() or len(t) < FEWEST:
-        return states
-    return np.hstack([states[:, :3], velocities_of(t, states[:, :3])])
-
-
-def _of_sets(paths: Sequence[FilePath], wanted: str | None) -> Sets:
-    history = histories.read(paths, epoch=EPOCH)
-    sets = histories.of_object(history.sets, _number(paths[0], history, wanted))
-    return Sets(str(paths[0]), sets, history.objects[sets["number"].iloc[0]])
-
-
-def _number(path: FilePath, history: histories.History, wanted: str | None) -> int | None:
-    """Return the catalogue number of what is wanted: a number, a name or a designator."""
-    if wanted is None:
-        return None
-    for number, one in history.objects.items():
-        if one.is_called(wanted):
-            return number
-    objects = ", ".join(str(one) for one in [*history.objects.values()][:5])
-    raise InputError(f"{path}: expected object {wanted}, got {objects}")

@@ -90,13 +90,16 @@ class UncertainPairs:
         times = t.ravel()
         elements, squared = np.tile(self._elements, (len(times), 1, 1)), np.full(len(times), np.inf)
         clouds = Cloud(np.empty((len(times), 6)), np.empty((len(times), 6, 6)))
+        # R^2 / 5 is the variance along each axis of a point drawn from a ball of radius R.
         sphere, sought = self.radius**2 / 5.0 * np.eye(3), np.arange(len(times))
         for k in range(_ROUNDS):
             cloud, mixed = self._about(elements[sought], times[sought])
+            # Lagrange's multipliers of the condition that both are at one place.
             met = np.linalg.solve(cloud.covariance[:, :3, :3] + sphere, cloud.mean[:, :3, None])[..., 0]
             before, squared[sought] = squared[sought], np.sum(cloud.mean[:, :3] * met, axis=-1)
             clouds.mean[sought], clouds.covariance[sought] = cloud.mean, cloud.covariance
             elements[sought] = self._pulled(mixed, met)
+            # Where nothing flows anyway, the elements may stay roughly known.
             is_far = (squared[sought] > _FAR) & (k >= _FAR_ROUNDS)
             if not len(sought := sought[~(_settled(squared[sought], before) | is_far)]):
                 break
@@ -107,9 +110,11 @@ class UncertainPairs:
         """Return where both most likely collide at any time, flying straight past each other: for 2D-Nc."""
         elements, t = self._elements, np.zeros(self.states.shape[:-2])
         velocity, before = _SIGN @ self.states[..., 3:], np.full(t.shape, np.inf)
+        # R^2 / 4 is the variance along each axis of a point drawn from a disc of radius R.
         disc = (self.radius**2 / 4.0)[..., None, None] * np.eye(2)
         for _ in range(_ROUNDS):
             cloud, mixed = self._about(elements, t)
+            # Only the plane across the relative velocity counts: along it they meet sooner or later.
             plane = np.linalg.svd(velocity[..., None, :])[2][..., 1:, :]
             across = np.swapaxes(plane, -1, -2)
             spread = plane @ cloud.covariance[..., :3, :3] @ across + disc
@@ -120,6 +125,7 @@ class UncertainPairs:
             likeliest = cloud.mean - (cloud.covariance[..., :3] @ force)[..., 0]
             position, velocity = likeliest[..., :3], likeliest[..., 3:]
             speed = np.maximum(np.linalg.norm(velocity, axis=-1), _STANDSTILL)
+            # To the closest approach of the likeliest paths, from where the next round is linear.
             t = t - np.sum(position * velocity, axis=-1) / speed**2
             elements, before = self._pulled(mixed, force[..., 0]), squared
         steady = self._unsteadiness(cloud) < _STEADY * np.linalg.norm(velocity, axis=-1)
@@ -185,6 +191,7 @@ class UncertainPairs:
     def _pulled(self, mixed: np.ndarray, force: np.ndarray) -> np.ndarray:
         """Return the elements (..., 2, 6) that meet by a force (..., 3) on the relative position."""
         change = -_SIGN[:, None] * (mixed[..., :3] @ force[..., None, :, None])[..., 0]
+        # A whole step of Newton's may leave the ellipses.
         room = _FARTHEST * (1.0 - np.linalg.norm(self._elements[..., 1:3], axis=-1, keepdims=True))
         largest = np.max(np.abs(change), axis=-1, keepdims=True)
         return np.asarray(self._elements + change * np.minimum(1.0, room / np.maximum(largest, room)))

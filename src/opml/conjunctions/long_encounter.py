@@ -162,12 +162,14 @@ def _flow(cloud: Cloud, radius: float) -> np.ndarray:
 def _inward(cloud: Cloud, radius: float) -> np.ndarray:
     """Return the mean speed (n, k) [m/s] with which the points of the sphere are entered, 0 for leaving."""
     positions, mixed = cloud.covariance[:, :3, :3], cloud.covariance[:, 3:, :3]
+    # Given a position on the sphere, the velocity is normal about this mean with the covariance `free`.
     slope = np.linalg.solve(positions, mixed.transpose(0, 2, 1)).transpose(0, 2, 1)
     velocity = cloud.mean[:, 3:, None] + slope @ (radius * _POINTS - cloud.mean[:, :3, None])
     free = cloud.covariance[:, 3:, 3:] - slope @ mixed.transpose(0, 2, 1)
     speed = -np.sum(_POINTS * velocity, axis=1)
     sigma = np.sqrt(np.maximum(np.sum(_POINTS * (free @ _POINTS), axis=1), 1e-20))
     ratio = speed / sigma
+    # The mean of max(speed, 0) of a normal speed.
     return sigma * np.exp(-0.5 * ratio**2) / math.sqrt(2.0 * math.pi) + speed * ndtr(ratio)
 
 

@@ -39,6 +39,7 @@ NEWER_WEATHER = "https://celestrak.org/SpaceData/SW-All.csv"  # where newer spac
 OLDEST_WEATHER = 3.0  # days before the date that the weather may end: the forecast begins there
 
 _FEWEST_SETS = 3
+_MOST_BSTAR = 0.1  # of a body that is no balloon, some 0.6 m2/kg; more is a fit that failed
 _PAST_COLUMNS = ["number", "morning", "lead", "error", "left", "sigma"]
 _DEEP = 2.0 * np.pi / 225.0  # mean motion [rad/min] below which SGP4 adds Sun and Moon
 _MINUTES = 1440.0
@@ -239,6 +240,7 @@ def reasons(
         "burned lately": missed.reindex(newest.index, fill_value=0.0) > ways.BURN,
         f"newest set older than {OLDEST:g} d": age > OLDEST,
         "no B* above 0": newest["bstar"] <= 0.0,
+        f"B* above {_MOST_BSTAR:g}": newest["bstar"] > _MOST_BSTAR,
         "eccentric": newest["eccentricity"] >= features.MOST_ECCENTRICITY,
         "outside the bands of height": ~newest["height"].between(*features.BANDS[[0, -1]], inclusive="left"),
         "deep space": newest["motion"] < _DEEP,

@@ -5,7 +5,6 @@ package each month is from the newest bulletin that lists it, published half a y
 OBSERVED: measured activity, see `space_weather`.
 """
 
-import gzip
 import re
 import zlib
 from collections.abc import Callable
@@ -20,9 +19,8 @@ from numpy.typing import ArrayLike
 from opml.base import epochs
 from opml.base.constants import DAY
 from opml.base.errors import InputError
+from opml.base.files import unpacked
 from opml.environment import space_weather
-
-_GZIP = b"\x1f\x8b"
 
 MSAFE = "MSAFE"
 OBSERVED = "OBSERVED"
@@ -119,9 +117,7 @@ def read_text(path: str | Path) -> str:
     Raises InputError where the file is missing or no text.
     """
     try:
-        content = Path(path).read_bytes()
-        plain = gzip.decompress(content) if content.startswith(_GZIP) else content
-        return plain.decode("utf-8-sig")
+        return unpacked(Path(path).read_bytes()).decode("utf-8-sig")
     except (OSError, EOFError, zlib.error, UnicodeDecodeError) as reason:
         got = getattr(reason, "strerror", None) or reason
         raise InputError(f"{path}: expected a table of solar activity, got {got}") from None

@@ -17,9 +17,9 @@ from opml.catalog.predict import spread
 from opml.catalog.predict.labels import with_sigmas
 from opml.catalog.predict.spread import Weathers
 from opml.ephemerides.along_track_shift import check_smooth, corrected, through
-from opml.ephemerides.known import Known
-from opml.ephemerides.part import Grid, Part
-from opml.ephemerides.task import Task, ephemeris_table, reached
+from opml.ephemerides.ephemeris_task import Task, ephemeris_table, reached
+from opml.ephemerides.known_tables import Known
+from opml.ephemerides.task_part import Grid, Part
 from opml.learning.data.splits import are_over
 from opml.learning.judge.error_sizes import Sizes
 from opml.learning.models.contract import Model

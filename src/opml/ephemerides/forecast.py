@@ -11,8 +11,8 @@ import numpy as np
 import pandas as pd
 
 from opml.catalog.predict import weather_futures
-from opml.ephemerides.part import Part
-from opml.ephemerides.task import Task, ephemeris_table, reached
+from opml.ephemerides.ephemeris_task import Task, ephemeris_table, reached
+from opml.ephemerides.task_part import Part
 from opml.orbits.rsw_covariance import AXES, rates, rsw_covariances
 from opml.tables import SCHEMAS, STATE
 

@@ -18,9 +18,9 @@ from opml.catalog.flight import Flight
 from opml.catalog.predict.prediction import TRUE
 from opml.ephemerides.along_track_shift import corrected_by_each, through
 from opml.ephemerides.corrected import expected, morning
-from opml.ephemerides.known import Known
-from opml.ephemerides.part import Grid, Part
-from opml.ephemerides.task import Task, reached
+from opml.ephemerides.ephemeris_task import Task, reached
+from opml.ephemerides.known_tables import Known
+from opml.ephemerides.task_part import Grid, Part
 from opml.learning.data.splits import known_at
 from opml.learning.judge.error_sizes import as_known
 from opml.learning.models.contract import hours_to_fill

@@ -17,7 +17,7 @@ from opml.figures.style import (
     add_head_and_legend,
     page_figure,
 )
-from opml.learning.data.components import UNCORRECTED
+from opml.learning.data.error_components import UNCORRECTED
 from opml.learning.judge.model_choice import CHOSEN
 
 _COLORS = (TRUE_COLOR, PREDICTED_COLOR, OBSERVED_COLOR, RESIDUAL, ESTIMATE, TRACK_COLOR)

@@ -1,6 +1,5 @@
-"""Figures of a study of one's own: errors by duration, Cd and the weather, P_ML by day, rows used."""
+"""Figures of a study of one's own: errors by duration, Cd and the weather, P_ML by day."""
 
-import math
 from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
@@ -8,7 +7,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, PercentFormatter
+from matplotlib.ticker import FuncFormatter
 
 from opml.base.constants import DAY
 from opml.base.errors import InputError
@@ -23,16 +22,15 @@ from opml.figures.style import (
     PREDICTED_COLOR,
     PUBLISHED,
     RAMP,
-    REASON_COLORS,
     RESIDUAL,
     SERIES,
-    TRACK_COLOR,
     TRUE_COLOR,
     add_head_and_legend,
     add_note,
     legend,
     page_figure,
     panel_figure,
+    screen_figure,
 )
 from opml.figures.ticks import mark_dates, metres, rounded
 from opml.learning.judge.errors_by_duration import REACH_DAYS
@@ -50,9 +48,6 @@ UNCORRECTED_NOTE = "errors without correction: medians and middle halves by a pr
 
 BASELINE = PREDICTED_COLOR  # colour of the models beside the one that a figure shows
 OUTSIDE = 0.3  # room above and below the middle 90 % of the estimates of Cd, in parts of their range
-
-_SHADES = (TRACK_COLOR, *REASON_COLORS)
-"""Colours of rows that are used, then of rows that are not, reason by reason."""
 
 
 def errors(evaluations: Mapping[str, pd.DataFrame], *, component: str, note: str = "") -> Figure:
@@ -85,17 +80,17 @@ def residuals(mornings: Mornings, *, laws: Collection[str], note: str = "") -> F
 
     laws: the models that learned
     """
-    figure = page_figure(height_mm=100.0)
+    figure = screen_figure(height_mm=105.0)
     axes = figure.add_subplot()
     before, after = (sizes(mornings.flown, column) for column in ("before", "e_y"))
     _draw_bands(axes, before, TRUE_COLOR, "o", "no correction")
-    _draw_bands(axes, after, RESIDUAL, "^", "corrected by the model selected each day")
+    _draw_bands(axes, after, RESIDUAL, "^", "model selected each day")
     medians = {name: sizes(table, "e_y")["50"] for name, table in mornings.tables.items() if name != "none"}
     named = _to_name(mornings, laws)
     for name, median in medians.items():
         look: dict[str, Any] = {"ls": "--" if name in laws else "-", "lw": 0.6, "color": MUTED}
         if name in named:
-            look |= {"lw": 1.2, "color": BASELINE, "label": "learned" if name in laws else "nothing learned"}
+            look |= {"lw": 1.2, "color": BASELINE, "label": "learned" if name in laws else "without learning"}
         axes.plot(median.index, median, zorder=2.5, **look)
     _size_axis(axes, "e_y")
     axes.set_xlim(0.0, before.index[-1])
@@ -103,11 +98,10 @@ def residuals(mornings: Mornings, *, laws: Collection[str], note: str = "") -> F
     axes.set_ylabel(_size_label("e_y"))
     ends = {display_learner(name): float(medians[name].iloc[-1]) for name in named}
     name_ends(axes, ends, dict.fromkeys(ends, BASELINE))
-    reading = "lines: medians, in grey of the other models; bands: the middle 50 % and 90 % of the errors"
+    bands = "lines: medians, grey: other models; bands: middle 50 % and 90 % of the errors"
     selected, without = (metres(rounded(float(one["50"].iloc[-1]))) for one in (after, before))
-    by_day = f"{selected} with the model selected each day, {without} uncorrected"
-    headline = f"After {after.index[-1]:.2g} d the median error is {by_day}"
-    add_head_and_legend(figure, headline, lines(note, reading), columns=4)
+    headline = f"After {after.index[-1]:.2g} d: median {selected}, uncorrected {without}"
+    add_head_and_legend(figure, headline, lines(note, bands), columns=2)
     return figure
 
 
@@ -251,9 +245,9 @@ def daily_errors(dataset: pd.DataFrame, *, component: str, day: float) -> pd.Dat
     day: duration of the predictions [d]; durations up to a quarter of a day from it count
     """
     near = (dataset["duration"] / DAY - day).abs() <= REACH_DAYS
-    rows_figure = dataset[near & dataset["keep"]]
-    calendar = np.floor(rows_figure["t_i"] / DAY)
-    groups = rows_figure[component].abs().groupby(calendar)
+    rows = dataset[near & dataset["keep"]]
+    calendar = np.floor(rows["t_i"] / DAY)
+    groups = rows[component].abs().groupby(calendar)
     quartiles = pd.DataFrame({f"{100.0 * share:.0f}": groups.quantile(share) for share in (0.25, 0.5, 0.75)})
     middle = (quartiles.index.to_numpy(float) + 0.5) * DAY
     return quartiles.assign(t=middle, day=day).reset_index(drop=True)
@@ -293,37 +287,3 @@ def rolling(days: Mapping[str, pd.DataFrame], *, every_days: float, epoch: str, 
     figure.supylabel(f"{P_ML} [%]", fontsize=8.0)
     legend(figure, columns=2, note=note)
     return figure
-
-
-def rows_figure(shares: Mapping[str, Mapping[str, float]]) -> Figure:
-    """Draw the share of the rows that are used, and of those that are not by reason; one bar per dataset.
-
-    Raises InputError without a dataset.
-
-    shares: as `report.own_study.row_shares` returns, by the dataset's name
-    """
-    if not shares:
-        raise InputError("rows of a study: expected at least one dataset, got none")
-    reasons = list(dict.fromkeys(reason for parts in shares.values() for reason in parts))
-    figure = page_figure(height_mm=26.0 + 8.0 * len(shares) + 4.0 * math.ceil(len(reasons) / _COLUMNS))
-    axes = figure.add_subplot()
-    place = np.arange(len(shares))[::-1]
-    left = np.zeros(len(shares))
-    for k, reason in enumerate(reasons):
-        widths = np.array([parts.get(reason, 0.0) for parts in shares.values()])
-        look: dict[str, Any] = {"color": _SHADES[k % len(_SHADES)], "label": _reason_label(reason, widths)}
-        axes.barh(place, widths, left=left, height=0.6, **look)
-        left += widths
-    axes.set_yticks(place, list(shares))
-    axes.set_xlim(0.0, 1.0)
-    axes.xaxis.set_major_formatter(PercentFormatter(1.0))
-    axes.set_xlabel("share of the predictions")
-    axes.grid(visible=False, axis="y")
-    legend(figure, columns=_COLUMNS)
-    return figure
-
-
-def _reason_label(reason: str, shares: np.ndarray) -> str:
-    """Return a reason with its shares in numbers, as a thin bar cannot be read."""
-    low, high = (f"{100.0 * share:.1f} %" for share in (shares.min(), shares.max()))
-    return f"{reason}, {low}" if low == high else f"{reason}, {low} to {high}"

@@ -39,8 +39,6 @@ SERIES = (RESIDUAL, PREDICTED_COLOR, OBSERVED_COLOR, ESTIMATE)
 MARKERS = "osD^"
 # Curves in an order, such as durations, from light to dark.
 RAMP = ("#F5B887", "#E07B28", "#A84400", "#4F2000")
-# Reasons why rows are not used.
-REASON_COLORS = (RESIDUAL, HIGHLIGHT, ESTIMATE, "#7A3200", MUTED)
 
 NOTE_SIZE = 6.5  # size of the type of a figure's note [pt]
 
@@ -99,9 +97,9 @@ def page_figure(*, height_mm: float) -> Figure:
     return _figure(PAGE_WIDTH_MM, height_mm)
 
 
-def screen_figure() -> Figure:
+def screen_figure(*, height_mm: float = 70.0) -> Figure:
     """Return an empty figure whose words a phone still shows large enough."""
-    return _figure(SCREEN_WIDTH_MM, 0.7 * SCREEN_WIDTH_MM)
+    return _figure(SCREEN_WIDTH_MM, height_mm)
 
 
 def panel_figure(

@@ -1,7 +1,6 @@
 """Common parts of the readers of orbits: arcs, files plain or gzipped, numbers and times."""
 
 import codecs
-import gzip
 import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -14,7 +13,7 @@ import numpy as np
 from opml.base import epochs
 from opml.base.constants import DAY
 from opml.base.errors import InputError
-from opml.base.files import FilePath
+from opml.base.files import FilePath, unpacked
 from opml.interop.object_ids import UNKNOWN, ObjectId
 
 MOST_APART = 300.0  # longest time between two nodes for interpolation [s]
@@ -24,7 +23,6 @@ BEHIND_TAI = {"TAI": 0.0, "TT": -32.184, "GPS": 19.0, "GAL": 19.0, "QZS": 19.0}
 
 _MOST_SHOWN = 100  # characters of a line in an error
 
-_GZIPPED = b"\x1f\x8b"
 _NO_SUCH_TIME = (erfa.ErfaError, erfa.ErfaWarning, ValueError)
 
 
@@ -66,9 +64,7 @@ class NoSuchTime(ValueError):
 def contents(path: FilePath) -> bytes:
     """Return the bytes of a file, plain or gzipped. Raises InputError where it cannot be read."""
     try:
-        packed = Path(path).read_bytes()
-        content = gzip.decompress(packed) if packed.startswith(_GZIPPED) else packed
-        return content.removeprefix(codecs.BOM_UTF8)
+        return unpacked(Path(path).read_bytes()).removeprefix(codecs.BOM_UTF8)
     except FileNotFoundError:
         raise InputError(f"{path}: no such file") from None
     except (EOFError, OSError, zlib.error) as reason:

@@ -65,7 +65,7 @@ def whole_arcs(files: OrbitFiles) -> list[Arc]:
     """
     arcs: list[Arc] = []
     first_read: _Read | None = None
-    for path in files.paths:
+    for path in dict.fromkeys(files.paths):
         content = contents(path)
         read = _reader(path, content)
         if read is not (first_read := first_read or read):

@@ -128,8 +128,9 @@ def _tell_outside(arcs: Sequence[Arc], files: OrbitFiles) -> None:
     if left_out := [arc for arc in arcs if arc.path not in reached]:
         one, count = left_out[0], len({arc.path for arc in left_out})
         begin, end = ccsds.utc_texts(files.epoch, one.t[[0, -1]])
-        told = "files without a point within the run: %d, as %s, of %s to %s"
-        _log.warning(told, count, one.path, begin, end)
+        run = ccsds.utc_texts(files.epoch, np.array([0.0, files.duration]))
+        told = "files without a point from %s to %s: %d, as %s, of %s to %s"
+        _log.warning(told, *run, count, one.path, begin, end)
 
 
 def _weighted(files: OrbitFiles, sampling: Sampling) -> list[_Points]:
@@ -138,7 +139,7 @@ def _weighted(files: OrbitFiles, sampling: Sampling) -> list[_Points]:
     usual[: len(sampling.sigmas)] = sampling.sigmas
     if is_orbit(contents(files.paths[0])):
         return [(arc, np.tile(usual, (len(arc.t), 1))) for arc in whole_arcs(files)]
-    arcs = [_of_csv(path, files) for path in files.paths]
+    arcs = [_of_csv(path, files) for path in dict.fromkeys(files.paths)]
     check_together([arc for arc, _ in arcs])
     arcs.sort(key=lambda pair: float(pair[0].t[0]))
     return [(arc, np.where(np.isfinite(sigmas), sigmas, usual)) for arc, sigmas in arcs]
@@ -173,5 +174,5 @@ def _check_velocities(arc: Arc, sigmas: np.ndarray) -> None:
     if miss > ALIEN:
         raise InputError(
             f"{arc.path}: expected velocities that lead from each position to the next, "
-            f"got {100 * miss:.0f} % beside it: another unit or frame?"
+            f"got {100 * miss:.0f} % off: another unit or frame?"
         )

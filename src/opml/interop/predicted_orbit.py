@@ -2,7 +2,7 @@
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from datetime import UTC, datetime
+from datetime import datetime
 from functools import cached_property
 
 import numpy as np
@@ -21,6 +21,7 @@ LEADS = (0, 1, 3, 5, 7)  # days from the date at which expected errors are state
 UNKNOWABLE = "burns after the date are not allowed for"  # what no covariance knows
 STEP = 60.0  # time between the states of an ephemeris [s]
 _COVARIANCE_EVERY = 10  # states
+_ROUNDED = 1e-6  # by what a number of days may miss a minute [s]
 _DENSITY_EVERY = 180  # states: what density does grows slowly
 
 
@@ -62,7 +63,7 @@ class PredictedOrbit(ABC):
 
         Raises InputError for times outside the prediction, and where SGP4 has the object decayed.
         """
-        if not np.all((t >= 0.0) & (t <= DAY * self.days)):
+        if not np.all((t >= 0.0) & (t <= DAY * self.days + _ROUNDED)):
             begin, end = self._texts(np.array([0.0, DAY * self.days]))
             raise InputError(f"predict: expected a time from {begin} to {end}, got another")
         return self._flown(t)
@@ -81,17 +82,17 @@ class PredictedOrbit(ABC):
 
     def state(self, time: str | datetime) -> np.ndarray:
         """Return the GCRF state (6,) [m, m/s] at a time (UTC). Raises InputError as `states` does."""
-        return self.states(self._seconds(time))[0]
+        return self.states(epochs.seconds_to(self.date, time))[0]
 
     def covariance(self, time: str | datetime) -> np.ndarray:
         """Return the covariance (6, 6) in RSW [m, m/s] at a time (UTC); raises as `states` does."""
-        t = self._seconds(time)
+        t = epochs.seconds_to(self.date, time)
         return self.covariances(t, self.states(t))[0]
 
     @cached_property
     def t(self) -> np.ndarray:
         """Times (n,) of the ephemeris [s since the date]."""
-        return np.arange(0.0, DAY * self.days + 0.5 * STEP, STEP)
+        return STEP * np.arange(int((DAY * self.days + _ROUNDED) / STEP) + 1)
 
     def to_pandas(self) -> pd.DataFrame:
         """Return the ephemeris, a row a minute: utc, GCRF state [m, m/s], sigma_r, sigma_s, sigma_w [m]."""
@@ -132,9 +133,3 @@ class PredictedOrbit(ABC):
 
     def _texts(self, t: np.ndarray) -> list[str]:
         return ccsds.utc_texts(self.date, t)
-
-    def _seconds(self, time: str | datetime) -> np.ndarray:
-        if isinstance(time, datetime):
-            aware = time if time.tzinfo else time.replace(tzinfo=UTC)
-            time = aware.astimezone(UTC).replace(tzinfo=None).isoformat()
-        return np.array([epochs.seconds_between(self.date, time.removesuffix("Z"))])

@@ -13,11 +13,11 @@ from opml.catalog.predict import spread
 from opml.catalog.predict.prediction import predict_pairs
 from opml.ephemerides.along_track_shift import LEAST_EPOCHS
 from opml.ephemerides.corrected import expected, interpolate_spread
-from opml.ephemerides.known import Known
-from opml.ephemerides.part import Grid, Part
+from opml.ephemerides.known_tables import Known
+from opml.ephemerides.task_part import Grid, Part
 from opml.learning.data import dataset
 from opml.learning.data.cleaning import Cleaning
-from opml.learning.data.components import CORRECTED
+from opml.learning.data.error_components import CORRECTED
 from opml.learning.models import learners
 from opml.learning.models.contract import Model, ResolvedSettings
 from opml.mornings.fits import Recent

@@ -17,14 +17,14 @@ from opml.base.progress import counted
 from opml.base.provenance import settings_digest
 from opml.interop import ccsds, oem
 from opml.learning.judge.error_sizes import INSIDE, along_track
-from opml.mornings import judged
+from opml.mornings import verdicts
 from opml.mornings.calendar import Calendar
-from opml.mornings.judged import OLDEST
 from opml.mornings.kept.batch_day import Finished
 from opml.mornings.kept.store import Store
 from opml.mornings.morning import Left, morning
 from opml.mornings.outcomes import NOTHING
 from opml.mornings.records import Records
+from opml.mornings.verdicts import OLDEST
 from opml.mornings.watched import MorningPlan, Watched
 from opml.orbits.elements import coe_from_cartesian
 from opml.tables import STATE
@@ -88,7 +88,7 @@ class UnderWay:
             "message": self._write_message(left),
             "past": past(self.records),
             "mornings": strip(self.records, plan),
-            "beside_sgp4": judged.medians_beside_sgp4(self.records.judged),
+            "beside_sgp4": verdicts.medians_beside_sgp4(self.records.judged),
         }
         self.next = day + timedelta(days=1)
         _log.info("%s, %s: %s, %s", rso, day, left.verdict.word, left.verdict.reason)

@@ -15,7 +15,7 @@ from opml.base.errors import InputError
 from opml.base.progress import counted
 from opml.ephemerides.along_track_shift import check_smooth, corrected, through
 from opml.ephemerides.corrected import interpolate_spread
-from opml.ephemerides.task import ephemeris_table
+from opml.ephemerides.ephemeris_task import ephemeris_table
 from opml.learning.data.splits import are_over
 from opml.learning.judge.error_sizes import LEAST_ROWS, Sizes
 from opml.learning.judge.model_choice import choose
@@ -53,7 +53,7 @@ def best_model(judged: pd.DataFrame, models: Sequence[str], *, now: float) -> tu
     over = past["model"].value_counts()
     if (most := over.max()) < LEAST_ROWS:
         judged_so_far = f"judged so far: {counted(most, 'prediction')}"
-        raise InputError(f"{judged_so_far}, fewer than the {LEAST_ROWS} that tell how large errors are")
+        raise InputError(f"{judged_so_far}, fewer than the {LEAST_ROWS} needed for sizes of errors")
     # A model that is new in the menu waits for a past of its own.
     replays = {
         name: judged[judged["model"] == name].drop(columns="model")

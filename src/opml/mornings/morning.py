@@ -12,12 +12,12 @@ import pandas as pd
 from opml.base.constants import HOUR
 from opml.base.errors import InputError
 from opml.ephemerides import corrected
-from opml.mornings import candidates, fits, issued, judged
+from opml.mornings import candidates, fits, issued, verdicts
 from opml.mornings.fits import Recent
 from opml.mornings.issued import Flown
-from opml.mornings.judged import Verdict
 from opml.mornings.outcomes import DO_NOT_USE, UNPROVEN
 from opml.mornings.records import Paths, Records
+from opml.mornings.verdicts import Verdict
 from opml.mornings.watched import Watched
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import SCHEMAS
@@ -86,7 +86,7 @@ class _Morning:
             raise InputError("no tracks of the last days")
         self.fitting = fits.Fitting.of(self.watched, self.recent)
         estimates = self.fitting.further(kept)
-        self.judged = judged.judge(self.watched, estimates, self.recent, self.earlier)
+        self.judged = verdicts.judge(self.watched, estimates, self.recent, self.earlier)
         if "station" in self.watched.tracking and fits.are_far(self.judged):
             last = max((one.t for one in self.earlier.burns), default=-np.inf)
             self.burn = fits.newest_burn(self.fitting, kept, since=last)
@@ -115,8 +115,8 @@ class _Morning:
         """Judge whether to trust an ephemeris, and choose the model that is flown."""
         plan, burns = self.watched.plan, self.watched.manoeuvres
         past = self._so_far.rows_unaffected_by_burns(plan.base, self.watched.known_by(self.now))
-        judgement = judged.verdict(past, self.starts, now=self.now, burns=burns, window=plan.base * HOUR)
-        self.verdict = judged.beside_sgp4(judgement, past, now=self.now)
+        judgement = verdicts.verdict(past, self.starts, now=self.now, burns=burns, window=plan.base * HOUR)
+        self.verdict = verdicts.beside_sgp4(judgement, past, now=self.now)
         flown = issued.choose_model(past, paths.models, now=self.now)
         self.ephemeris = issued.ephemeris(paths.table, flown, step=plan.step)
         self.flown = flown

@@ -31,7 +31,7 @@ from opml.environment import knowledge, nodes
 from opml.environment.forecasts.methods import AnyForecast
 from opml.environment.knowledge import Issues
 from opml.environment.settings import EnvironmentSettings
-from opml.ephemerides.along_track_shift import through
+from opml.ephemerides.along_track_shift import NotSmoothError, through
 from opml.interop import ccsds, points_from_files, tdm
 from opml.interop.object_ids import ObjectId
 from opml.interop.orbit_arcs import contents
@@ -40,12 +40,12 @@ from opml.interop.predicted_orbit import STEP, PredictedOrbit
 from opml.learning.models import learners
 from opml.learning.models.contract import ResolvedSettings
 from opml.learning.models.learners import JobLearner, arc_of
-from opml.mornings import issued, judged, measured, usual_sizes
+from opml.mornings import issued, measured, usual_sizes, verdicts
 from opml.mornings.issued import Flown
-from opml.mornings.judged import OLDEST, Verdict
 from opml.mornings.measured import MeasurementSource, Span
 from opml.mornings.morning import Left, morning
 from opml.mornings.records import Records
+from opml.mornings.verdicts import OLDEST, Verdict
 from opml.mornings.watched import FlightModel, MorningPlan, Watched
 from opml.orbits.sheets import Rso, Station
 from opml.tables import STATE, STATE_COVARIANCES, symmetric_matrices
@@ -53,6 +53,7 @@ from opml.tables import STATE, STATE_COVARIANCES, symmetric_matrices
 MORNINGS = 7  # mornings before the date that are flown again
 STRETCH = 6.0  # length of a stretch of points [h], whose estimate is at its first
 SIGMA = 10.0  # standard deviation of positions whose file tells none [m]
+GUESS = 0.01  # area to mass of a body that nobody knows [m2/kg]
 LONGEST = 7.0  # days that a prediction reaches at most
 _EVERY = 120.0  # between points [s]: each is an end of a step
 _ANY = "2000-01-01T12:00:00"
@@ -78,7 +79,7 @@ class Request:
     date: str | None = None  # UTC text; None: when the last was measured
     weather: FilePath = "OBSERVED"  # OBSERVED, the packaged weather, or a CSSI file
     stations: Sequence[Station] = ()  # by which tracks were measured
-    area_to_mass: float = 0.01  # [m2/kg]
+    area_to_mass: float | None = None  # [m2/kg]; None: GUESS
 
     @property
     def kind(self) -> str:
@@ -194,7 +195,7 @@ def predict(request: Request, settings: OrbitSettings, *, progress: Progress) ->
     """
     if not 0.0 < request.days <= LONGEST:
         raise InputError(f"predict: expected more than 0 and at most {LONGEST:g} days, got {request.days:g}")
-    if not 0.0 < request.area_to_mass < np.inf:
+    if request.area_to_mass is not None and not 0.0 < request.area_to_mass < np.inf:
         raise InputError(f"predict: expected an area to mass above 0 m2/kg, got {request.area_to_mass:g}")
     times = _Times.of(request)
     progress(f"weather and forces from {times.epoch[:_DAY]} on")
@@ -213,8 +214,9 @@ def predict(request: Request, settings: OrbitSettings, *, progress: Progress) ->
         raise InputError(f"{request.files[0]}: expected measurements of an orbit, {got}")
     expected = f"{request.files[0]}: expected an orbit for {request.days:g} days, got"
     try:
-        flown = _flown(watched, left, records, now=times.date)
-    except InputError:
+        light = usual_sizes.GUESSED if request.area_to_mass is None else usual_sizes.GIVEN
+        flown = _flown(watched, left, records, now=times.date, light=light)
+    except NotSmoothError:
         raise InputError(f"{expected} fits over several windows that differ too fast") from None
     t = flown.table["t"].to_numpy() - times.date
     if t[-1] < DAY * request.days:
@@ -253,7 +255,7 @@ def _span(request: Request) -> tuple[float, float]:
 def _watched(request: Request, settings: OrbitSettings, times: _Times) -> Watched:
     """Return what is measured of the object, and how it flies."""
     max_days = request.days + (OLDEST + _AFTER) / DAY
-    rso = Rso("object", **_NO_ELEMENTS, area_to_mass=request.area_to_mass, cd=2.2, cr=1.25)
+    rso = Rso("object", **_NO_ELEMENTS, area_to_mass=request.area_to_mass or GUESS, cd=2.2, cr=1.25)
     model = _flight_model(rso, request.weather, settings, times, max_days)
     sampling = {
         "sigmas": [SIGMA] * 3,
@@ -336,14 +338,14 @@ class _Flown:
     past: pd.DataFrame
 
 
-def _flown(watched: Watched, left: Left, records: Records, *, now: float) -> _Flown:
+def _flown(watched: Watched, left: Left, records: Records, *, now: float, light: float) -> _Flown:
     """Return what the newest morning that could flew: the model that left the least.
 
     Where that is not known, it is a fit's own Cd, or the mean of the past where the fit hardly knows it.
     """
     base, paths, models = watched.plan.base, records.paths[-1], watched.plan.models
-    cd = watched.model.fits.rso.cd
-    formal = usual_sizes.formal_errors(records.estimates, records.paths, base=base, apriori=cd)
+    rso = watched.model.fits.rso
+    formal = usual_sizes.formal_errors(records.estimates, records.paths, base=base, rso=rso, light=light)
     known = records.rows_unaffected_by_burns(base, watched.known_by(now))
     try:
         model, _ = issued.best_model(known, list(models), now=now)
@@ -367,7 +369,7 @@ def _verdict(watched: Watched, left: Left, records: Records, past: pd.DataFrame,
     if start["t"].isna().all():
         return left.verdict
     burns, often = [*watched.manoeuvres, *records.burns], past[past["duration"] <= DAY * _JUDGED]
-    return judged.verdict(often, start, now=now, burns=burns, window=watched.plan.base * HOUR)
+    return verdicts.verdict(often, start, now=now, burns=burns, window=watched.plan.base * HOUR)
 
 
 def _basis(past: pd.DataFrame) -> str:
@@ -376,4 +378,4 @@ def _basis(past: pd.DataFrame) -> str:
         return f"by the {_USUAL}"
     mornings, longest = past["morning"].nunique(), past["duration"].max() / DAY
     judged = f"{counted(len(past), 'prediction')} of {counted(mornings, 'morning')}"
-    return f"by {judged} before, up to {longest:.1f} days long, beside the {_USUAL}"
+    return f"by {judged} before, up to {longest:.1f} days long, and the {_USUAL}"

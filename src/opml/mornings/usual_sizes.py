@@ -5,10 +5,11 @@ The variance of each axis has a part of the fit and a part of drag,
     sigma^2 = f^2 (a^2 + (b D)^2) + g^2 ((c drag)^2 + (w weather)^2),
 
 D the duration, `drag` and `weather` as in `opml.learning.judge.error_sizes`. a and b are the fit's formal
-errors where Cd is known, and what the forces leave; along the track a has a hundredth of a day's drag, too. c
-is the usual error of the density that a fit estimates, more over less than two days, with the formal error of
-Cd. So they follow height and measurements. Without a past f and g are 1. A past error counts for each by the
-part of its variance that is of it, and for less the more it overlaps others.
+errors where Cd is known, and what the forces leave, also of light, whose pressure goes by a body that may be
+a guess; along the track a has a hundredth of a day's drag, too. c is the usual error of the density that a
+fit estimates, more over less than two days, with the formal error of Cd. So they follow height and
+measurements. Without a past f and g are 1. A past error counts for each by the part of its variance that is
+of it, and for less the more it overlaps others.
 
 The constants were chosen in hindsight; notes/uncertainty.md has what they gave where others were left out.
 """
@@ -18,7 +19,7 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
-from opml.base.constants import DAY, HOUR
+from opml.base.constants import DAY, HOUR, SRP_PRESSURE
 from opml.catalog.predict import labels
 from opml.catalog.predict.spread import TENTH, mean_cd
 from opml.learning.data.splits import are_over
@@ -26,6 +27,7 @@ from opml.learning.judge.error_sizes import Sizes
 from opml.mornings.records import Paths
 from opml.orbits.elements import rsw_rotation
 from opml.orbits.rsw_covariance import AXES, rates
+from opml.orbits.sheets import Rso
 from opml.tables import (
     COMPONENTS,
     DOUBT,
@@ -39,6 +41,7 @@ from opml.tables.convergence import FAR
 
 CONSTANT = np.array([1.0, 1.5, 1.0])  # what forces leave in a fit, in RSW [m]
 RATE = np.array([1.2, 2.0, 1.0])  # by what that grows [m/day]
+GUESSED, GIVEN = 0.9, 0.3  # part of light's pressure that errs: as of Cd, or of Cr and attitude alone
 DAILY = 0.1  # part of a tenth of a day's drag that is left in a fit along the track
 DENSITY = 0.6  # error of the density that a fit over LONG hours estimates, in tenths of it
 
@@ -56,17 +59,18 @@ _GROSS = 10.0  # sizes that an error counts as at most
 
 
 def formal_errors(
-    estimates: pd.DataFrame, paths: Sequence[Paths], *, base: float, apriori: float
+    estimates: pd.DataFrame, paths: Sequence[Paths], *, base: float, rso: Rso, light: float
 ) -> pd.DataFrame:
     """Return a [m], b [m/day] by axis and c [tenths of the drag] of ephemerides, by track: a_x ... b_z, c.
 
     estimates: table `kept_estimates`
     paths: the ephemerides
     base: window [h] of the fits that they start from; the longest window tells Cd
-    apriori: Cd of the sheet
+    rso: the body; light: the part of light's pressure on it that errs
 
     Where Cd is known, an orbit that is higher by x and faster by v falls back by 3 (n x + v), n its angular
-    rate.
+    rate. An unknown acceleration g towards the Sun adds 3 g / 2 n each second to an orbit's radial wave, and
+    twice that along the track; a fit has it by half its window. (Gauss's equations, over a revolution.)
     """
     daily = pd.Series({one.start: one.drag_after(DAY) for one in paths})
     known = estimates[estimates["converged"].astype(bool) & estimates["track"].isin(daily.index)]
@@ -82,12 +86,15 @@ def formal_errors(
     drift = 3.0 * DAY * np.sqrt(np.maximum(given_cd, 0.0))
     longest = known.sort_values("window_hours", kind="stable").groupby("track").last().loc[started.index]
     # The drag of a spread is that of this mean.
-    mean = mean_cd(estimates[estimates["window_hours"] == base], apriori)[started.index].abs()
+    mean = mean_cd(estimates[estimates["window_hours"] == base], rso.cd)[started.index].abs()
     cd = np.sqrt(longest["cov_cd_cd"]) / TENTH / np.maximum(mean, _LEAST_CD)
     hours = np.clip((longest["t"] - estimates["t"].min()) / HOUR, 1.0, LONG).to_numpy(float)
     constant = np.hypot(CONSTANT, started[SIGMAS[:3]].to_numpy(float))
     constant[:, 1] = np.hypot(constant[:, 1], DAILY * daily[started.index])
-    rate = np.hypot(RATE, np.stack([0.0 * drift, drift, 0.0 * drift], axis=1))
+    pushed = light * SRP_PRESSURE * rso.cr * rso.area_to_mass * DAY / rates(states)
+    wave = pushed[:, None] * np.array([1.5, 3.0, 0.0]) / np.sqrt(2.0)
+    constant = np.hypot(constant, wave * HOUR * base / 2.0 / DAY)
+    rate = np.hypot(np.hypot(RATE, wave), np.stack([0.0 * drift, drift, 0.0 * drift], axis=1))
     density = np.minimum(np.hypot(DENSITY * np.sqrt(LONG / hours), cd), VAGUE)
     return pd.DataFrame(np.column_stack([constant, rate, density]), index=started.index, columns=_COLUMNS)
 

@@ -45,8 +45,8 @@ def contain_any(
     return contain
 
 
-def spoilt_since(begin: np.ndarray, end: np.ndarray, manoeuvres: Sequence[Manoeuvre]) -> np.ndarray:
-    """Return since when it is known of spans (begin, end], (n,) [s], that they hold a manoeuvre: (n,) [s].
+def when_burns_are_known(begin: np.ndarray, end: np.ndarray, manoeuvres: Sequence[Manoeuvre]) -> np.ndarray:
+    """Return when a manoeuvre in each span (begin, end], (n,) [s], becomes known: (n,) [s].
 
     Infinite without one, and where fits had begun anew behind it by the end of the span.
     """

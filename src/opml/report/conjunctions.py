@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 import pandas as pd
 
 from opml.conjunctions.collision_alarms import ANY
-from opml.learning.data.components import UNCORRECTED
+from opml.learning.data.error_components import UNCORRECTED
 from opml.learning.judge.model_choice import CHOSEN
 from opml.report import texts
 from opml.report.document import Block

@@ -47,7 +47,7 @@ class Table:
 
 @dataclass(frozen=True)
 class Picture:
-    """A PNG, which Markdown links to and HTML holds, wider than a phone's screen; link: from the document."""
+    """A PNG, which Markdown links to and HTML holds; link: from the document."""
 
     file: FilePath
     link: str

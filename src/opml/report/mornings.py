@@ -57,8 +57,8 @@ def _verdict(mornings: Mornings, laws: Sequence[str]) -> str:
         predictions=len(mornings.flown),
         earlier=mornings.earlier,
     )
-    spoilt = int(np.isfinite(mornings.flown["spoilt"]).sum()) if "spoilt" in mornings.flown else 0
-    return f"{verdict} {texts.sentences('mornings.burns', spoilt=spoilt)}" if spoilt else verdict
+    across = int(np.isfinite(mornings.flown["burn_known"]).sum()) if "burn_known" in mornings.flown else 0
+    return f"{verdict} {texts.sentences('mornings.burns', across=across)}" if across else verdict
 
 
 def best_model(mornings: Mornings, laws: Sequence[str]) -> tuple[str, float]:
@@ -119,4 +119,6 @@ def days_within(flown: pd.DataFrame) -> str:
     passed = flown["e_y"].abs().groupby(number).quantile(SHARE) > BOUND
     if not passed.any():
         return "90 % stay within 1 km for the whole prediction."
-    return f"90 % stay within 1 km for {max(float(passed.idxmax()) - 1.0, 0.0) * step:g} days."
+    if passed.iloc[0]:
+        return "More than 10 % exceed 1 km from the beginning on."
+    return f"90 % stay within 1 km for {(float(passed.idxmax()) - 1.0) * step:g} days."

@@ -5,7 +5,7 @@ from functools import partial
 from opml.base.files import PROJECT
 from opml.base.progress import Progress
 from opml.base.yaml_files import read_yaml
-from opml.learning.data import components
+from opml.learning.data import error_components
 from opml.learning.models import learners
 from opml.mornings import prediction
 from opml.mornings.prediction import FittedOrbit, OrbitSettings, Request
@@ -32,7 +32,7 @@ def settings() -> OrbitSettings:
     run = packaged.RUN
     real = read_yaml(PROJECT / "config" / "real_satellites.yaml")
     resolve = partial(
-        learners.resolved, component=components.CORRECTED, variables=run["learning"]["variables"]
+        learners.resolved, component=error_components.CORRECTED, variables=run["learning"]["variables"]
     )
     return OrbitSettings(
         estimation=run["estimation"] | {"cd_sigma": CD_SIGMA},

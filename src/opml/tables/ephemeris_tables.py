@@ -56,9 +56,11 @@ _UNSEEN = tuple(
     for name in UNSEEN
 )
 
-_SPOILT = (
+_BURN_KNOWN = (
     real(
-        "spoilt", "s", f"when a manoeuvre was found that spoils the row, {SINCE}; infinite without, optional"
+        "burn_known",
+        "s",
+        f"when a manoeuvre that the row crosses became known, {SINCE}; infinite without, optional",
     ),
 )
 
@@ -67,7 +69,7 @@ EPHEMERIS_SCHEMAS = (
         "replay",
         "a pair of an estimate i and a later track start j",
         REPLAY_COLUMNS,
-        (*ALIKE, *_UNSEEN, *_SPOILT),
+        (*ALIKE, *_UNSEEN, *_BURN_KNOWN),
     ),
     Schema(
         "corrected",

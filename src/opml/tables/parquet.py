@@ -101,6 +101,11 @@ def read_metadata(path: FilePath) -> dict[str, Any]:
     return {key: value for key, value in values.items() if key != "table"}
 
 
+def is_table(content: bytes) -> bool:
+    """Return whether a file is Parquet, by how it begins."""
+    return content.startswith(b"PAR1")
+
+
 def read_kind(path: FilePath) -> str:
     """Read the name of a table's schema. Raises InputError as `read_metadata` does."""
     with _described(path) as file:

@@ -10,7 +10,7 @@ from opml.base.section import Section
 from opml.catalog import kinds
 from opml.environment import knowledge
 from opml.figures.display_names import describe_run
-from opml.learning.data import components
+from opml.learning.data import error_components
 from opml.learning.data.dataset import MEASUREMENT
 from opml.learning.models import learners
 from opml.learning.models.contract import ResolvedSettings
@@ -149,7 +149,7 @@ class Params:
         return {
             name: learners.resolved(
                 naming.parse_learner(name, self.plan.study.learners),
-                component=parts.get("component", components.CORRECTED),
+                component=parts.get("component", error_components.CORRECTED),
                 variables=self._variables(parts),
             )
             for name in names

@@ -120,7 +120,7 @@ def test_a_fit_that_turns_out_to_hold_a_burn_leaves_the_past(assumed_model):
     assert past["mean"][2] < -10.0
     np.testing.assert_allclose(past["mean"].drop(2), 2.2)
     np.testing.assert_allclose(past["prior"], 2.2)
-    # As it was known then, what was flown from the spoilt fit stays.
+    # As it was known then, what was flown from the fit across the burn stays.
     before = other_windows.past_cd(table, apriori=2.2, memory_days=30.0)
     pd.testing.assert_frame_equal(past[:3], before[:3])
 

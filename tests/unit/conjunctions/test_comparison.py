@@ -1,6 +1,7 @@
 """Two orbits compared with each other: distances in RSW, what a covariance holds, and all formats."""
 
 import json
+from datetime import datetime, timedelta
 
 import numpy as np
 import orbit_files
@@ -14,11 +15,12 @@ from test_approaches import kepler
 from opml import cli
 from opml.base.constants import EARTH_GM
 from opml.base.errors import InputError
-from opml.conjunctions import comparison
+from opml.conjunctions import comparison, known_orbits
 from opml.interop import oem
 from opml.interop.object_ids import ObjectId
 from opml.orbits.elements import rsw_rotation
-from opml.tables import read_table
+from opml.tables import SCHEMAS, read_table, write_table
+from opml.tables import STATE as STATE_COLUMNS
 
 RADIUS = 7e6
 SPEED = np.sqrt(EARTH_GM / RADIUS)
@@ -52,7 +54,7 @@ def truth():
 def test_the_distance_along_the_track_is_an_arc(truth, tmp_path):
     other = written(tmp_path / "truth.oem", truth)
     ours = written(tmp_path / "ours.oem", moved(truth, [50.0, 400e3, -20.0]))
-    table = comparison.compare(comparison.read([ours]), comparison.read([other]))
+    table = comparison.compare(known_orbits.read([ours]), known_orbits.read([other]))
     assert len(table) == len(T)
     np.testing.assert_allclose(table[["r", "s", "w"]], np.tile([50.0, 400e3, -20.0], (len(T), 1)), rtol=1e-6)
     assert table["ellipsoid"].isna().all()
@@ -68,8 +70,10 @@ def test_a_true_covariance_holds_what_it_says(truth, tmp_path, frame):
     if frame == "GCRF":
         turns = np.kron(np.eye(2), rsw_rotation(states).transpose(0, 2, 1))
         covariances = turns @ covariances @ turns.transpose(0, 2, 1)
-    ours = comparison.read([written(tmp_path / "ours.oem", states, covariances, frame)])
-    table = comparison.compare(ours, comparison.read([written(tmp_path / "truth.oem", truth)]))
+    ours = known_orbits.read([written(tmp_path / "ours.oem", states, covariances, frame)])
+    np.testing.assert_allclose(ours.covariance(f"{RUN}Z"), np.diag([*SIGMA**2, 1.0, 1.0, 1.0]), atol=0.1)
+    assert np.isnan(ours.covariance("2016-01-01T00:00:00")).all()
+    table = comparison.compare(ours, known_orbits.read([written(tmp_path / "truth.oem", truth)]))
     np.testing.assert_allclose(
         table[["sigma_r", "sigma_s", "sigma_w"]], np.tile(SIGMA, (len(T), 1)), rtol=1e-4
     )
@@ -92,7 +96,7 @@ def test_two_objects_are_told(one, other, are_two, truth, tmp_path, caplog):
     for word in (one, other):
         segment = oem.Segment("ONE", T, truth, identity=ObjectId.of("ONE", word))
         oem.write(tmp_path / "one.oem", [segment], epoch=RUN)
-        orbits.append(comparison.read([tmp_path / "one.oem"]))
+        orbits.append(known_orbits.read([tmp_path / "one.oem"]))
     assert len(comparison.compare(*orbits)) == len(T)
     assert ("compare: expected orbits of one object, got" in caplog.text) == are_two
 
@@ -115,24 +119,43 @@ def in_formats(states, tmp_path):
 @pytest.mark.parametrize("kind", ["SP3", "CPF", "OEM in ITRF", "CSV"])
 def test_every_format_is_the_same_orbit(truth, tmp_path, kind):
     path = in_formats(truth, tmp_path)[kind]
-    ours = comparison.read([written(tmp_path / "ours.oem", truth)])
-    for pair in ((ours, comparison.read([path])), (comparison.read([path]), ours)):
+    ours = known_orbits.read([written(tmp_path / "ours.oem", truth)])
+    for pair in ((ours, known_orbits.read([path])), (known_orbits.read([path]), ours)):
         table = comparison.compare(*pair)
         assert len(table) == len(T)
         assert table["distance"].max() < 0.02
 
 
+def test_a_file_given_twice_counts_once(truth, tmp_path):
+    for path in (written(tmp_path / "ours.oem", truth), in_formats(truth, tmp_path)["CSV"]):
+        np.testing.assert_array_equal(known_orbits.read([path, path]).t, known_orbits.read([path]).t)
+
+
+def test_tables_with_states_are_read_and_no_others(truth, tmp_path):
+    table = pd.DataFrame(truth, columns=STATE_COLUMNS).assign(t=T)
+    write_table(tmp_path / "truth.parquet", table, "truth", metadata={"epoch": RUN})
+    orbit = known_orbits.read([tmp_path / "truth.parquet"])
+    np.testing.assert_allclose(orbit.to_pandas()[STATE_COLUMNS], truth)
+    np.testing.assert_allclose(orbit.state(datetime.fromisoformat(RUN) + timedelta(minutes=1)), truth[1])
+    write_table(tmp_path / "other.parquet", SCHEMAS["tracking"].empty(), "tracking", metadata={"epoch": RUN})
+    refused = refusal(known_orbits.read, [tmp_path / "other.parquet"])
+    assert (
+        "expected a table of truth, estimates, predictions, corrected, forecast, got one of tracking"
+        in refused
+    )
+
+
 def test_velocities_of_another_unit_are_passed_over(truth, tmp_path, caplog):
     fixed = orbit_files.in_itrf(truth, T, environment()["earth_orientation"])
     fixed[:, 3:] *= 10.0
-    orbit = comparison.read([orbit_files.sp3(tmp_path / "orbit.sp3", T, fixed)])
+    orbit = known_orbits.read([orbit_files.sp3(tmp_path / "orbit.sp3", T, fixed)])
     assert np.linalg.norm(orbit.at(orbit.t) - kepler(STATE, 0.0, T), axis=1).max() < 0.1
     assert "orbit.sp3: velocities of another unit passed over" in caplog.text
 
 
 def test_between_states_without_velocities_the_orbit_goes_on(truth, tmp_path):
     paths = in_formats(truth, tmp_path)
-    orbit = comparison.read([paths["SP3"]])
+    orbit = known_orbits.read([paths["SP3"]])
     between = orbit.at(orbit.t[10:-10] + 30.0)
     assert np.linalg.norm(between - kepler(STATE, 0.0, T[10:-10] + 30.0), axis=1).max() < 0.1
 
@@ -141,7 +164,7 @@ def test_of_sets_the_nearest_flies(tmp_path):
     sets = history([0.0, 1.0, 2.0], ahead={1.0: 1000.0})
     (tmp_path / "late.tle").write_text(tle_text(sets))
     (tmp_path / "first.tle").write_text(tle_text(sets.iloc[:1]))
-    both = [comparison.read([tmp_path / name]) for name in ("first.tle", "late.tle")]
+    both = [known_orbits.read([tmp_path / name]) for name in ("first.tle", "late.tle")]
     table = comparison.compare(*both)
     assert len(table) == 7 * 1440
     before, after = table[table["hours"] < 11.9], table[table["hours"] > 12.1]
@@ -167,9 +190,9 @@ def test_the_command_writes_and_prints(truth, tmp_path, capsys):
 
 
 def test_orbits_of_other_times_and_objects_are_refused(truth, tmp_path):
-    ours = comparison.read([written(tmp_path / "ours.oem", truth)])
+    ours = known_orbits.read([written(tmp_path / "ours.oem", truth)])
     (tmp_path / "sets.tle").write_text(tle_text(history([100.0])) + tle_text(history([100.0]), number=7))
-    assert "names the object, got objects 7, 25544" in refusal(comparison.read, [tmp_path / "sets.tle"])
-    assert "sets.tle: expected object 8, got" in refusal(comparison.read, [tmp_path / "sets.tle"], "8")
+    assert "names the object, got objects 7, 25544" in refusal(known_orbits.read, [tmp_path / "sets.tle"])
+    assert "sets.tle: expected object 8, got" in refusal(known_orbits.read, [tmp_path / "sets.tle"], "8")
     with pytest.raises(InputError, match=r"expected two orbits of the same time, got .*ours"):
-        comparison.compare(ours, comparison.read([tmp_path / "sets.tle"], "7"))
+        comparison.compare(ours, known_orbits.read([tmp_path / "sets.tle"], "7"))

@@ -127,7 +127,8 @@ def test_each_object_says_what_was_done_and_why(
     cases = {
         "first sets": "\n".join(lines[-4:]),
         "newest set older than 3 d": "\n".join(lines[:80]),
-        "no B* above 0": "\n".join(_negative_drag(lines)),
+        "no B* above 0": "\n".join(_with_drag(lines, -1e-4)),
+        "B* above 0.1": "\n".join(_with_drag(lines, 0.2)),
         "burned lately": "\n".join([*lines[:-2], *_raised(lines[-2:])]),
     }
     for k, (why, text) in enumerate(cases.items()):
@@ -139,10 +140,10 @@ def test_each_object_says_what_was_done_and_why(
         assert row.applied == (ways.DENSITY if why == "first sets" else ways.UNCHANGED)
 
 
-def _negative_drag(lines: list[str]) -> list[str]:
+def _with_drag(lines: list[str], bstar: float) -> list[str]:
     first, second = lines[-2:]
     motion = float(second[52:63]) * 2.0 * np.pi / 1440.0
-    return [*lines[:-2], *mean_elements.tle.with_drag(first, second, motion=motion, bstar=-1e-4)]
+    return [*lines[:-2], *mean_elements.tle.with_drag(first, second, motion=motion, bstar=bstar)]
 
 
 def _raised(pair: list[str]) -> list[str]:

@@ -2,6 +2,7 @@
 
 import json
 import re
+from dataclasses import replace
 from datetime import UTC, datetime
 
 import numpy as np
@@ -69,6 +70,13 @@ def test_times_are_text_or_clocks_and_lie_within(made):
     np.testing.assert_array_equal(made.state("2026-01-10T06:00:00Z"), made.state(clock))
     with pytest.raises(InputError, match=r"expected a time from 2026-01-08T06.* to 2026-01-15T06"):
         made.state("2026-01-15T06:00:01")
+
+
+@pytest.mark.parametrize(("days", "minutes"), [(2.3, 3312), (0.0101, 14)])
+def test_an_ephemeris_has_the_whole_minutes_of_its_days(made, days, minutes):
+    table = replace(made, days=days).to_pandas()
+    assert len(table) == minutes + 1
+    assert table.notna().all(axis=None)
 
 
 def test_an_ephemeris_tells_what_other_objects_share(made, tmp_path):

@@ -16,10 +16,10 @@ from opml.catalog.predict.mechanism import FittedArcs
 from opml.catalog.predict.resonance import Resonances
 from opml.catalog.predict.sensitivity import sensitivities
 from opml.ephemerides import corrected
-from opml.ephemerides.known import Known
-from opml.ephemerides.part import Grid, Part
-from opml.ephemerides.task import Task, departures
-from opml.figures import later_errors
+from opml.ephemerides.ephemeris_task import Task, departures
+from opml.ephemerides.known_tables import Known
+from opml.ephemerides.task_part import Grid, Part
+from opml.figures import errors_at_later_tracks
 from opml.interop import oem
 from opml.interop.element_sets import baseline
 from opml.interop.object_ids import ObjectId
@@ -350,7 +350,7 @@ def test_it_is_held_against_later_estimates(table, known):
     assert (errors["after_y"].abs() > 1.0).all()
     np.testing.assert_allclose(errors["duration"], later["t"].drop(2) - TIMES[1])
     np.testing.assert_allclose(errors[["sigma_e_x", "sigma_e_y", "sigma_e_z"]], 3.0)
-    panels = later_errors.later_errors(errors, level=0.9).axes
+    panels = errors_at_later_tracks.later_errors(errors, level=0.9).axes
     assert [axes.get_ylabel() for axes in panels[::2]] == [
         "radial error",
         "along-track error",
@@ -359,4 +359,4 @@ def test_it_is_held_against_later_estimates(table, known):
     assert panels[2].yaxis.get_major_formatter()(-2500.0) == "\N{MINUS SIGN}2.5 km"
     np.testing.assert_allclose(panels[2].lines[-1].get_ydata(), panels[3].lines[-1].get_ydata())
     with pytest.raises(InputError, match="expected an estimate of a later track"):
-        later_errors.later_errors(errors[:0], level=0.9)
+        errors_at_later_tracks.later_errors(errors[:0], level=0.9)

@@ -12,8 +12,8 @@ from opml.dynamics.forces import with_outlooks
 from opml.environment import knowledge
 from opml.environment.knowledge import Issues
 from opml.ephemerides import forecast
-from opml.ephemerides.known import Known
-from opml.ephemerides.task import Grid, Task
+from opml.ephemerides.ephemeris_task import Grid, Task
+from opml.ephemerides.known_tables import Known
 from opml.interop import oem
 from opml.tables import (
     PARAMETER_COVARIANCES,

@@ -15,9 +15,9 @@ from opml.catalog.predict import prediction, spread
 from opml.catalog.predict.spread import Weathers
 from opml.catalog.simulate import tracking, truth
 from opml.ephemerides import corrected, replays
-from opml.ephemerides.known import Known
-from opml.ephemerides.part import Grid
-from opml.ephemerides.task import Task
+from opml.ephemerides.ephemeris_task import Task
+from opml.ephemerides.known_tables import Known
+from opml.ephemerides.task_part import Grid
 from opml.interop import oem
 from opml.learning.data import dataset
 from opml.learning.data.cleaning import Cleaning
@@ -108,13 +108,13 @@ def test_rows_that_a_burn_spoils_tell_when_it_was_found(flight, tables, tmp_path
         replays.build(flight, replace(tables["known"], manoeuvres=burns), [series], max_days=0.6)[0]
         for burns in ([], [burn])
     )
-    assert "spoilt" not in unaware
-    pd.testing.assert_frame_equal(aware.drop(columns="spoilt"), unaware)
+    assert "burn_known" not in unaware
+    pd.testing.assert_frame_equal(aware.drop(columns="burn_known"), unaware)
     write_table(tmp_path / "r.parquet", aware, "replay", metadata={})
     across = (aware["t_i"] < burn.t) & aware["t_j"].between(burn.t, burn.known, inclusive="left")
     across |= aware["t_i"].between(burn.t, burn.known, inclusive="left")
     assert 0 < across.sum() < len(aware)
-    np.testing.assert_array_equal(aware["spoilt"], np.where(across, burn.known, np.inf))
+    np.testing.assert_array_equal(aware["burn_known"], np.where(across, burn.known, np.inf))
     now = 3.0 * DAY
     assert are_over(unaware, now).all()
     np.testing.assert_array_equal(are_over(aware, now), ~across)
@@ -126,9 +126,9 @@ def test_a_law_learns_nothing_of_a_burn_once_it_is_known(tables):
     burn = Manoeuvre(1.2 * DAY, 1.6 * DAY, anew=True)
     known = replace(tables["known"], manoeuvres=[burn])
     rows = known.marked(tables["rows"])
-    spoilt = np.isfinite(rows["spoilt"].to_numpy())
-    assert 0 < spoilt.sum() < len(rows)
-    wild = rows.assign(e_y=np.where(spoilt, 1.5, 1.0) * rows["e_y"])
+    crossed = np.isfinite(rows["burn_known"].to_numpy())
+    assert 0 < crossed.sum() < len(rows)
+    wild = rows.assign(e_y=np.where(crossed, 1.5, 1.0) * rows["e_y"])
     probe = tables["rows"][["duration"]].head().to_numpy()
     for day, alike in ((1.59, False), (1.61, True)):
         calm, spoiled = (Lessons(table, LAW, seed=1)(day * DAY).predict(probe) for table in (rows, wild))

@@ -118,7 +118,8 @@ def test_a_file_of_another_time_is_told(tmp_path, t, states, caplog):
     points_from_files.check(OrbitFiles(paths, EPOCH, DAY), PLACES)
     (message,) = caplog.messages
     assert message == (
-        f"files without a point within the run: 1, as {paths[1]}, of 1997-02-12T12:09:51.000000 "
+        f"files without a point from {EPOCH}.000000 to 2016-09-29T12:09:45.000000: 1, as {paths[1]}, "
+        "of 1997-02-12T12:09:51.000000 "
         "to 1997-02-12T14:08:51.000000"
     )
 
@@ -159,8 +160,12 @@ def test_a_wrong_csv_is_told_in_one_line(tmp_path, text, old, new, message):
             gzip.compress(GOOD.encode(), mtime=0)[:-9],
             "expected a file that is whole, got Compressed file ended",
         ),
+        (
+            gzip.compress(b"\n" * 60_000_000, mtime=0),
+            "expected a file that is whole, got a gzip of more than 200 times its size",
+        ),
     ],
-    ids=["UTF-16", "every byte", "cut gzip"],
+    ids=["UTF-16", "every byte", "cut gzip", "gzip of blank lines"],
 )
 def test_bytes_that_are_no_csv_are_told_in_one_line(tmp_path, content, message):
     path = tmp_path / "orbit.csv"

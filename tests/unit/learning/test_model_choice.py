@@ -160,11 +160,11 @@ def test_rows_that_a_burn_spoilt_choose_nothing_once_it_is_known(errors):
     burned = errors["t_i"].between(8.0 * DAY, 10.0 * DAY)
     law = scaled(errors, 0.3)
     law.loc[burned, "e_y"] *= 1e4
-    spoilt = law.assign(spoilt=np.where(burned, 10.0 * DAY, np.inf))
+    burned_law = law.assign(burn_known=np.where(burned, 10.0 * DAY, np.inf))
     assert choose({"running": errors, "law": law}, ["law"], now=NOW, seed=1).chosen == "running"
-    assert choose({"running": errors, "law": spoilt}, ["law"], now=NOW, seed=1).chosen == "law"
-    found = Mornings.from_replays({"running": errors, "law": spoilt}, ["law"], seed=1)
-    rows = int(np.isfinite(found.flown["spoilt"]).sum())
+    assert choose({"running": errors, "law": burned_law}, ["law"], now=NOW, seed=1).chosen == "law"
+    found = Mornings.from_replays({"running": errors, "law": burned_law}, ["law"], seed=1)
+    rows = int(np.isfinite(found.flown["burn_known"]).sum())
     assert rows > 0
     text = document.markdown(mornings.section({("lares", "eglin"): found}, [1, 7], ["law"]))
     assert f"{rows} predictions crossed a burn" in text

@@ -84,7 +84,7 @@ def test_its_covariance_holds_the_truth(made, orbit):
     assert sigmas[-1, 1] > 5.0 * sigmas[0, 1]
     assert sigmas[-1, 1] < 2e3
     assert re.fullmatch(
-        r"by 2\d predictions of 3 mornings before, up to 2\.\d days long, beside the usual .*", made.basis
+        r"by 2\d predictions of 3 mornings before, up to 2\.\d days long, and the usual .*", made.basis
     )
     assert np.linalg.eigvalsh(made.covariances(made.t, made.states(made.t))).min() > 0.0
 
@@ -196,6 +196,8 @@ def test_an_orbit_that_is_hardly_determined_is_refused(hours, monkeypatch):
     assert re.fullmatch(
         r".*iss\.oem: expected an orbit for 1 days, got one that comes down, or .* after 0\.\d", said
     )
+    monkeypatch.setattr(along_track_shift, "LEAST_EPOCHS", 10**6)
+    assert "expected at least 1000000 epochs to correct" in refusal(made_of, hours, date=None)
     monkeypatch.setattr(along_track_shift, "ROUGH", 0.0)
     said = refusal(made_of, hours, date=None)
     assert said.endswith(

@@ -19,11 +19,11 @@ from opml.catalog.predict.spread import Weathers
 from opml.catalog.simulate import tracking, truth
 from opml.dynamics.shared_blocks import SharedBlocks
 from opml.ephemerides.along_track_shift import corrected
-from opml.ephemerides.known import Known
+from opml.ephemerides.known_tables import Known
 from opml.interop import oem
 from opml.interop.object_ids import ObjectId
 from opml.learning.models import learners
-from opml.mornings import candidates, days, fits, judged
+from opml.mornings import candidates, days, fits, verdicts
 from opml.mornings.calendar import Calendar
 from opml.mornings.days import BatchTask, UnderWay
 from opml.mornings.kept import older_days
@@ -393,7 +393,7 @@ def test_a_morning_that_is_gone_from_between_others_is_told(watched, whole, tmp_
     gone, *behind = (folder / (LAST - timedelta(days=day)).isoformat() for day in (2, 1, 0))
     shutil.rmtree(gone)
     with pytest.raises(
-        InputError, match=f"^{gone}: expected the morning of iss that later ones stand on, got"
+        InputError, match=f"^{gone}: expected the morning of iss that later ones build on, got"
     ):
         run(watched, folder, LAST + timedelta(days=1))
     for day in behind:
@@ -459,9 +459,9 @@ def test_messages_tell_the_object_by_what_its_files_tell(watched, whole):
 def test_fits_to_mean_elements_are_marked_as_what_errs_alike(watched, whole):
     made = rows(whole, "kept_estimates", [LAST]).query("window_hours == 12.0")
     recent = fits.recent_tracks(watched.tracking, made, now=CALENDAR.time(LAST), reach=2 * DAY)
-    assert "alike" not in judged.later_states(made, recent)
+    assert "alike" not in verdicts.later_states(made, recent)
     before = recent.tracking.assign(t_estimate=recent.tracking["t"] + HOUR)
-    assert judged.later_states(made, replace(recent, tracking=before))["alike"].all()
+    assert verdicts.later_states(made, replace(recent, tracking=before))["alike"].all()
 
 
 def test_an_estimate_long_after_the_one_before_is_not_flown_to():

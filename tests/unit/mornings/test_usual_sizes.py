@@ -4,9 +4,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from opml.base.constants import DAY
+from opml.base.constants import DAY, SRP_PRESSURE
 from opml.mornings import usual_sizes
 from opml.mornings.records import Paths
+from opml.orbits.sheets import Rso
 from opml.tables import DOUBT, PARAMETER_COVARIANCES, SIGMA_STATE, STATE
 
 RATE = 0.0011
@@ -39,10 +40,11 @@ def causes(days):
     return pd.DataFrame(parts).assign(duration=DAY * np.asarray(days), rate=RATE)
 
 
-def formal(**known):
+def formal(area_to_mass=0.0, **known):
+    rso = Rso("one", *[0.0] * 6, area_to_mass=area_to_mass, cd=1.0, cr=1.25)
     path = causes([0.5, 1.0, 7.0]).assign(i=4, t_i=0.0, morning=0.0)
     paths = [Paths(path.assign(t_j=path["duration"]))]
-    return usual_sizes.formal_errors(estimates(**known), paths, base=12.0, apriori=1.0)
+    return usual_sizes.formal_errors(estimates(**known), paths, base=12.0, rso=rso, light=usual_sizes.GUESSED)
 
 
 def past(errors, days):
@@ -77,6 +79,16 @@ def test_an_orbit_of_unknown_height_drifts():
     # Higher by x it falls back by 3 n x, faster by v by 3 v.
     drift = 3.0 * DAY * np.hypot(0.1 * RATE, 0.02)
     np.testing.assert_allclose(formal(rise=0.02)["b_y"], np.hypot(usual_sizes.RATE[1], drift))
+
+
+def test_light_of_a_body_that_is_a_guess_makes_an_orbit_eccentric():
+    # Twice as far along the track as radially; what fits take half a day of has a quarter of a day of it.
+    known, dark = formal(area_to_mass=0.02), formal()
+    daily = usual_sizes.GUESSED * 1.5 * SRP_PRESSURE * 1.25 * 0.02 / RATE * DAY / np.sqrt(2.0)
+    for axis, times in (("x", 1.0), ("y", 2.0), ("z", 0.0)):
+        more = {name: known[f"{name}_{axis}"] ** 2 - dark[f"{name}_{axis}"] ** 2 for name in "ab"}
+        np.testing.assert_allclose(more["b"], (times * daily) ** 2, atol=1e-9)
+        np.testing.assert_allclose(more["a"], (times * daily / 4.0) ** 2, atol=1e-9)
 
 
 @pytest.mark.parametrize("sigma_cd", [0.05, 0.2])

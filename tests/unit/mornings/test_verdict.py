@@ -14,9 +14,9 @@ from opml.interop.element_sets import histories
 from opml.interop.element_sets.element_set import changed
 from opml.learning.judge.error_sizes import Sizes
 from opml.mornings import days, issued
-from opml.mornings.judged import Verdict, beside_sgp4, medians_beside_sgp4, verdict
 from opml.mornings.outcomes import DO_NOT_USE, GOOD, UNPROVEN, WIDE
 from opml.mornings.records import Records
+from opml.mornings.verdicts import Verdict, beside_sgp4, medians_beside_sgp4, verdict
 from opml.mornings.watched import Sgp4
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import SIGMA_STATE, STATE
@@ -92,7 +92,7 @@ def test_intervals_are_held_against_what_differences_show():
 def test_nothing_is_good_within_a_window_of_a_burn():
     past, burn = judged(sigma=100.0), [Manoeuvre(NOW - 0.4 * DAY)]
     found = verdict(past, start(), now=NOW, burns=burn, window=0.5 * DAY)
-    assert found == Verdict(DO_NOT_USE, "a burn 10 hours ago, which fits begin behind")
+    assert found == Verdict(DO_NOT_USE, "a burn 10 hours ago, after which fits begin")
     assert verdict(past, start(), now=NOW, burns=burn, window=0.25 * DAY).word == GOOD
     planned = [Manoeuvre(NOW + 0.1 * DAY), Manoeuvre(NOW - 0.1 * DAY, known=NOW + 1.0)]
     assert verdict(past, start(), now=NOW, burns=planned, window=0.5 * DAY).word == GOOD
@@ -131,7 +131,7 @@ def test_without_a_past_no_model_is_chosen():
     with pytest.raises(InputError, match="no ephemeris of an earlier morning was judged yet"):
         issued.choose_model(Records.empty().judged, ["fit96"], now=NOW)
     few = judged(sigma=100.0).head(19)
-    expected = "^judged so far: 19 predictions, fewer than the 20 that tell how large errors are$"
+    expected = "^judged so far: 19 predictions, fewer than the 20 needed for sizes of errors$"
     with pytest.raises(InputError, match=expected):
         issued.choose_model(few, ["fit96"], now=NOW)
 

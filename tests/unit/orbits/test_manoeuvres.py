@@ -70,7 +70,10 @@ def test_a_window_counts_unless_fits_begin_anew():
 
 def test_fits_are_spoilt_from_when_a_manoeuvre_in_their_window_is_known():
     t, named, found = np.array([1.0, 2.5, 3.0, 4.0]), Manoeuvre(2.0), Manoeuvre(2.0, 2.8, anew=True)
-    since = {burns: manoeuvres.spoilt_since(t - 1.5, t, burns).tolist() for burns in ((), (named,), (found,))}
+    since = {
+        burns: manoeuvres.when_burns_are_known(t - 1.5, t, burns).tolist()
+        for burns in ((), (named,), (found,))
+    }
     assert since[()] == [math.inf] * 4
     assert since[(named,)] == [math.inf, 2.0, 2.0, math.inf]
     assert since[(found,)] == [math.inf, 2.8, math.inf, math.inf]  # the window at 3.0 begins behind it

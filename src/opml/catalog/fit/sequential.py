@@ -223,6 +223,7 @@ class Filtering:
             parted = (means - np.append(leg.path[k], leg.cd)) @ transition.T
             means = parted + np.append(leg.path[k + 1], leg.cd)
             noise = self._noise(step / DAY, transition[:_CD, _CD], axes[k + 1, [0, 2]].T)
+            # The triangle of a QR decomposition is a root of T P T' + Q: no variance is rounded below zero.
             wide = np.concatenate([transition @ roots, noise], axis=2)
             upper = np.asarray(np.linalg.qr(wide.transpose(0, 2, 1), mode="r"))
             roots = upper.transpose(0, 2, 1)

@@ -17,7 +17,7 @@ from opml.catalog.flight import Flight
 from opml.catalog.predict.neighbours import Neighbours
 from opml.catalog.predict.sensitivity import CD_NUDGE, shift_with_cd
 from opml.orbits.elements import in_rsw
-from opml.orbits.manoeuvres import Manoeuvre, read_manoeuvres, spoilt_since
+from opml.orbits.manoeuvres import Manoeuvre, read_manoeuvres, when_burns_are_known
 from opml.tables import STATE, read_table
 
 
@@ -27,11 +27,11 @@ def exclude_burns(estimates: pd.DataFrame, *, manoeuvres: Sequence[Manoeuvre], w
     manoeuvres: of which those count that were known at an estimate
     window: of the fits [s]
 
-    `spoilt` is since when such a manoeuvre is known [s], infinite without one: from then on no mean has it.
+    `burn_known` is when such a manoeuvre became known [s], infinite without one: from then on no mean has it.
     """
     t = estimates["t"].to_numpy()
-    spoilt = spoilt_since(t - window, t, manoeuvres)
-    return estimates.assign(converged=estimates["converged"] & (spoilt > t), spoilt=spoilt)
+    known = when_burns_are_known(t - window, t, manoeuvres)
+    return estimates.assign(converged=estimates["converged"] & (known > t), burn_known=known)
 
 
 def read_estimates(files: Any, *, window_hours: float) -> pd.DataFrame:
@@ -220,8 +220,8 @@ def past_cd(estimates: pd.DataFrame, *, apriori: float, memory_days: float) -> p
     values = np.where(trusted, estimates["cd"].to_numpy(), 0.0)
     age = (t[:, None] - t[None, :]) / (memory_days * DAY)
     counts = trusted & (age >= 0.0)
-    if "spoilt" in estimates:
-        counts &= t[:, None] < estimates["spoilt"].to_numpy()
+    if "burn_known" in estimates:
+        counts &= t[:, None] < estimates["burn_known"].to_numpy()
     fading = np.where(counts, np.exp(-np.maximum(age, 0.0)), 0.0)
     apriori_weight = (APRIORI_SIGMA * apriori) ** -2.0
 

@@ -22,6 +22,7 @@ from opml.figures.style import (
 )
 
 _COLUMNS = 4  # panels side by side
+_SAME = 100.0  # share of SGP4's own errors [%]
 _APART = 0.2  # days by which the marks of one lead stand apart
 
 _INTERVALS = "bars: 95 % over weeks and objects"
@@ -34,11 +35,12 @@ def shares(scores: pd.DataFrame, seasons: Mapping[str, Sequence[str]], *, name: 
     scores: `catalogue_scores` of one test
     seasons: dates under `train` and `test`
     """
-    bands = {_title(band): own for band, own in scores.groupby("band", sort=False)}
+    bands = {_title(band, own): own for band, own in scores.groupby("band", sort=False)}
     learned = f"trained on half, {' to '.join(seasons['train'])}"
     judged = f"tested on the others, {' to '.join(seasons['test'])}"
-    whole = scores[scores["band"] == ALL]
-    headline = f"With learned corrections the median error is {_reach(whole, 'learned')} % of SGP4's"
+    is_whole = scores["band"] == ALL
+    whole, single = (_reach(scores[rows], "learned") for rows in (is_whole, ~is_whole))
+    headline = f"Learned corrections: {whole} % of SGP4's median error over all heights, {single} % by band"
     return _panels(bands, _draw_band, headline, clauses(f"{name}: {learned}", judged, _INTERVALS))
 
 
@@ -58,8 +60,11 @@ def every_season(scores: pd.DataFrame, labels: Mapping[str, str]) -> Figure:
         told = f"{scores['objects'].max()} objects"
         axes.text(0.03, 0.03, told, transform=axes.transAxes, fontsize=NOTE_SIZE, color=MUTED)
 
-    headline = f"Improved sets have {_reach(whole, 'improved')} % of SGP4's median error"
-    note = clauses("objects not used in training, improved on the dates given", _INTERVALS)
+    less = f"significantly less in {(whole['improved_high'] < _SAME).sum()} of {len(whole)} cases"
+    headline = f"Improved sets have {_reach(whole, 'improved')} % of SGP4's median error, {less}"
+    note = clauses(
+        "objects not used in training, on the dates given", f"{_INTERVALS}; significantly: all of the bar"
+    )
     figure = _panels(tests, draw, headline, note)
     for axes, test in zip(figure.axes, tests, strict=True):
         axes.set_title(labels[str(test)], fontsize=8.0, loc="left")
@@ -78,7 +83,7 @@ def _panels(
     parts: Mapping[str, pd.DataFrame], draw: Callable[[Axes, pd.DataFrame], None], headline: str, note: str
 ) -> Figure:
     def draw_part(axes: Axes, title: str) -> None:
-        axes.axhline(100.0, color=MUTED, lw=1.0, ls="--", label="SGP4")
+        axes.axhline(_SAME, color=MUTED, lw=1.0, ls="--", label="SGP4")
         draw(axes, parts[title])
         axes.set_xticks(sorted(set(parts[title]["lead"])))
 
@@ -89,8 +94,9 @@ def _panels(
     return figure
 
 
-def _title(band: int) -> str:
-    return "all heights" if band == ALL else f"{BANDS[band] / 1e3:g} to {BANDS[band + 1] / 1e3:g} km"
+def _title(band: int, scores: pd.DataFrame) -> str:
+    heights = "all heights" if band == ALL else f"{BANDS[band] / 1e3:g} to {BANDS[band + 1] / 1e3:g} km"
+    return f"{heights}, {scores['objects'].max()} objects"
 
 
 def _draw_band(axes: Axes, scores: pd.DataFrame) -> None:

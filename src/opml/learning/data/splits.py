@@ -52,7 +52,7 @@ def are_over(rows: pd.DataFrame, now: float) -> np.ndarray:
     Their errors are known by then, and no manoeuvre that nobody knew of when they were made.
     """
     over: np.ndarray = known_at(rows) <= now
-    return over & (rows["spoilt"] > now).to_numpy() if "spoilt" in rows else over
+    return over & (rows["burn_known"] > now).to_numpy() if "burn_known" in rows else over
 
 
 def training_rows(dataset: pd.DataFrame, name: str, *, span_days: Sequence[float], seed: int) -> np.ndarray:

@@ -14,7 +14,7 @@ import pandas as pd
 
 from opml.base.constants import DAY
 from opml.base.errors import InputError
-from opml.learning.data.components import POSITION
+from opml.learning.data.error_components import POSITION
 from opml.learning.judge.error_sizes import covariances, of_differences
 from opml.learning.judge.errors_by_duration import REACH_DAYS
 from opml.orbits.rsw_covariance import half_width, mahalanobis

@@ -6,7 +6,7 @@ import pandas as pd
 
 from opml.base.constants import DAY
 from opml.base.errors import InputError
-from opml.learning.data.components import CORRECTED
+from opml.learning.data.error_components import CORRECTED
 from opml.learning.data.splits import are_over, in_days
 from opml.learning.models import learners
 from opml.learning.models.contract import Model, ResolvedSettings
@@ -47,7 +47,7 @@ class Lessons:
         return self._trained[now]
 
     def _known(self, now: float) -> pd.DataFrame:
-        """Return the kept rows whose error is known at `now` [s], and no manoeuvre that spoilt it."""
+        """Return the kept rows whose error is known at `now` [s], without manoeuvres known by then."""
         within = in_days(self.dataset["t_j"].to_numpy(), (self.first_day, now / DAY))
         rows = self.dataset[self.dataset["keep"].to_numpy() & within & are_over(self.dataset, now)]
         if rows.empty:

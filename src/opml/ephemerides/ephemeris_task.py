@@ -16,8 +16,8 @@ from opml.base.constants import DAY, LANES
 from opml.base.errors import InputError
 from opml.catalog.flight import Flight, FlightSettings, Progress
 from opml.ephemerides.along_track_shift import LEAST_EPOCHS
-from opml.ephemerides.known import Known, KnownSettings
-from opml.ephemerides.part import Grid, Part
+from opml.ephemerides.known_tables import Known, KnownSettings
+from opml.ephemerides.task_part import Grid, Part
 from opml.tables import STATE, STATE_COVARIANCES
 
 TOGETHER = LANES  # ephemerides made side by side, an arc each; their tables take some hundred MB

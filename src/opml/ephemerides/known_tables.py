@@ -15,7 +15,7 @@ from opml.catalog.predict import other_windows
 from opml.learning.data import dataset
 from opml.learning.data.cleaning import Cleaning
 from opml.learning.models.learners import JobLearner, arc_windows
-from opml.orbits.manoeuvres import Manoeuvre, read_manoeuvres, spoilt_since
+from opml.orbits.manoeuvres import Manoeuvre, read_manoeuvres, when_burns_are_known
 from opml.tables import read_measured, read_metadata, read_table
 
 _HISTORIES = ("element_sets", "improved_history")
@@ -126,14 +126,14 @@ class Known:
         return other_windows.exclude_burns(self.estimates, manoeuvres=self.manoeuvres, window=self.window)
 
     def marked(self, rows: pd.DataFrame) -> pd.DataFrame:
-        """Return rows of predictions with when a manoeuvre was found that spoils them, where there was one.
+        """Return rows of predictions with when a manoeuvre that they cross became known, where there is one.
 
         rows: with t_i and t_j, of a table that leaves out what goes across a manoeuvre that was known
         """
         t_i, t_j = rows["t_i"].to_numpy(), rows["t_j"].to_numpy()
         spans = ((t_i - self.window, t_i), (t_i, t_j))
-        since = np.minimum(*(spoilt_since(*span, self.manoeuvres) for span in spans))
-        return rows.assign(spoilt=since) if np.isfinite(since).any() else rows
+        since = np.minimum(*(when_burns_are_known(*span, self.manoeuvres) for span in spans))
+        return rows.assign(burn_known=since) if np.isfinite(since).any() else rows
 
     def may_depart(self) -> np.ndarray:
         """Return which estimates (n,) ephemerides may start from."""

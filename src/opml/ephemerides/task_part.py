@@ -19,7 +19,7 @@ from opml.catalog.predict.mechanism import FittedArcs
 from opml.catalog.predict.prediction import predict
 from opml.catalog.predict.resonance import Resonances
 from opml.catalog.predict.sensitivity import sensitivities
-from opml.ephemerides.known import Known
+from opml.ephemerides.known_tables import Known
 from opml.interop.element_sets import baseline
 from opml.learning.models.learners import tables_asked
 from opml.tables import STATE

@@ -1,0 +1,272 @@
+"""An orbit as files have it, whatever their format: states in GCRF at any time, covariances where known.
+
+    orbit = known_orbits.read(["mine.oem"])
+    orbit.state("2019-09-16T00:00:00")
+
+Files are OEM, SP3, CPF, CSV of points, tables of opml with states, or mean elements, which SGP4 flies.
+"""
+
+import logging
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from datetime import datetime
+from functools import cached_property
+
+import numpy as np
+import pandas as pd
+
+from opml.base import epochs
+from opml.base.constants import DAY
+from opml.base.errors import InputError
+from opml.base.files import FilePath
+from opml.conjunctions.approaches import FEWEST, LONGEST_STEP, Path, velocities_of
+from opml.conjunctions.trajectories import EPOCH, covariances_at
+from opml.environment import earth_orientation, nodes
+from opml.interop import ccsds, fixes_csv, object_ids, oem
+from opml.interop.curves.orbit_curve import rotate_to_gcrf
+from opml.interop.element_sets import histories
+from opml.interop.element_sets.mean_elements import MOST_DAYS
+from opml.interop.object_ids import UNKNOWN, ObjectId
+from opml.interop.orbit_arcs import Arc, contents
+from opml.interop.orbit_from_files import OrbitFiles, is_orbit, whole_arcs
+from opml.orbits.elements import rsw_rotation
+from opml.tables import STATE, is_table, read_kind, read_metadata, read_table
+
+_SAME = 1e-5  # [s]
+_OTHER_UNIT = 0.5  # of most ways between positions that velocities miss by more
+
+_log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, eq=False)
+class Stretch:
+    """States of an orbit without a gap.
+
+    covariance_t, covariances: (m,) [s] and (m, 6, 6) in RSW [m, m/s]
+    """
+
+    name: str
+    t: np.ndarray  # (n,) ascending [s since EPOCH]
+    states: np.ndarray  # (n, 6) in GCRF [m, m/s], velocities NaN where unknown
+    covariance_t: np.ndarray = field(default_factory=lambda: np.empty(0))
+    covariances: np.ndarray = field(default_factory=lambda: np.empty((0, 6, 6)))
+
+    @cached_property
+    def _path(self) -> Path:
+        return Path(self.name, self.t, self.states)
+
+    def holds(self, t: np.ndarray) -> np.ndarray:
+        """Return whether states follow at times (n,): at its own, and between them where they are many."""
+        if len(self.t) >= FEWEST:
+            return np.asarray((t >= self.t[0] - _SAME) & (t <= self.t[-1] + _SAME))
+        return np.asarray(np.abs(t[:, None] - self.t).min(axis=1) <= _SAME)
+
+    def at(self, t: np.ndarray) -> np.ndarray:
+        """Return states (n, 6) at times (n,) that it holds."""
+        if len(self.t) >= FEWEST:
+            return self._path.at(t)
+        return np.asarray(self.states[np.abs(t[:, None] - self.t).argmin(axis=1)])
+
+
+@dataclass(frozen=True, eq=False)
+class KnownOrbit(ABC):
+    """An orbit of one object.
+
+    source: the file, the first of several; identity: of the object
+    """
+
+    source: str
+    identity: ObjectId = field(default=UNKNOWN, kw_only=True)
+
+    @property
+    @abstractmethod
+    def t(self) -> np.ndarray:
+        """Times (n,) of its states, or epochs of its mean elements [s since EPOCH]."""
+
+    @abstractmethod
+    def at(self, t: np.ndarray) -> np.ndarray:
+        """Return GCRF states (n, 6) [m, m/s] at times (n,) [s since EPOCH], NaN where nothing is known."""
+
+    def covariances(self, t: np.ndarray) -> np.ndarray:
+        """Return covariances (n, 6, 6) in RSW [m, m/s] at times (n,), NaN where none is known."""
+        return np.full((len(t), 6, 6), np.nan)
+
+    def state(self, time: str | datetime) -> np.ndarray:
+        """Return the GCRF state (6,) [m, m/s] at a time (UTC), NaN where nothing is known."""
+        return self.at(epochs.seconds_to(EPOCH, time))[0]
+
+    def covariance(self, time: str | datetime) -> np.ndarray:
+        """Return the covariance (6, 6) in RSW [m, m/s] at a time (UTC), NaN where none is known."""
+        return self.covariances(epochs.seconds_to(EPOCH, time))[0]
+
+    def to_pandas(self) -> pd.DataFrame:
+        """Return its states as a table: utc, GCRF state [m, m/s], sigma_r, sigma_s, sigma_w [m]."""
+        states = pd.DataFrame(self.at(self.t), columns=STATE)
+        states.insert(0, "utc", ccsds.utc_texts(EPOCH, self.t))
+        sigmas = np.sqrt(np.diagonal(self.covariances(self.t), axis1=1, axis2=2)[:, :3])
+        return states.assign(**dict(zip(("sigma_r", "sigma_s", "sigma_w"), sigmas.T, strict=True)))
+
+
+@dataclass(frozen=True, eq=False)
+class States(KnownOrbit):
+    """An orbit of states, interpolated between those that are at most five minutes apart.
+
+    stretches: in the order of time; where they overlap the later one counts
+    """
+
+    stretches: Sequence[Stretch]
+
+    @cached_property
+    def t(self) -> np.ndarray:
+        """Times (n,) of all states [s since EPOCH]."""
+        return np.unique(np.concatenate([one.t for one in self.stretches]))
+
+    def at(self, t: np.ndarray) -> np.ndarray:
+        """Return states as `KnownOrbit.at`."""
+        states = np.full((len(t), 6), np.nan)
+        for one in self.stretches:
+            held = one.holds(t)
+            states[held] = one.at(t[held])
+        return states
+
+    def covariances(self, t: np.ndarray) -> np.ndarray:
+        """Return covariances as `KnownOrbit.covariances`, linear between those that are known."""
+        found = super().covariances(t)
+        for one in self.stretches:
+            held = one.holds(t)
+            found[held] = covariances_at(one.covariance_t, one.covariances, t[held])
+        return found
+
+
+@dataclass(frozen=True, eq=False)
+class Sets(KnownOrbit):
+    """An orbit of mean elements: at each time the set flies, by SGP4, whose epoch is nearest."""
+
+    sets: pd.DataFrame  # of one object
+
+    @property
+    def t(self) -> np.ndarray:
+        """Epochs (n,) [s since EPOCH]."""
+        return np.asarray(self.sets["t"])
+
+    def at(self, t: np.ndarray) -> np.ndarray:
+        """Return states as `KnownOrbit.at`; a set flies 30 days at most."""
+        states = np.full((len(t), 6), np.nan)
+        nearest = np.searchsorted(0.5 * (self.t[1:] + self.t[:-1]), t)
+        young = np.abs(t - self.t[nearest]) <= DAY * MOST_DAYS
+        for row in np.unique(nearest[young]):
+            near = young & (nearest == row)
+            states[near] = histories.states_of(self.sets.iloc[row], epoch=EPOCH, t=t[near])
+        return states
+
+
+def read(paths: Sequence[FilePath], wanted: str | None = None) -> KnownOrbit:
+    """Read an orbit of one object from files of one format, times from EPOCH on.
+
+    wanted: name or number of the object in the files; None: they have only one
+
+    Raises InputError, naming file and line, as the readers of the formats do.
+    """
+    paths = list(dict.fromkeys(paths))
+    content = contents(paths[0])
+    if is_table(content):
+        return _of_tables(paths)
+    if is_orbit(content):
+        return _of_orbit(paths, wanted, is_message=oem.matches(content))
+    if not fixes_csv.matches(content):
+        return _of_sets(paths, wanted)
+    return _of_arcs(
+        [fixes_csv.read(path, contents(path), epoch=EPOCH, satellite=wanted)[0] for path in paths]
+    )
+
+
+def _of_orbit(paths: Sequence[FilePath], wanted: str | None, *, is_message: bool) -> States:
+    arcs = whole_arcs(OrbitFiles(paths, EPOCH, np.inf, wanted))
+    if not is_message or arcs[0].frame == "ITRF":
+        return _of_arcs(arcs)
+    begins = {(arc.satellite, arc.t[0]) for arc in arcs}
+    segments = [
+        one for path in paths for one in oem.read(path, epoch=EPOCH) if (one.name, one.t[0]) in begins
+    ]
+    stretches = [stretch for one in segments for stretch in stretches_of(one)]
+    return States(str(paths[0]), stretches, identity=segments[0].identity)
+
+
+def _of_tables(paths: Sequence[FilePath]) -> States:
+    """Return the orbit of tables with states; raise InputError for another table."""
+    stretches, identity = [], object_ids.of_tables(paths, name="")
+    for path in paths:
+        if (kind := read_kind(path)) not in oem.SEGMENTS:
+            raise InputError(f"{path}: expected a table of {', '.join(oem.SEGMENTS)}, got one of {kind}")
+        since = epochs.seconds_between(EPOCH, read_metadata(path)["epoch"])
+        for one in oem.segments_of(read_table(path, kind), kind, identity):
+            moved = replace(one, t=one.t + since, covariance_t=one.covariance_t + since)
+            stretches += stretches_of(moved)
+    return States(str(paths[0]), stretches, identity=identity)
+
+
+def _of_arcs(arcs: Sequence[Arc]) -> States:
+    ordered = sorted(arcs, key=lambda arc: float(arc.t[0]))
+    stretches = [one for arc in ordered for one in _stretches(str(arc.path), *_in_gcrf(_in_one_unit(arc)))]
+    return States(str(arcs[0].path), stretches, identity=arcs[0].identity)
+
+
+def _in_one_unit(arc: Arc) -> Arc:
+    """Return an arc, without its velocities where their unit is another, as in SP3 files of CNES."""
+    moved = np.diff(arc.positions, axis=0)
+    by_velocity = 0.5 * np.diff(arc.t)[:, None] * (arc.velocities[1:] + arc.velocities[:-1])
+    ways, misses = (np.linalg.norm(one, axis=1) for one in (moved, moved - by_velocity))
+    if np.count_nonzero(misses > _OTHER_UNIT * ways) <= len(ways) / 2:
+        return arc
+    _log.warning("%s: velocities of another unit passed over", arc.path)
+    return arc.without_velocities()
+
+
+def stretches_of(segment: oem.Segment) -> list[Stretch]:
+    """Return the stretches of a segment, times since EPOCH, with covariances in RSW."""
+    stretches = _stretches(segment.name, segment.t, segment.states)
+    t, covariances = segment.covariance_t, segment.covariances
+    if segment.covariance_frame == "GCRF" and len(t):
+        states = States(segment.name, stretches).at(t)
+        known = np.isfinite(states).all(axis=1)
+        turns = np.kron(np.eye(2), rsw_rotation(states[known]))
+        t, covariances = t[known], turns @ covariances[known] @ turns.transpose(0, 2, 1)
+    return [replace(one, covariance_t=t, covariances=covariances) for one in stretches]
+
+
+def _in_gcrf(arc: Arc) -> tuple[np.ndarray, np.ndarray]:
+    """Return times and GCRF states of an arc."""
+    (begin,) = ccsds.utc_texts(EPOCH, arc.t[:1])
+    hours = nodes(begin, float(arc.t[-1] - arc.t[0]))
+    orientation = earth_orientation.tabulate(begin, hours)
+    return arc.t, rotate_to_gcrf(replace(arc, t=arc.t - arc.t[0]), orientation)
+
+
+def _stretches(name: str, t: np.ndarray, states: np.ndarray) -> list[Stretch]:
+    """Return stretches of ascending times (n,); positions without velocities get them where they are many."""
+    parts = np.split(np.arange(len(t)), np.flatnonzero(np.diff(t) > LONGEST_STEP + _SAME) + 1)
+    return [Stretch(name, t[part], _with_velocities(t[part], states[part])) for part in parts]
+
+
+def _with_velocities(t: np.ndarray, states: np.ndarray) -> np.ndarray:
+    if np.isfinite(states).all() or len(t) < FEWEST:
+        return states
+    return np.hstack([states[:, :3], velocities_of(t, states[:, :3])])
+
+
+def _of_sets(paths: Sequence[FilePath], wanted: str | None) -> Sets:
+    history = histories.read(paths, epoch=EPOCH)
+    sets = histories.of_object(history.sets, _number(paths[0], history, wanted))
+    return Sets(str(paths[0]), sets, identity=history.objects[sets["number"].iloc[0]])
+
+
+def _number(path: FilePath, history: histories.History, wanted: str | None) -> int | None:
+    """Return the catalogue number of what is wanted: a number, a name or a designator."""
+    if wanted is None:
+        return None
+    for number, one in history.objects.items():
+        if one.is_called(wanted):
+            return number
+    objects = ", ".join(str(one) for one in [*history.objects.values()][:5])
+    raise InputError(f"{path}: expected object {wanted}, got {objects}")
