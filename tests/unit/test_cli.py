@@ -18,11 +18,9 @@ from support import REPOSITORY, refusals
 
 from opml import __main__ as started
 from opml import __version__, cli
-from opml.orbits.sheets import read_rsos
 from opml.study.settings import editor_schema
 from opml.tables import STATE, write_table
 from opml.workflow import manual
-from validation import random_sheet
 
 
 def test_a_new_project_holds_the_workflow_and_the_study_of_the_howto(tmp_path, capsys):
@@ -77,12 +75,6 @@ def test_each_shell_completes_commands_and_their_options(shell, capsys):
     told = capsys.readouterr().out
     assert all(command.name in told for command in cli.COMMANDS)
     assert "catalogue" in told
-
-
-def test_a_sheet_of_random_rsos_is_read_as_one(tmp_path, capsys):
-    random_sheet.main(["--count", "3", "--seed", "7", "--prefix", "sat"])
-    (tmp_path / "rsos.tsv").write_text(capsys.readouterr().out)
-    assert list(read_rsos(tmp_path / "rsos.tsv")) == ["sat01", "sat02", "sat03"]
 
 
 def test_a_terminal_without_the_letters_of_a_name_shows_others(table, monkeypatch):

@@ -75,7 +75,7 @@ def test_what_is_handed_over_is_checked(around, tmp_path):
     assert "Traceback" not in output
 
 
-INSTALL = "opml: expected the package beside Snakemake, got none: pip install 'opml-orbits[workflow]'"
+INSTALL = "opml: expected the package with Snakemake, got none: pip install 'opml-orbits[workflow]'"
 
 
 @pytest.fixture

@@ -89,7 +89,7 @@ def test_plan_speaks_the_papers_words(papers_plan):
         "Dataset: learning variables and true errors of iss",
         "Train svr on e_y of iss, eglin-clear-kaena, random-40",
         "Figure: performance metric P_ML against the size of the training data",
-        "Reproduction: the paper's numbers beside ours",
+        "Reproduction: the paper's numbers and ours",
     ):
         assert text in papers_plan
 
@@ -153,7 +153,7 @@ def test_a_study_of_ones_own_names_all_its_products(project):
     # Another learner than the study's is replayed alone.
     other = "results/mine/replays/mine/eglin-kaena/days-0-8/boosting.parquet"
     plan = project.snakemake("-n", "study", other, "--configfile", "mine.yaml").stdout
-    for name in ("study.md", "study.html", "figs/study/rows.pdf", "figs/study/mine/models.pdf"):
+    for name in ("study.md", "study.html", "figs/study/mine/models.pdf"):
         assert f"results/mine/{name}" in plan
     assert "results/mine/figs/study/mine/eglin-kaena_errors.png" in plan
     once = dict.fromkeys(["truth", "dataset", "study_report", "replays", "replay"], 1)
@@ -302,7 +302,7 @@ def test_a_second_configfile_option_is_told(project):
     files = ["--configfile", "config/ci.yaml", "--configfile", "config/observed.yaml"]
     done = project.snakemake("-n", *files, check=False)
     assert done.returncode != 0
-    assert "opml: --configfile: expected all files behind one --configfile" in done.stdout
+    assert "opml: --configfile: expected all files after one --configfile" in done.stdout
 
 
 def test_a_new_station_needs_one_line(project):

@@ -120,7 +120,7 @@ if PLAN.settings.catalogue:
             },
             code=code("catalogue_scores.py"),
         message:
-            "Catalogue: what predictions leave of SGP4's errors, by band of height and lead"
+            "Catalogue: remaining share of SGP4's errors, by band of height and lead"
         script:
             "../scripts/catalogue_scores.py"
 
@@ -173,7 +173,7 @@ if PLAN.settings.catalogue:
         params:
             **drawing("catalogue_seasons", PARAMS.catalogue_seasons),
         message:
-            "Figure: what improved sets leave of SGP4's errors, test by test"
+            "Figure: remaining share of SGP4's errors with improved sets, by test"
 
     use rule errors as catalogue_gains with:
         input:

@@ -23,7 +23,7 @@ name_python()
 
 if sum(option in ("--configfile", "--configfiles") for option in sys.argv) > 1:
     end_plan(
-        "--configfile: expected all files behind one --configfile, as Snakemake forgets those of an earlier one"
+        "--configfile: expected all files after one --configfile, as Snakemake forgets those of an earlier one"
     )
 if workflow.modifier.is_main_snakefile():
     # Files of the command line are laid over the project's, which may be in another folder than this file.

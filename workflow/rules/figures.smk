@@ -118,7 +118,7 @@ use rule errors as world with:
             },
         ),
     message:
-        "Figure: where {wildcards.rso} flies in a day, and where {wildcards.stations} see it"
+        "Figure: ground track of {wildcards.rso} over a day, and where {wildcards.stations} see it"
 
 
 if "distribution" in STUDY:

@@ -98,7 +98,7 @@ rule rolling:
         },
         code=code("rolling.py"),
     message:
-        "Rolling: {wildcards.learner} trained anew for {wildcards.component} of {wildcards.rso}, {wildcards.stations}"
+        "Rolling: {wildcards.learner} retrained for {wildcards.component} of {wildcards.rso}, {wildcards.stations}"
     script:
         "../scripts/rolling.py"
 

@@ -79,4 +79,4 @@ if "reproduction" in STUDY:
         params:
             **drawing("reproduction", config),
         message:
-            "Reproduction: the paper's numbers beside ours"
+            "Reproduction: the paper's numbers and ours"

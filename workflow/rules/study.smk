@@ -13,7 +13,6 @@ STUDY_CONJUNCTIONS = product("figs/study/{rso}/{stations}_conjunctions")
 STUDY_DRAG = product("figs/study/{rso}/{stations}_drag")
 STUDY_MODELS = product("figs/study/{rso}/models")
 STUDY_ROLLING = product("figs/study/{rso}/{stations}_rolling")
-STUDY_ROWS = product("figs/study/rows")
 
 if OWN.is_asked:
 
@@ -40,7 +39,7 @@ if OWN.is_asked:
         params:
             **drawing("study_residuals", PARAMS.mornings),
         message:
-            "Figure: errors of {wildcards.rso} by {wildcards.stations}, and what each model leaves of them"
+            "Figure: errors of {wildcards.rso} by {wildcards.stations}, with each model"
 
     rule conjunctions:
         input:
@@ -59,7 +58,7 @@ if OWN.is_asked:
             settings=lambda wildcards: PARAMS.conjunctions(wildcards),
             code=code("conjunctions.py"),
         message:
-            "Conjunctions: what predictions of {wildcards.rso} by {wildcards.stations} are worth there"
+            "Conjunctions: alarms by predictions of {wildcards.rso} by {wildcards.stations}"
         script:
             "../scripts/conjunctions.py"
 
@@ -107,7 +106,7 @@ if OWN.is_asked:
         params:
             **drawing("study", config),
         message:
-            "Study: which model to fly, and why"
+            "Study: which model to use, and why"
 
     use rule errors as study_errors with:
         input:
@@ -206,7 +205,7 @@ if OWN.is_asked:
                 },
             ),
         message:
-            "Figure: drag coefficients of {wildcards.rso} by {wildcards.stations} beside the solar activity"
+            "Figure: drag coefficients of {wildcards.rso} by {wildcards.stations}, and the solar activity"
 
     use rule errors as study_models with:
         input:
@@ -265,24 +264,4 @@ if OWN.is_asked:
                 },
             ),
         message:
-            "Figure: P_ML of {wildcards.rso} by {wildcards.stations} day by day, learners trained anew and once"
-
-    use rule errors as study_rows with:
-        input:
-            rules.study_report.input.datasets,
-        output:
-            **figures(STUDY_ROWS, caption="study_rows", section=SECTIONS["study"]),
-        log:
-            STUDY_ROWS.log,
-        benchmark:
-            STUDY_ROWS.benchmark
-        params:
-            **drawing(
-                "study_rows",
-                {
-                    "epoch": config["epoch"],
-                    "datasets": [f"{rso}, {stations}" for rso, stations in OWN.datasets],
-                },
-            ),
-        message:
-            "Figure: rows used, and why others are not"
+            "Figure: P_ML of {wildcards.rso} by {wildcards.stations} day by day, learners retrained and trained once"

@@ -66,7 +66,6 @@ CATALOGUE_FILES = (
 STUDY_FILES = (
     [
         *rules.study_report.output,
-        *rules.study_rows.output,
         *(path_of(file, rso=rso) for rso in STUDY.rsos for file in rules.study_models.output),
         *(
             path_of(file, rso=rso, stations=stations)

@@ -1,4 +1,4 @@
-"""Draw what improved sets leave of SGP4's errors, test by test."""
+"""Draw remaining share of SGP4's errors with improved sets, by test."""
 
 from opml.base.section import JobSettings
 from opml.figures import style

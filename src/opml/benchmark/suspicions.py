@@ -57,7 +57,7 @@ def _later_inputs(task: BenchmarkTask, answers: Answers) -> Iterator[str]:
     if later.any():
         first = task.questions[later].iloc[0]
         yield (
-            f"peeking: {later.sum()} answers tell of inputs that were known after t, the first for object "
+            f"peeking: {later.sum()} answers depend on inputs known after t, the first for object "
             f"{first['object']} at t = {first['t']}"
         )
 

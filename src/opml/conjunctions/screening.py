@@ -117,7 +117,7 @@ def read(paths: Sequence[FilePath], *, days: float = DAYS) -> list[ScreenedObjec
         raise InputError(f"{first}: expected one object, ours, got {ours[0].identity}, {ours[1].identity}")
     if not ours[0].trajectories:
         begin, end = _texts(span)
-        raise InputError(f"{first}: expected elements that fly from {begin} to {end}, got others")
+        raise InputError(f"{first}: expected elements that SGP4 propagates from {begin} to {end}, got others")
     elements = [path for path in rest if path not in messages]
     return [*ours, *others, *(_of_elements(elements, span) if elements else [])]
 

@@ -75,7 +75,7 @@ def read(path: FilePath | None = None) -> CatalogueModel:
             return read(packaged)
     table, metadata = read_table(path, "corrector"), read_metadata(path)
     if metadata.get("features") != list(FEATURES):
-        raise InputError(f"{path}: expected a model of this version's features, got another: train it anew")
+        raise InputError(f"{path}: expected a model of this version's features, got another: train it again")
     outlook = np.array(metadata["outlook"])
     if outlook.shape[::2] != (DAYS_AHEAD, len(HEIGHTS)):
         raise InputError(f"{path}: expected an outlook of {DAYS_AHEAD} days, got an array {outlook.shape}")

@@ -365,7 +365,7 @@ def _check_past(identity: ObjectId, how: pd.Series, errors: pd.DataFrame) -> Non
     if len(errors) < FEWEST and not _is_corrected(how):
         raise InputError(
             f"predict: expected a longer history of {identity}, got {len(errors)} predictions that later "
-            f"sets judge: nothing else tells its errors ({how['why'] or 'no prediction'})"
+            f"sets judge: its errors are known from nothing else ({how['why'] or 'no prediction'})"
         )
 
 

@@ -33,6 +33,6 @@ class EnvironmentSettings(Section):
         see="weather.md#ensembles",
     )
     issue_hours: Absent[Literal[1, 3, 6, 12, 24]] = absent(
-        "time between the issues of forecasts, counted from 00:00 UTC; predictions fly under the newest one",
+        "time between the issues of forecasts, counted from 00:00 UTC; predictions use the newest one",
         unit="h",
     )

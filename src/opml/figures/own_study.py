@@ -1,6 +1,5 @@
-"""Figures of a study of one's own: errors by duration, Cd and the weather, P_ML by day, rows used."""
+"""Figures of a study of one's own: errors by duration, Cd and the weather, P_ML by day."""
 
-import math
 from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
@@ -8,7 +7,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, PercentFormatter
+from matplotlib.ticker import FuncFormatter
 
 from opml.base.constants import DAY
 from opml.base.errors import InputError
@@ -23,10 +22,8 @@ from opml.figures.style import (
     PREDICTED_COLOR,
     PUBLISHED,
     RAMP,
-    REASON_COLORS,
     RESIDUAL,
     SERIES,
-    TRACK_COLOR,
     TRUE_COLOR,
     add_head_and_legend,
     add_note,
@@ -51,9 +48,6 @@ UNCORRECTED_NOTE = "errors without correction: medians and middle halves by a pr
 
 BASELINE = PREDICTED_COLOR  # colour of the models beside the one that a figure shows
 OUTSIDE = 0.3  # room above and below the middle 90 % of the estimates of Cd, in parts of their range
-
-_SHADES = (TRACK_COLOR, *REASON_COLORS)
-"""Colours of rows that are used, then of rows that are not, reason by reason."""
 
 
 def errors(evaluations: Mapping[str, pd.DataFrame], *, component: str, note: str = "") -> Figure:
@@ -251,9 +245,9 @@ def daily_errors(dataset: pd.DataFrame, *, component: str, day: float) -> pd.Dat
     day: duration of the predictions [d]; durations up to a quarter of a day from it count
     """
     near = (dataset["duration"] / DAY - day).abs() <= REACH_DAYS
-    rows_figure = dataset[near & dataset["keep"]]
-    calendar = np.floor(rows_figure["t_i"] / DAY)
-    groups = rows_figure[component].abs().groupby(calendar)
+    rows = dataset[near & dataset["keep"]]
+    calendar = np.floor(rows["t_i"] / DAY)
+    groups = rows[component].abs().groupby(calendar)
     quartiles = pd.DataFrame({f"{100.0 * share:.0f}": groups.quantile(share) for share in (0.25, 0.5, 0.75)})
     middle = (quartiles.index.to_numpy(float) + 0.5) * DAY
     return quartiles.assign(t=middle, day=day).reset_index(drop=True)
@@ -293,37 +287,3 @@ def rolling(days: Mapping[str, pd.DataFrame], *, every_days: float, epoch: str, 
     figure.supylabel(f"{P_ML} [%]", fontsize=8.0)
     legend(figure, columns=2, note=note)
     return figure
-
-
-def rows_figure(shares: Mapping[str, Mapping[str, float]]) -> Figure:
-    """Draw the share of the rows that are used, and of those that are not by reason; one bar per dataset.
-
-    Raises InputError without a dataset.
-
-    shares: as `report.own_study.row_shares` returns, by the dataset's name
-    """
-    if not shares:
-        raise InputError("rows of a study: expected at least one dataset, got none")
-    reasons = list(dict.fromkeys(reason for parts in shares.values() for reason in parts))
-    figure = page_figure(height_mm=26.0 + 8.0 * len(shares) + 4.0 * math.ceil(len(reasons) / _COLUMNS))
-    axes = figure.add_subplot()
-    place = np.arange(len(shares))[::-1]
-    left = np.zeros(len(shares))
-    for k, reason in enumerate(reasons):
-        widths = np.array([parts.get(reason, 0.0) for parts in shares.values()])
-        look: dict[str, Any] = {"color": _SHADES[k % len(_SHADES)], "label": _reason_label(reason, widths)}
-        axes.barh(place, widths, left=left, height=0.6, **look)
-        left += widths
-    axes.set_yticks(place, list(shares))
-    axes.set_xlim(0.0, 1.0)
-    axes.xaxis.set_major_formatter(PercentFormatter(1.0))
-    axes.set_xlabel("share of the predictions")
-    axes.grid(visible=False, axis="y")
-    legend(figure, columns=_COLUMNS)
-    return figure
-
-
-def _reason_label(reason: str, shares: np.ndarray) -> str:
-    """Return a reason with its shares in numbers, as a thin bar cannot be read."""
-    low, high = (f"{100.0 * share:.1f} %" for share in (shares.min(), shares.max()))
-    return f"{reason}, {low}" if low == high else f"{reason}, {low} to {high}"

@@ -39,8 +39,6 @@ SERIES = (RESIDUAL, PREDICTED_COLOR, OBSERVED_COLOR, ESTIMATE)
 MARKERS = "osD^"
 # Curves in an order, such as durations, from light to dark.
 RAMP = ("#F5B887", "#E07B28", "#A84400", "#4F2000")
-# Reasons why rows are not used.
-REASON_COLORS = (RESIDUAL, HIGHLIGHT, ESTIMATE, "#7A3200", MUTED)
 
 NOTE_SIZE = 6.5  # size of the type of a figure's note [pt]
 

@@ -155,9 +155,7 @@ class Message:
         wrong = np.argwhere(np.abs(covariance) > _ROUNDED * np.sqrt(np.outer(variances, variances)))
         if len(wrong):
             one, other = wrong[0]
-            got = (
-                f"{covariance[one, other]:g} beside variances of {variances[one]:g} and {variances[other]:g}"
-            )
+            got = f"{covariance[one, other]:g} for variances of {variances[one]:g} and {variances[other]:g}"
             raise self.error("covariances with correlations of -1 to 1", got, number)
 
     def radians(self, text: str, number: int) -> float:

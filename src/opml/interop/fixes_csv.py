@@ -136,7 +136,7 @@ class _Columns:
             if len(there) not in (0, len(group)) or (group is _GROUPS[0] and not there):
                 raise self._wrong(f"columns of {', '.join(group)}", ", ".join(there) or "none of them")
         if "vr" in self._places and "vx" not in self._places:
-            raise self._wrong("velocities beside their standard deviations", "none")
+            raise self._wrong("velocities with their standard deviations", "none")
 
     def values(self, table: np.ndarray, lines: np.ndarray, group: Sequence[str]) -> np.ndarray:
         """Return the numbers (n, 3) of a group of axes in SI; NaN where the CSV has no such columns."""

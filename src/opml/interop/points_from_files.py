@@ -174,5 +174,5 @@ def _check_velocities(arc: Arc, sigmas: np.ndarray) -> None:
     if miss > ALIEN:
         raise InputError(
             f"{arc.path}: expected velocities that lead from each position to the next, "
-            f"got {100 * miss:.0f} % beside it: another unit or frame?"
+            f"got {100 * miss:.0f} % off: another unit or frame?"
         )

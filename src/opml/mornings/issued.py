@@ -53,7 +53,7 @@ def best_model(judged: pd.DataFrame, models: Sequence[str], *, now: float) -> tu
     over = past["model"].value_counts()
     if (most := over.max()) < LEAST_ROWS:
         judged_so_far = f"judged so far: {counted(most, 'prediction')}"
-        raise InputError(f"{judged_so_far}, fewer than the {LEAST_ROWS} that tell how large errors are")
+        raise InputError(f"{judged_so_far}, fewer than the {LEAST_ROWS} needed for sizes of errors")
     # A model that is new in the menu waits for a past of its own.
     replays = {
         name: judged[judged["model"] == name].drop(columns="model")

@@ -378,4 +378,4 @@ def _basis(past: pd.DataFrame) -> str:
         return f"by the {_USUAL}"
     mornings, longest = past["morning"].nunique(), past["duration"].max() / DAY
     judged = f"{counted(len(past), 'prediction')} of {counted(mornings, 'morning')}"
-    return f"by {judged} before, up to {longest:.1f} days long, beside the {_USUAL}"
+    return f"by {judged} before, up to {longest:.1f} days long, and the {_USUAL}"

@@ -108,7 +108,7 @@ def verdict(
     if age > OLDEST:
         return Verdict(DO_NOT_USE, f"the newest estimate is {age / DAY:.1f} days old")
     if begin - burned < window:
-        return Verdict(DO_NOT_USE, f"a burn {(now - burned) / HOUR:.0f} hours ago, which fits begin behind")
+        return Verdict(DO_NOT_USE, f"a burn {(now - burned) / HOUR:.0f} hours ago, after which fits begin")
     if newest.any() and np.median(off[newest]) > FAR:
         return Verdict(
             DO_NOT_USE,

@@ -261,7 +261,7 @@ def _check_name(where: str, name: str, numbers: Mapping[str, int]) -> None:
         raise InputError(f"{where}: expected {NAME_WANTED}, got {name!r}")
     if name in numbers:
         raise InputError(
-            f"{where}: expected no name twice, got {name!r}, which stands in line {numbers[name]} too"
+            f"{where}: expected no name twice, got {name!r}, which is in line {numbers[name]} too"
         )
 
 

@@ -166,7 +166,8 @@ def _to_watch(
     if is_absurd:
         yield f"**Watch the fits:** {link_to(absurd_fits.TITLE)}."
     if found is not None:
-        yield f"**Watch the errors:** {days_within(found.flown)} In seconds: {link_to(EVERY_MORNING)}."
+        more = f"In seconds and degrees: {link_to(EVERY_MORNING)}."
+        yield f"**Watch the errors:** {days_within(found.flown)} {more}"
         low, high = uncertainty.HOLDS
         misses = [
             f"{100.0 * share:.0f} % after {_span(day)}"

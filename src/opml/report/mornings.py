@@ -119,4 +119,6 @@ def days_within(flown: pd.DataFrame) -> str:
     passed = flown["e_y"].abs().groupby(number).quantile(SHARE) > BOUND
     if not passed.any():
         return "90 % stay within 1 km for the whole prediction."
-    return f"90 % stay within 1 km for {max(float(passed.idxmax()) - 1.0, 0.0) * step:g} days."
+    if passed.iloc[0]:
+        return "More than 10 % exceed 1 km from the beginning on."
+    return f"90 % stay within 1 km for {(float(passed.idxmax()) - 1.0) * step:g} days."

@@ -202,7 +202,7 @@ def _both(source: Source, first: Key, second: Key) -> tuple[Any, Any]:
     values = value_at(source.values, first), value_at(source.values, second)
     if (values[0] is MISSING) != (values[1] is MISSING):
         missing, present = (first, second) if values[0] is MISSING else (second, first)
-        raise source.wrong(missing, f"expected a value beside {present[-1]}, got none")
+        raise source.wrong(missing, f"expected a value with {present[-1]}, got none")
     return values
 
 
@@ -245,7 +245,7 @@ def _check_measured(source: Source, settings: Settings, kind: Kind) -> None:
             )
             kind.module.check(asked)
         if not kind.tells_orbit and name not in settings.starts and not math.isfinite(rso.a):
-            expected = f"expected elements, or a file under starts, as {kind.name} alone tell no first orbit"
+            expected = f"expected elements, or a file under starts, as {kind.name} alone give no first orbit"
             raise source.wrong(("rsos", name), f"{expected}, got neither")
 
 
@@ -302,9 +302,7 @@ def _check_references(source: Source, settings: Settings) -> None:
                 raise source.wrong(("study", *key), f"expected {expected}, got {name!r}")
     fixed = asked.get("reproduction", {}).get("fixed")
     if fixed and not isinstance(settings.run.learners[fixed].get("kernel_scale"), float):
-        raise source.wrong(
-            ("learners", fixed, "kernel_scale"), "expected a number, as it stands for one fixed scale"
-        )
+        raise source.wrong(("learners", fixed, "kernel_scale"), "expected a number, as it is one fixed scale")
 
 
 _ENTRIES = (

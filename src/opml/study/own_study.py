@@ -284,7 +284,6 @@ class OwnStudy:
             "Cd and the weather": f"study/{rso}/{stations}_drag",
             **({"ellipsoids": f"study/{rso}/{stations}_ellipsoids"} if models else {}),
             **({} if self.study.is_measured(rso) else {"passes": f"maps/{rso}/{stations}"}),
-            "rows": "study/rows",
         }
         turned = {} if self.study.is_measured(rso) else {TURNED: f"figs/study/{rso}/{stations}_explore.html"}
         return Sources(
@@ -303,6 +302,6 @@ class OwnStudy:
         others = "; others are found in the history" if found else ""
         return {
             MEASURED: f"named in `manoeuvres`: {len(settings.manoeuvres(rso))}{others}",
-            FILES: "known are those that the orbit's files mark",
+            FILES: "those that the orbit's files mark are known",
             SIMULATED: "",
         }[MEASURED if self.study.is_measured(rso) else self.study.truth_of(rso)]

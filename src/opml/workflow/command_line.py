@@ -11,7 +11,7 @@ from pathlib import Path
 from opml.base.errors import InputError
 from opml.base.yaml_files import read_yaml
 
-_TARGETS = "targets stand before it, or behind --"
+_TARGETS = "targets are before it, or after --"
 _SUFFIXES = (".yaml", ".yml", ".json")
 
 
@@ -29,7 +29,7 @@ def check_settings(arguments: Sequence[str]) -> None:
             _check_file(path)
         for text in options.config:
             if "=" not in text:
-                raise InputError(f"{text}: expected KEY=VALUE behind --config; {_TARGETS}")
+                raise InputError(f"{text}: expected KEY=VALUE after --config; {_TARGETS}")
     except InputError as error:
         sys.exit(f"opml: {error}")
 
@@ -41,7 +41,7 @@ def _check_file(path: str) -> None:
     except InputError:
         if Path(path).suffix in _SUFFIXES:
             raise
-        raise InputError(f"{path}: expected a file of settings behind --configfile; {_TARGETS}") from None
+        raise InputError(f"{path}: expected a file of settings after --configfile; {_TARGETS}") from None
     if not isinstance(values, Mapping):
         got = "nothing" if values is None else type(values).__name__
         raise InputError(f"{path}: expected a mapping of settings, got {got}")

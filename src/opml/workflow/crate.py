@@ -77,7 +77,7 @@ def _new_crate(results: Path, products: Sequence[Path]) -> Any:
     """Return a crate without files that tells what it is to hold, and its profiles."""
     crate = ROCrate(version="1.1")
     crate.name = f"Run of opml: {results.name}"
-    crate.description = "Orbit predictions and their corrections. Each table tells its units and its making."
+    crate.description = "Orbit predictions and their corrections. Each table has its units and its origin."
     crate.license = crate.add(ContextEntity(crate, _LICENSE, {"@type": "CreativeWork", "name": "MIT"}))
     crate.datePublished = _time(products, max)
     crate.root_dataset["conformsTo"] = [

@@ -81,7 +81,7 @@ def test_ranges_without_elevations_tell_no_air(message, three_stations):
         "\n".join(line for line in message.read_text().splitlines() if not line.startswith("ANGLE_2 ="))
     )
     through = [replace(station, troposphere=1.0) for station in three_stations]
-    with pytest.raises(InputError, match="expected elevations beside ranges, as"):
+    with pytest.raises(InputError, match="expected elevations with ranges, as"):
         measured_tracks.tracks(read(message), through)
 
 

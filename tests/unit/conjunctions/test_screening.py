@@ -261,7 +261,7 @@ def test_elements_that_are_too_old_do_not_fly(files, tmp_path, caplog):
     screening.screen(screening.read([*files[0], sets]), within=1.0, radius=20.0)
     told = "unknown from 2023-05-01T00:00:00 to 2023-05-03T00:00:00: its elements are of 2005-01-01T00:00:00"
     assert caplog.messages == [f"SAT (77, 2001-001A): {told}"]
-    with pytest.raises(InputError, match=r"sets\.omm: expected elements that fly from 2023-05-01"):
+    with pytest.raises(InputError, match=r"expected elements that SGP4 propagates from 2023-05-01"):
         screening.read([sets, *files[0]])
 
 

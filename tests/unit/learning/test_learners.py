@@ -143,10 +143,10 @@ def test_a_target_that_is_not_finite_is_refused(kind):
 def test_a_variable_that_the_dataset_does_not_have_is_told():
     rows = pd.DataFrame({"i": [0, 1], "e_y": [1.0, 2.0], "cd": [2.1, 2.2]})
     settings = resolved({"kind": "linear_law", "terms": ["v*cd"]}, variables=["cd"])
-    with pytest.raises(InputError, match="learning variable v_y: expected a dataset with it"):
+    with pytest.raises(InputError, match="learning variable v_y: expected it in a dataset"):
         learners.train(rows, component="e_y", settings=settings, seed=1)
     model = learners.train(rows.assign(v_y=1.0), component="e_y", settings=settings, seed=1)
-    with pytest.raises(InputError, match="learning variable v_y: expected a dataset with it"):
+    with pytest.raises(InputError, match="learning variable v_y: expected it in a dataset"):
         evaluate(model, rows, np.ones(2, dtype=bool), component="e_y")
 
 
@@ -180,7 +180,7 @@ def test_the_arcs_that_a_learner_asks_for():
     assert arc_of(kind="stacked", first=law, second=BOOSTING) == (24.0, 8.0)
     with pytest.raises(InputError, match="expected one window for both parts, got 2"):
         arc_of(kind="stacked", first=law, second=law | {"window_hours": 48})
-    with pytest.raises(InputError, match="expected window_hours beside columns of the arcs"):
+    with pytest.raises(InputError, match="expected window_hours with columns of the arcs"):
         arc_of(kind="linear_law", terms=["l_arc"])
 
 

@@ -84,7 +84,7 @@ def test_its_covariance_holds_the_truth(made, orbit):
     assert sigmas[-1, 1] > 5.0 * sigmas[0, 1]
     assert sigmas[-1, 1] < 2e3
     assert re.fullmatch(
-        r"by 2\d predictions of 3 mornings before, up to 2\.\d days long, beside the usual .*", made.basis
+        r"by 2\d predictions of 3 mornings before, up to 2\.\d days long, and the usual .*", made.basis
     )
     assert np.linalg.eigvalsh(made.covariances(made.t, made.states(made.t))).min() > 0.0
 

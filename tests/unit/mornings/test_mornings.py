@@ -393,7 +393,7 @@ def test_a_morning_that_is_gone_from_between_others_is_told(watched, whole, tmp_
     gone, *behind = (folder / (LAST - timedelta(days=day)).isoformat() for day in (2, 1, 0))
     shutil.rmtree(gone)
     with pytest.raises(
-        InputError, match=f"^{gone}: expected the morning of iss that later ones stand on, got"
+        InputError, match=f"^{gone}: expected the morning of iss that later ones build on, got"
     ):
         run(watched, folder, LAST + timedelta(days=1))
     for day in behind:

@@ -92,7 +92,7 @@ def test_intervals_are_held_against_what_differences_show():
 def test_nothing_is_good_within_a_window_of_a_burn():
     past, burn = judged(sigma=100.0), [Manoeuvre(NOW - 0.4 * DAY)]
     found = verdict(past, start(), now=NOW, burns=burn, window=0.5 * DAY)
-    assert found == Verdict(DO_NOT_USE, "a burn 10 hours ago, which fits begin behind")
+    assert found == Verdict(DO_NOT_USE, "a burn 10 hours ago, after which fits begin")
     assert verdict(past, start(), now=NOW, burns=burn, window=0.25 * DAY).word == GOOD
     planned = [Manoeuvre(NOW + 0.1 * DAY), Manoeuvre(NOW - 0.1 * DAY, known=NOW + 1.0)]
     assert verdict(past, start(), now=NOW, burns=planned, window=0.5 * DAY).word == GOOD
@@ -131,7 +131,7 @@ def test_without_a_past_no_model_is_chosen():
     with pytest.raises(InputError, match="no ephemeris of an earlier morning was judged yet"):
         issued.choose_model(Records.empty().judged, ["fit96"], now=NOW)
     few = judged(sigma=100.0).head(19)
-    expected = "^judged so far: 19 predictions, fewer than the 20 that tell how large errors are$"
+    expected = "^judged so far: 19 predictions, fewer than the 20 needed for sizes of errors$"
     with pytest.raises(InputError, match=expected):
         issued.choose_model(few, ["fit96"], now=NOW)
 

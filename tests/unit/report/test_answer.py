@@ -151,6 +151,7 @@ def test_days_within_a_kilometre_are_those_before_nine_tenths_pass_it():
     rows = pd.DataFrame({"duration": duration, "e_y": 300.0 * duration / DAY})
     assert mornings.days_within(rows) == "90 % stay within 1 km for 3 days."
     assert "for the whole prediction" in mornings.days_within(rows[rows["e_y"] < 900.0])
+    assert mornings.days_within(rows[rows["e_y"] > 1100.0]).startswith("More than 10 % exceed 1 km")
 
 
 def own_of(**changed):

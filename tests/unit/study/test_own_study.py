@@ -514,16 +514,6 @@ def test_errors_of_a_few_predictions_are_drawn(tmp_path):
     assert len(figures.sizes(few, "true")) == 6
 
 
-def test_figure_of_rows_adds_up_to_all():
-    shares = {"lares, eglin": {"used": 0.75, "no prediction": 0.25}, "iss, eglin": {"used": 1.0}}
-    (axes,) = figures.rows_figure(shares).axes
-    widths = np.array([[bar.get_width() for bar in bars] for bars in axes.containers])
-    assert widths.sum(axis=0).tolist() == [1.0, 1.0]
-    assert [label.get_text() for label in axes.get_yticklabels()] == list(shares)
-    told = axes.get_legend_handles_labels()[1]
-    assert told == ["used, 75.0 % to 100.0 %", "no prediction, 0.0 % to 25.0 %"]
-
-
 def test_windows_of_the_fits_that_models_ask_for():
     own = own_of(learners=["svr", "fit96", "running", "held"])
     assert own.windows == {"12-hour fits": "", "48-hour fits": "_w48", "96-hour fits": "_w96"}

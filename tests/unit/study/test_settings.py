@@ -201,6 +201,10 @@ def test_improved_sets_need_elements_and_the_model_of_the_density(key, monkeypat
         checks.check_study(source, with_sheets(source.values))
 
 
+def test_no_folder_is_longer_than_file_systems_take():
+    assert "results: expected a folder's path of at most 200" in message(edited("results", 201 * "a"))
+
+
 def test_missing_setting_is_named():
     values = paper_source().values
     del values["prediction"]["max_days"]
@@ -213,9 +217,7 @@ def test_missing_setting_is_named():
 def test_half_a_cleaning_is_none(alone, missing):
     values = paper_source().values
     values["study"]["cleaning"] = {alone: PAPER["study"]["cleaning"][alone]}
-    expected = (
-        f"config/studies/paper.yaml: study.cleaning.{missing}: expected a value beside {alone}, got none"
-    )
+    expected = f"config/studies/paper.yaml: study.cleaning.{missing}: expected a value with {alone}, got none"
     assert message(values) == expected
 
 

@@ -21,7 +21,7 @@ def here(tmp_path, monkeypatch):
     return tmp_path
 
 
-TARGET = "expected a file of settings behind --configfile; targets stand before it, or behind --"
+TARGET = "expected a file of settings after --configfile; targets are before it, or after --"
 
 
 WRONG = {
@@ -51,7 +51,7 @@ def test_a_file_behind_configfile_that_holds_no_settings_is_told(here, name, con
 def test_a_target_behind_config_is_told(here):
     line = ended(check_settings, ["--config", "duration_days=3", "results/x.pdf", "-n"])
     assert line == (
-        "opml: results/x.pdf: expected KEY=VALUE behind --config; targets stand before it, or behind --"
+        "opml: results/x.pdf: expected KEY=VALUE after --config; targets are before it, or after --"
     )
 
 

@@ -143,7 +143,7 @@ def _by_air(rows: pd.DataFrame, station: Station) -> dict[str, np.ndarray]:
         late = air.delay(straight, station.latitude, station.altitude)
         blind = rows[rows["range"].notna() & ~np.isfinite(late)]
         if not blind.empty:
-            raise _wrong(blind, f"elevations beside ranges, as {station.name} measures through air", "none")
+            raise _wrong(blind, f"elevations with ranges, as {station.name} measures through air", "none")
         by_air["range"] = late
         by_air["range_rate"] = np.gradient(late, rows["t"].to_numpy()) if len(rows) > 1 else np.zeros(1)
     return by_air

@@ -35,7 +35,7 @@ CD_OUTSIDE = "drag coefficient outside bounds"
 NO_PREVIOUS_ESTIMATE = "no kept previous estimate"
 NO_RELATIVE_ERROR = "no prediction from previous estimate"
 NO_TRUE_STATE = "no true state"
-NO_NUMBERS = "no numbers beside it"
+NO_NUMBERS = "no numbers in another table"
 NO_LABEL = "no label"
 
 

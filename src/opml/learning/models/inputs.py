@@ -63,9 +63,7 @@ def columns_of(rows: pd.DataFrame, variables: Sequence[str]) -> np.ndarray:
     """Return learning variables (n, variables) of rows; raise InputError for one that they do not have."""
     for name in variables:
         if name not in rows:
-            raise InputError(
-                f"learning variable {name}: expected a dataset with it, or a table beside it, got none"
-            )
+            raise InputError(f"learning variable {name}: expected it in a dataset or another table, got none")
     return rows[list(variables)].to_numpy()
 
 

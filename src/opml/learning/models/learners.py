@@ -191,7 +191,7 @@ def arc_of(settings: ResolvedSettings) -> tuple[float, float] | None:
     if {*tables_asked(settings.variables)}.isdisjoint(ARC_TABLES):
         return None
     if not arcs:
-        raise InputError("learners: expected window_hours beside columns of the arcs, got none")
+        raise InputError("learners: expected window_hours with columns of the arcs, got none")
     return arcs.pop()
 
 

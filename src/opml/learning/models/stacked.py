@@ -103,7 +103,7 @@ def learner(by_kind: Callable[[str], Learner[Any]], kinds: OfItsKind) -> Learner
     part: Any = (Annotated[LearnerSettings, kinds], ...)
     return Learner(
         kind=KIND,
-        description="robust linear law, then another learner on what it leaves",
+        description="robust linear law, then another learner on its residuals",
         settings=create_model(KIND, __base__=StackedSettings, first=part, second=part),
         table=stacking.table,
         fit=None,

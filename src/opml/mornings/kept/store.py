@@ -63,7 +63,7 @@ class Store:
         if (gone := before + timedelta(days=1)) != after:
             folder = self._days / gone.isoformat()
             raise InputError(
-                f"{folder}: expected the morning of {name} that later ones stand on, got none; put it back, "
+                f"{folder}: expected the morning of {name} that later ones build on, got none; put it back, "
                 "or remove the days after it, and all are run again"
             )
 
@@ -80,7 +80,7 @@ class Store:
             if mark.stations.get(station, digest) != digest:
                 raise InputError(
                     f"{place.folder}: expected the station {station} as it measured {name} then, got other "
-                    f"numbers of it; {instead}"
+                    f"numbers; {instead}"
                 )
 
     def records(self, name: str, days: Sequence[date], *, since: date) -> Records:

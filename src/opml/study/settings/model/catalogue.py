@@ -55,7 +55,7 @@ class CatalogueSettings(Section):
     )
     weather: Text = setting("`OBSERVED` or a CSSI file, which reaches all mornings", unit="name or path")
     latency_hours: NotNegative = setting(
-        "time from the epoch of a set to its publication, where the set does not tell when it was made",
+        "time from the epoch of a set to its publication, where the set has no creation date",
         unit="h",
         default=6.0,
     )

@@ -131,7 +131,7 @@ class HistorySettings(TakingSettings):
     )
     reach_hours: Absent[Positive] = absent(
         "time before the epoch of each set over which SGP4 gives points; by default that which it was fitted"
-        " to, where the sets up to it tell, else 24",
+        " to, where earlier sets reveal it, else 24",
         unit="h",
     )
     every_s: Positive = setting("time between these points", unit="s", default=600.0)
@@ -188,7 +188,7 @@ class Ephemeris(Section):
 
     start: Literal["newest", "each"] = setting(
         "an ephemeris starts from the `newest` estimate before the training ends, or from it and `each`"
-        " later one, trained anew each morning, and then messages are a folder, `_oem`, with a file of each",
+        " later one, retrained each morning, and then messages are a folder, `_oem`, with a file of each",
         see="operations.md#the-corrected-ephemeris",
         alias="from",
     )
@@ -224,7 +224,7 @@ class DaySettings(Section):
         "time of a morning, UTC", unit="h", default=0.0
     )
     together: Annotated[int, Ge(1), Expected("a whole number from 1")] = setting(
-        "objects that one job takes at most; their arcs fly side by side", default=32
+        "objects that one job takes at most; their arcs are integrated in step", default=32
     )
     messages: Absent[Annotated[list[Name], Unique()]] = absent(
         "objects whose ephemerides are also written as OEM; by default all", unit="names"
@@ -325,7 +325,7 @@ class RunAlone(Section):
         "histories of mean elements, in the place of `tracks` (TLE, OMM)", see="elements.md", default={}
     )
     histories: dict[RsoName, HistorySettings] = setting(
-        "which object these are of, and how SGP4 flies them, where not by default",
+        "which object these are of, and how SGP4 propagates them, if not by default",
         see="elements.md",
         default={},
     )

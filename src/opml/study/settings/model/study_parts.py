@@ -99,7 +99,7 @@ class TrainAndTestDays(Section):
 class RollingSettings(Section):
     """Learners that are trained anew day by day."""
 
-    learners: Names = setting("learners that are trained anew on each of the `days`, or once in `every_days`")
+    learners: Names = setting("learners that are retrained on each of the `days`, or once in `every_days`")
     days: Absent[Days] = absent("days of the trainings; by default those to test on")
     every_days: Positive = setting("time between two trainings", unit="days", default=1)
     last_days: Positive = setting("how far back the labels go that are learned from", unit="days", default=30)
