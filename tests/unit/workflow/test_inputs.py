@@ -127,7 +127,7 @@ def test_a_study_of_conjunctions_is_told_its_weather_and_how_to_look():
         (None, [7]),
         (None, [16, 17]),
         (None, [32] * 4),
-        (None, [125] * 4),
+        (None, [64] * 5),
     ],
 )
 def test_objects_of_a_day_are_shared_out_evenly(together, shares):
