@@ -146,9 +146,6 @@ def test_figure_of_transfers_has_a_panel_a_curve(values):
     figure = figures.transfers(table, curves, published={"iss_i50": 40.2}, component="e_y")
     assert len(figure.axes) == 2
     assert "inclination" in figure.axes[0].get_xlabel()
-    assert (
-        figure.get_suptitle().strip().endswith("30 to 30 % with the paper's SVR, 90 to 90 % with mechanism")
-    )
 
 
 def test_figure_of_intervals_tells_what_lies_inside():
