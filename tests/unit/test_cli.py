@@ -24,20 +24,22 @@ from opml.workflow import manual
 
 
 def test_a_new_project_holds_the_workflow_and_the_study_of_the_howto(tmp_path, capsys):
-    assert cli.main(["init", str(tmp_path / "new")]) == 0
+    new = tmp_path / "my new"
+    assert cli.main(["init", str(new)]) == 0
     for name in (
         "Snakefile",
         "workflow/rules/truth.smk",
         "config/stations.tsv",
         "profiles/default/config.yaml",
     ):
-        assert (tmp_path / "new" / name).read_bytes() == (REPOSITORY / name).read_bytes()
-    assert not any(path.is_symlink() for path in (tmp_path / "new").rglob("*"))
-    assert "duration_days" in json.loads((tmp_path / "new" / editor_schema.PLACE).read_text())["properties"]
+        assert (new / name).read_bytes() == (REPOSITORY / name).read_bytes()
+    assert not any(path.is_symlink() for path in new.rglob("*"))
+    assert "duration_days" in json.loads((new / editor_schema.PLACE).read_text())["properties"]
     page = (REPOSITORY / "docs" / "howto.md").read_text(encoding="utf-8")
-    study = (tmp_path / "new" / "mine.yaml").read_text(encoding="utf-8")
+    study = (new / "mine.yaml").read_text(encoding="utf-8")
     assert f"```yaml\n{study}```\n" in page
-    *_, study, pages = capsys.readouterr().out.splitlines()
+    *_, enter, study, pages = capsys.readouterr().out.splitlines()
+    assert enter == f"cd '{new}'"
     assert (study, pages) == ("snakemake -j2 study --configfile mine.yaml", "opml docs howto")
 
 

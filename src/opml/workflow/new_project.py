@@ -1,6 +1,7 @@
 """A new project: the workflow, its settings and a first study, written into a folder."""
 
 import os
+import shlex
 import shutil
 import tempfile
 from collections.abc import Sequence
@@ -66,7 +67,12 @@ def next_steps(folder: str) -> str:
     """Return the commands that run the study of a new project, and the one that prints how to go on."""
     install = [] if find_spec("snakemake") else ["pip install 'opml-orbits[workflow]'"]
     return "\n".join(
-        [*install, f"cd {folder}", f"snakemake -j2 study --configfile {STUDY}", "opml docs howto"]
+        [
+            *install,
+            f"cd {shlex.quote(folder)}",
+            f"snakemake -j2 study --configfile {STUDY}",
+            "opml docs howto",
+        ]
     )
 
 
