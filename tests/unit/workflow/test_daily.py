@@ -86,8 +86,10 @@ def test_an_interrupt_ends_all_jobs_without_a_word(number, tmp_path, capfd):
     """The end that reads of a pipe is at its end once all that hold the other are gone."""
     os.mkfifo(tmp_path / "job")
     command = [sys.executable, "-c", RUN, str(tmp_path / "job")]
-    others = (signal.SIGTERM, signal.SIGHUP)
-    before = [signal.getsignal(one) for one in others]
+    usual = {signal.SIGINT: signal.default_int_handler} | dict.fromkeys(
+        (signal.SIGTERM, signal.SIGHUP), signal.SIG_DFL
+    )
+    before = {one: signal.signal(one, handler) for one, handler in usual.items()}
     left = []
 
     def strike():
@@ -101,7 +103,7 @@ def test_an_interrupt_ends_all_jobs_without_a_word(number, tmp_path, capfd):
         with pytest.raises(KeyboardInterrupt, match="the same command resumes the run"):
             daily._exit_code(command)
     finally:
-        for one, handler in zip(others, before, strict=True):
+        for one, handler in before.items():
             signal.signal(one, handler)
     striking.join(timeout=60.0)
     assert left == [""]
