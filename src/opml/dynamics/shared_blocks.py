@@ -25,6 +25,9 @@ STEP = 300.0
 Arcs whose integrator takes longer steps have a raster of more, `pace` of them, from where they begin.
 """
 
+MOST = 1024
+"""Arcs that fly at once where no single caller asks for more: a hundred callers' would take a gigabyte."""
+
 Outcome = TypeVar("Outcome")
 
 _Kind = tuple[int, Integrator, bool, int, int]
@@ -117,8 +120,11 @@ class SharedBlocks:
         if not self._waiting or len(self._waiting) < self._under_way:
             return
         kind = min(self._waiting, key=lambda request: request.begin).kind
-        _fly([request for request in self._waiting if request.kind == kind])
-        self._waiting = [request for request in self._waiting if request.kind != kind]
+        alike = [request for request in self._waiting if request.kind == kind]
+        arcs = np.cumsum([len(request.departures) for request in alike])
+        flying = alike[: max(1, int(np.searchsorted(arcs, MOST, side="right")))]
+        _fly(flying)
+        self._waiting = [request for request in self._waiting if not request.arcs.done()]
         self._turn.notify_all()
 
 

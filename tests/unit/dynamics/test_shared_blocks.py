@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from opml.base.constants import HOUR, WGS84_A
-from opml.dynamics import ensemble
+from opml.dynamics import ensemble, shared_blocks
 from opml.dynamics.ensemble import Departures, propagate
 from opml.dynamics.settings import Integrator
 from opml.dynamics.shared_blocks import STEP, SharedBlocks
@@ -100,6 +100,18 @@ def test_arcs_of_all_callers_are_one_flight_and_those_that_begin_first_are_first
         ]
     )
     assert flights == [6, 3, 3]
+
+
+def test_arcs_beyond_the_most_that_fly_at_once_fly_next(assumed_model, flights, monkeypatch):
+    blocks = SharedBlocks()
+    calls = [partial(caller, blocks, assumed_model, RASTER, seed, rounds=2) for seed in range(3)]
+    whole = blocks.run(calls)
+    assert flights == [9, 9]
+    flights.clear()
+    monkeypatch.setattr(shared_blocks, "MOST", 7)
+    for found, expected in zip(blocks.run(calls), whole, strict=True):
+        np.testing.assert_array_equal(found.states, expected.states)
+    assert flights == [6, 6, 6]
 
 
 def test_epochs_off_the_raster_fly_alone(assumed_model, flights):
