@@ -81,11 +81,9 @@ def test_the_storm_is_covered_as_long_as_the_table_has_it():
 
 
 def alarms(start):
-    """Alarms per collision, and shares flagged [%], of the row that starts with a text."""
-    (cells,) = [
-        cells for cells in rows("docs/conjunctions", "## How much corrections help") if cells[0] == start
-    ]
-    return [tuple(map(int, cell.split(" / "))) for cell in cells[1:]]
+    """Alarms per collision and per object and year, shares flagged [%], of the row with a name."""
+    found = {cells[0]: cells[1:] for cells in rows("docs/conjunctions", "## How much corrections help")}
+    return [tuple(map(float, cell.split("/"))) for cell in found[start]]
 
 
 def test_corrected_ephemerides_raise_a_tenth_of_the_alarms():
@@ -95,23 +93,32 @@ def test_corrected_ephemerides_raise_a_tenth_of_the_alarms():
     )
     assert selected[0][0] / fits[0][0] == pytest.approx(0.1, abs=0.02)
     assert "After a day, corrected ephemerides raise a tenth of the alarms" in sentences("docs/conjunctions")
-    assert [share for _, share in selected] == [100] * 4
-    assert fits[-1][1] < 50
+    assert [share for *_, share in selected] == [100] * 4
+    assert fits[-1][-1] < 50
+    for one, other in zip(alarms("Swarm A, `fit96`"), selected, strict=True):
+        assert one[0] / other[0] == pytest.approx(1.2, abs=0.03)
 
 
 def test_alarms_are_those_of_the_notes():
-    even = {
-        cells[0]: [round(float(cell.split(",")[0])) for cell in cells[2:]]
-        for cells in rows("notes/conjunctions", "## Draws")
-        if cells[1:2] == ["even"]
+    noted = {
+        cells[0]: [tuple(map(float, cell.split(" / "))) for cell in cells[2:]]
+        for cells in rows("notes/conjunctions", "## What objects share")
+        if cells[1] == "any" and cells[0].startswith("Swarm A")
     }
-    assert [count for count, _ in alarms("Swarm A, 12-hour fits")] == even[
-        "12-hour fits, covariance of past errors"
-    ]
-    own = alarms("Swarm A, 12-hour fits, their own covariance")
-    assert [count for count, _ in own] == even["12-hour fits, the fit's own"]
     larets = next(cells for cells in rows("notes/conjunctions", "## Draws") if "Larets, chosen" in cells[0])
-    assert [tuple(map(int, cell.split(" / "))) for cell in larets[2:]] == alarms("Larets, selected each day")
+    noted["Larets, selected each day"] = [tuple(map(float, cell.split(" / "))) for cell in larets[2:]]
+    shown = noted.keys() - {"Swarm A, `running24m3`"}
+    assert len(shown) == 5
+    for name in shown:
+        yearly = 5 * (20.0 / 1000.0) ** 2  # approaches below a kilometre, by the area of both radii in it
+        assert alarms(name) == [
+            (
+                pytest.approx(count, abs=0.51),
+                pytest.approx(yearly * count, abs=0.051),
+                pytest.approx(share, abs=0.51),
+            )
+            for count, share in noted[name]
+        ]
 
 
 def test_alarms_of_public_sets_are_those_of_the_notes():

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from opml.base.constants import DAY
-from opml.figures.axis_labels import P_ML, PAPER, VARIED, in_words, lines, symbol, unit
+from opml.figures.axis_labels import P_ML, PAPER, VARIED, clauses, in_words, symbol, unit
 from opml.figures.display_names import display_learner, display_rso, display_stations
 from opml.figures.p_ml_curves import INTERVAL, NO_CORRECTION
 from opml.figures.style import (
@@ -23,6 +23,7 @@ from opml.figures.style import (
     RESIDUAL,
     SERIES,
     TRUE_COLOR,
+    add_head_and_legend,
     legend,
     page_figure,
 )
@@ -59,8 +60,17 @@ def splits(
         axes.set_yticks(np.arange(len(learners))[::-1], learners)
     _explain(figure.axes[-1], models)
     figure.supxlabel(f"{P_ML} of the {in_words(component)} {symbol(component)} [%]", fontsize="medium")
-    legend(figure, columns=4, note=lines(note, INTERVAL))
+    add_head_and_legend(figure, _flattered(rows, splits), clauses(note, INTERVAL), columns=6)
     return figure
+
+
+def _flattered(metrics: pd.DataFrame, splits: Sequence[str]) -> str:
+    """Return in words which learner the first split makes most of, against the last one."""
+    by_split = metrics.pivot(index="learner", columns="split", values="p_ml")
+    first, last = splits[0], splits[-1]
+    most = (by_split[last] / by_split[first]).idxmax()
+    ends = (f"{by_split.loc[most, split]:.3g} % on {split} rows" for split in (first, last))
+    return f"The split decides: {display_learner(str(most))} has {P_ML} = {', '.join(ends)}"
 
 
 def _draw_splits(
@@ -156,15 +166,16 @@ def intervals(tables: Mapping[str, pd.DataFrame], *, level: float, component: st
     """
     name, scale = unit(component)
     figure = page_figure(height_mm=68.0)
+    inside = []
     for axes, (title, table) in zip(
         figure.subplots(1, len(tables), sharex=True, squeeze=False)[0], tables.items(), strict=True
     ):
         table = table.sort_values("duration", kind="stable")
         days, half = table["duration"] / DAY, scale * table["half_width"]
-        outside = table["residual"].abs() > table["half_width"]
+        inside.append(100.0 * (table["residual"].abs() <= table["half_width"]).mean())
         look = {"ls": "", "marker": ".", "ms": 1.6, "mew": 0.0, "rasterized": True}
         axes.plot(days, scale * table["true"], color=TRUE_COLOR, alpha=0.3, label="true error", **look)
-        axes.plot(days, scale * table["residual"], color=RESIDUAL, label="what is left", **look)
+        axes.plot(days, scale * table["residual"], color=RESIDUAL, label="corrected error", **look)
         axes.fill_between(
             days,
             -half,
@@ -177,8 +188,10 @@ def intervals(tables: Mapping[str, pd.DataFrame], *, level: float, component: st
         )
         reach = 1.6 * max(half.max(), np.percentile((scale * table["residual"]).abs(), 99.0))
         axes.set_ylim(-reach, reach)
-        axes.set_title(f"{title}: {100.0 * (1.0 - outside.mean()):.0f} % inside", fontsize=8.0, loc="left")
+        axes.set_title(f"{display_learner(title)}: {inside[-1]:.0f} % inside", fontsize=8.0, loc="left")
         axes.set_xlabel("prediction duration [d]")
     figure.axes[0].set_ylabel(f"{in_words(component)} {symbol(component)} [{name}]")
-    legend(figure, columns=3, note=note)
+    reach = f"{min(inside):.0f} to {max(inside):.0f} % of the corrected errors"
+    headline = f"Intervals of {100.0 * level:g} % contain {reach}"
+    add_head_and_legend(figure, headline, clauses(note, "different scales"), columns=3)
     return figure

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from matplotlib import colormaps
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.collections import PathCollection
 from matplotlib.colors import Colormap, ListedColormap
@@ -20,8 +19,10 @@ from matplotlib.ticker import MultipleLocator
 from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.figures.axis_labels import (
+    DIRECTIONS,
     PAPER,
     axis,
+    clauses,
     in_words,
     lines,
     size_label,
@@ -38,6 +39,8 @@ from opml.figures.style import (
     PUBLISHED,
     RESIDUAL,
     TRUE_COLOR,
+    add_head,
+    add_head_and_legend,
     add_note,
     column_figure,
     legend,
@@ -108,7 +111,7 @@ def distribution_velocity(pairs: pd.DataFrame, *, note: str = "") -> Figure:
     along-track position error dictates, is a hundred times the others.
     """
     scales = "each panel has its own scale"
-    return _distribution(pairs, ("e_vx", "e_vy", "e_vz"), lines(note, scales), absolute=False)
+    return _distribution(pairs, ("e_vx", "e_vy", "e_vz"), clauses(note, scales), absolute=False)
 
 
 def pairs_note(pairs: pd.DataFrame, run: str, days: Sequence[float]) -> str:
@@ -259,7 +262,7 @@ def _distribution(pairs: pd.DataFrame, components: tuple[str, ...], note: str, *
     pairs = pairs.dropna(subset=list(components))
     _check_rows(pairs)
     days = (pairs["t_j"] - pairs["t_i"]).to_numpy() / DAY
-    figure = page_figure(height_mm=66.0)
+    figure = page_figure(height_mm=76.0)
     for axes, component in zip(figure.subplots(1, 3, sharex=True, sharey=absolute), components, strict=True):
         _, factor = unit(component)
         values = pairs[component].to_numpy() * factor
@@ -275,12 +278,15 @@ def _distribution(pairs: pd.DataFrame, components: tuple[str, ...], note: str, *
         _label(axes, component, absolute=absolute)
         axes.yaxis.set_tick_params(labelleft=True)
     below = _set_decades(axes, pairs[list(components)].abs() * factor) if absolute else ""
-    add_note(figure, lines(note, below))
+    medians = pairs[list(components)].abs().median() * factor
+    sizes = (f"{DIRECTIONS[axis(one)[-1]]} {size:.3g}" for one, size in medians.items())
+    what = "errors" if absolute else "velocity errors"
+    add_head(figure, f"Median {what} [{unit(component)[0]}]: {', '.join(sizes)}", clauses(note, below))
     return figure
 
 
 def _points_and_bars(evaluation: pd.DataFrame, component: str, context: Context, *, absolute: bool) -> Figure:
-    figure = page_figure(height_mm=76.0)
+    figure = page_figure(height_mm=86.0)
     *panels, right = figure.subplots(1, 1 + len(_CURVES), sharex=True, width_ratios=(1.0, 1.0, 1.0, 1.7))
     errors = _drawn_errors(evaluation, component, absolute=absolute)
     for axes, curve in zip(panels, _CURVES, strict=True):
@@ -295,14 +301,15 @@ def _points_and_bars(evaluation: pd.DataFrame, component: str, context: Context,
     below = _set_decades(panels[0], errors[[curve.column for curve in _CURVES]]) if absolute else ""
     _draw_bars(right, evaluation, component, context, absolute=absolute)
     points = "left: every prediction, lines through the medians; right: mean and standard deviation"
-    note = lines(
+    note = clauses(
         context.note,
         f"{points} in clusters of a quarter of a day",
         fences_note(component, context),
         constant_note(evaluation, component),
         below,
     )
-    legend(figure, columns=4, note=note, labels=_legend_entries(right))
+    headline = f"Corrected {in_words(component)}s are {_p_ml(evaluation):.0f} % of the uncorrected"
+    add_head_and_legend(figure, headline, note, columns=4)
     return figure
 
 
@@ -351,11 +358,6 @@ def _draw_fences(axes: Axes, component: str, context: Context, *, absolute: bool
     low, high = context.fences
     for value in {max(-low, high)} if absolute else {low, high}:
         axes.axhline(value * factor, color=HIGHLIGHT, ls="--", lw=1.0, zorder=2.5)
-
-
-def _legend_entries(axes: Axes) -> dict[str, Artist]:
-    handles, labels = axes.get_legend_handles_labels()
-    return dict(zip(labels, handles, strict=True))
 
 
 def _draw_bars(
@@ -465,6 +467,10 @@ def _drawn_errors(evaluation: pd.DataFrame, component: str, *, absolute: bool) -
 def _check_rows(table: pd.DataFrame) -> None:
     if table.empty:
         raise InputError("figure of errors: expected at least one row, got none")
+
+
+def _p_ml(evaluation: pd.DataFrame) -> float:
+    return metrics.p_ml(evaluation["true"].to_numpy(), evaluation["predicted"].to_numpy())
 
 
 def _individual_p_ml(evaluation: pd.DataFrame) -> np.ndarray:

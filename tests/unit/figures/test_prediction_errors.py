@@ -217,6 +217,11 @@ def test_distribution_of_individual_metric():
     assert (compared.lines[-1].get_xdata()[0], compared.lines[-1].get_ydata()[0]) == (100.0, 80.0)
 
 
+def head(figure):
+    """Return the note under a figure's headline, in one line."""
+    return " ".join(figure.texts[-1].get_text().split())
+
+
 def test_distribution_of_position(pairs):
     figure = prediction_errors.distribution_position(pairs)
     assert [axes.get_ylabel() for axes in figure.axes] == [
@@ -224,6 +229,8 @@ def test_distribution_of_position(pairs):
         "along-track error $|e_{y}|$ [km]",
         "cross-track error $|e_{z}|$ [km]",
     ]
+    headline = "Median errors [km]: radial 0.02, along-track 0.04, cross-track 0.06"
+    assert figure.get_suptitle().strip() == headline
     for k, axes in enumerate(figure.axes, 1):
         drawn = np.asarray(axes.collections[0].get_offsets())
         assert drawn[:, 0] == pytest.approx([0.5, 1.5, 3.5])  # the pair without a prediction is left out
@@ -297,7 +304,8 @@ def test_tested_rows_in_words(name, words):
 
 def test_the_context_stands_in_the_figure(evaluation, told):
     figure = prediction_errors.svr_absolute(evaluation, context=told)
-    note = figure.legends[0].get_title().get_text()
+    note = head(figure)
+    assert figure.get_suptitle().startswith("Corrected along-track errors are 22 % of the uncorrected\n")
     assert "trained on days 0 to 30" in note
     assert "dashed: \N{MINUS SIGN}16.0 and 17.0 km, beyond which the cleaning drops true errors" in note
     for axes in figure.axes[:3]:
@@ -340,9 +348,8 @@ def test_no_line_crosses_durations_without_points():
 
 def test_points_below_a_logarithmic_axis_are_counted(evaluation):
     # Predicted and residual errors have one zero and four, which no logarithmic axis shows.
-    note = prediction_errors.svr_absolute(evaluation).legends[0].get_title().get_text()
-    assert note.endswith("5 points lie below the axis")
-    assert "below the axis" not in prediction_errors.svr_signed(evaluation).legends[0].get_title().get_text()
+    assert head(prediction_errors.svr_absolute(evaluation)).endswith("5 points lie below the axis")
+    assert "below the axis" not in head(prediction_errors.svr_signed(evaluation))
 
 
 def test_a_model_that_says_one_thing_is_said_to(evaluation):

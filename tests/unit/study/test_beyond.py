@@ -134,6 +134,9 @@ def test_figure_of_splits_shows_every_model_and_the_paper():
     assert sum("Peng & Bai" in line.get_label() for line in left.lines) == 1
     assert sum("Peng & Bai" in line.get_label() for line in right.lines) == 0
     assert "P_" in figure.get_supxlabel()
+    flattered = table.assign(p_ml=table["p_ml"].where(table["split"] != "random", 1.0))
+    headline = figures._flattered(flattered[flattered["stations"] == "eglin"], list(ENTRY["splits"]))
+    assert headline.endswith("= 1 % on random rows, 120 % on unseen rows")
 
 
 def test_figure_of_transfers_has_a_panel_a_curve(values):
@@ -155,5 +158,7 @@ def test_figure_of_intervals_tells_what_lies_inside():
         }
     )
     figure = figures.intervals({"svr": table}, level=0.9, component="e_y")
-    assert "75 % inside" in figure.axes[0].get_title(loc="left")
+    assert figure.axes[0].get_title(loc="left") == "the paper's SVR: 75 % inside"
+    headline = "Intervals of 90 % contain 75 to 75 % of the corrected errors"
+    assert figure.get_suptitle().strip() == headline
     assert "km" in figure.axes[0].get_ylabel()
