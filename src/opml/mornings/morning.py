@@ -61,6 +61,7 @@ class _Morning:
 
     estimates, judged, paths: of this morning
     starts: the estimate that ephemerides start from, a table of one row
+    whole: all records with all that this morning fitted and judged
     """
 
     watched: Watched  # with the burns that are known by now
@@ -68,6 +69,7 @@ class _Morning:
     now: float
     recent: Recent = field(init=False)
     fitting: fits.Fitting = field(init=False)
+    whole: Records = field(init=False)
     estimates: pd.DataFrame = field(default_factory=SCHEMAS["kept_estimates"].empty)
     judged: pd.DataFrame = field(default_factory=SCHEMAS["judged"].empty)
     burn: Manoeuvre | None = None  # that the estimates showed, with which they were made again
@@ -104,7 +106,8 @@ class _Morning:
             raise InputError("no estimate that an ephemeris may start from")
         others = self.fitting.over(self.watched.plan.other_windows, starts, self.earlier)
         self.estimates = pd.concat([self.estimates, others])
-        paths = Paths(candidates.paths(self.watched, known, self._so_far, starts, now=self.now))
+        self.whole = self._so_far
+        paths = Paths(candidates.paths(self.watched, known, self.whole, starts, now=self.now))
         self.starts = starts
         # An ephemeris from the estimate of an earlier morning is that morning's, and judged once.
         is_new = not self.earlier.issued["i"].isin(starts["track"]).any()
@@ -114,7 +117,7 @@ class _Morning:
     def issue(self, paths: Paths) -> None:
         """Judge whether to trust an ephemeris, and choose the model that is flown."""
         plan, burns = self.watched.plan, self.watched.manoeuvres
-        past = self._so_far.rows_unaffected_by_burns(plan.base, self.watched.known_by(self.now))
+        past = self.whole.rows_unaffected_by_burns(plan.base, self.watched.known_by(self.now))
         judgement = verdicts.verdict(past, self.starts, now=self.now, burns=burns, window=plan.base * HOUR)
         self.verdict = verdicts.beside_sgp4(judgement, past, now=self.now)
         flown = issued.choose_model(past, paths.models, now=self.now)

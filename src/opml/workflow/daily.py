@@ -31,8 +31,8 @@ _PROJECT = "config/config.yaml"
 
 _NAMED = 5  # objects at most
 
-_SECONDS = 1.0
-"""What a morning of one object takes of a core: mean of 27 by their public sets under 70x70, six models."""
+_SECONDS = 0.8
+"""What a morning of one object takes of a core: mean of 40 by their public sets, six models."""
 
 _TABLES, _MESSAGE, _EPHEMERIDES = 0.006, 1.7, 0.33  # what it leaves [MB]
 _STAY = 14  # mornings that ephemerides stay
