@@ -7,7 +7,8 @@ from types import FrameType
 
 INTERRUPTED = 130  # exit code, as of a shell's commands
 
-_TOLD = b"opml: interrupted; what is written is whole\n"
+_WHOLE = "what is written is whole"
+_TOLD = "opml: interrupted; {}\n"
 _IMPORTS = "<frozen importlib._bootstrap>"  # file of the frames of an import
 
 
@@ -15,7 +16,7 @@ def _interrupt(number: int, frame: FrameType | None) -> None:
     while frame:
         # Compiled modules whose import fails print tracebacks of their own.
         if frame.f_code.co_filename == _IMPORTS:
-            os.write(2, _TOLD)
+            os.write(2, _TOLD.format(_WHOLE).encode())
             os._exit(INTERRUPTED)
         frame = frame.f_back
     raise KeyboardInterrupt
@@ -29,8 +30,8 @@ def main() -> int:
         from opml import cli
 
         return cli.main()
-    except KeyboardInterrupt:
-        sys.stderr.write(_TOLD.decode())
+    except KeyboardInterrupt as end:
+        sys.stderr.write(_TOLD.format(str(end) or _WHOLE))
         return INTERRUPTED
 
 

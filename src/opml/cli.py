@@ -36,7 +36,9 @@ class Command:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run a subcommand; return the exit code, 1 after one line that tells why."""
-    logging.basicConfig(format=f"{clear()}opml: %(message)s")
+    told = logging.StreamHandler()
+    told.addFilter(_first_of_each())
+    logging.basicConfig(format=f"{clear()}opml: %(message)s", handlers=[told])
     options = _parser().parse_args(arguments)
     if isinstance(sys.stdout, io.TextIOWrapper):  # of names that the terminal has no letters for
         sys.stdout.reconfigure(errors="backslashreplace")
@@ -49,6 +51,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"opml: {error}", file=sys.stderr)
         return 1
     return 0
+
+
+def _first_of_each() -> Callable[[logging.LogRecord], bool]:
+    """Return a filter that passes each message once: a file may be read more than once."""
+    told: set[str] = set()
+
+    def is_new(record: logging.LogRecord) -> bool:
+        before = len(told)
+        told.add(record.getMessage())
+        return len(told) > before
+
+    return is_new
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -75,17 +89,19 @@ def _parser() -> argparse.ArgumentParser:
 
 def _add_init(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("folder", help="the project's folder; created if missing")
-    parser.add_argument("--elements", metavar="FILE", help="element sets of an object, for its study")
+    kinds = parser.add_mutually_exclusive_group()
+    kinds.add_argument("--elements", metavar="FILE", help="element sets of an object, for its study")
+    kinds.add_argument("--orbit", nargs="+", metavar="FILE", help="its positions: SP3, CPF, OEM or CSV")
 
 
 def _init(options: argparse.Namespace) -> None:
     from opml.workflow import new_project
+    from opml.workflow.first_study import FirstStudy
 
-    if options.elements:
-        from opml.workflow.study_of_sets import StudyOfSets
-
-        study = StudyOfSets.of(options.elements)
-        new_project.write(options.folder, study.text, [study.file])
+    if options.elements or options.orbit:
+        by_sets = bool(options.elements)
+        study = FirstStudy.of_sets(options.elements) if by_sets else FirstStudy.of_points(options.orbit)
+        new_project.write(options.folder, study.text, study.beside)
         print(study.told)
     else:
         new_project.write(options.folder)

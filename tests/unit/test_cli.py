@@ -132,6 +132,18 @@ def test_an_interrupt_of_a_command_is_told_in_one_line(monkeypatch, capsys):
     assert capsys.readouterr() == ("", "opml: interrupted; what is written is whole\n")
 
 
+def test_a_warning_is_told_once():
+    script = """
+import logging
+from opml import cli
+cli.main(["docs"])
+for word in ("twice", "twice", "once"):
+    logging.getLogger("opml").warning("%s", word)
+"""
+    ran = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert ran.stderr == "opml: twice\nopml: once\n"
+
+
 def test_a_page_that_is_not_there_is_told_in_one_line(capsys):
     assert cli.main(["docs", "operation"]) == 1
     error = capsys.readouterr().err

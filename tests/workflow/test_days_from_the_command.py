@@ -2,6 +2,9 @@
 
 import json
 import os
+import signal
+import subprocess
+import sys
 
 import pytest
 from project import ROOT, forked
@@ -60,6 +63,23 @@ def operator(tmp_path_factory):
     (folder / "tracks" / "broken.tdm").write_text("CCSDS_TDM_VERS = 2.0\nrubbish\n")
     weather_comes(folder, "2016-09-29")
     return folder
+
+
+@pytest.mark.dag
+@pytest.mark.parametrize("seconds", [2.0, 5.0, 9.0])
+def test_an_interrupt_is_told_in_one_line(operator, seconds):
+    """The tests below go on in the same folder."""
+    line = [sys.executable, "-m", "opml", "day", "--configfile", "mine.yaml", "--date", "2016-09-29"]
+    environment = os.environ | {"PYTHONPATH": str(ROOT / "src")}
+    streams = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
+    with subprocess.Popen(line, cwd=operator, env=environment, process_group=0, **streams) as run:
+        with pytest.raises(subprocess.TimeoutExpired):
+            run.wait(seconds)
+        os.killpg(run.pid, signal.SIGINT)
+        told, _ = run.communicate(timeout=60.0)
+    assert run.returncode == 130, told
+    assert "opml: interrupted" in told.splitlines()[-1]
+    assert "Traceback" not in told
 
 
 @pytest.mark.dag

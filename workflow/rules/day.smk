@@ -20,7 +20,7 @@ if PLAN.watched:
             "../envs/opml.yaml"
         resources:
             mem_mb=2500,
-            runtime=15,
+            runtime=20,
         params:
             settings=PARAMS.mornings_of,
             code=code("mornings.py"),

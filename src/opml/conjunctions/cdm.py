@@ -29,7 +29,8 @@ _AXES = ("R", "T", "N", "RDOT", "TDOT", "NDOT")
 _STATE = ("X", "Y", "Z", "X_DOT", "Y_DOT", "Z_DOT")
 _UNITS = ("m", "m/s")
 _LOWER = [(row, column) for row in range(6) for column in range(row + 1)]
-_ROUGH_MISS = 0.01  # of a miss that the states of a message may be off, as they are rounded
+_STATED = {"MISS_DISTANCE": slice(3), "RELATIVE_SPEED": slice(3, 6)}  # what states have to agree with
+_ROUGH = 0.01  # of it that they may be off, as they are rounded
 _UNIT = re.compile(r"\s*\[([^\]]*)\]$")
 _RADIUS = re.compile(r"^\s*COMMENT\s+HBR\s*=\s*(\S+?)\s*(?:\[(\w+)\])?\s*$", re.MULTILINE)
 _SENSITIVITY = "DCP Sensitivity Vector RTN"
@@ -53,6 +54,7 @@ _UNITS_OF = {key: "km/s" if key.endswith("_DOT") else "km" for key in _STATE} | 
     _covariance_key(row, column): ("m**2", "m**2/s", "m**2/s**2")[(row > 2) + (column > 2)]
     for row, column in _LOWER
 }
+_UNITS_OF |= dict(zip(_STATED, _UNITS, strict=True))
 """Units of what is read, by key; a message may leave them out."""
 
 
@@ -168,19 +170,20 @@ def read(path: FilePath, *, epoch: str, radius: float | None = None) -> Conjunct
     if not np.isfinite(t):
         raise InputError(f"{path}: expected TCA before the objects, got none")
     first, second = (_participant(message, block) for block in parts)
-    _check_miss(message, head, float(np.linalg.norm(second.state[:3] - first.state[:3])))
+    for key, part in _STATED.items():
+        _check_stated(message, head, key, float(np.linalg.norm((second.state - first.state)[part])))
     radius = _radius(path) if radius is None else radius
     check_radius(radius)
     known = head.time("CREATION_DATE", t, epoch=epoch, scale="UTC")
     return Conjunction(t, first, second, radius, known=known)
 
 
-def _check_miss(message: ccsds.Message, head: ccsds.KeyValues, distance: float) -> None:
-    """Raise InputError where the states are not as far apart [m] as the message says."""
-    line = head.line("MISS_DISTANCE")
-    stated = message.scale(head.text("MISS_DISTANCE", repr(distance)), 0, line)
-    if abs(stated - distance) > _ROUGH_MISS * stated + 1.0:
-        raise message.error(f"states that are MISS_DISTANCE = {stated:g} m apart", f"{distance:g} m", line)
+def _check_stated(message: ccsds.Message, head: ccsds.KeyValues, key: str, found: float) -> None:
+    """Raise InputError where states are not as far apart, or not as fast, as the message has under a key."""
+    line = head.line(key)
+    stated = message.scale(head.text(key, repr(found)), 0, line)
+    if abs(stated - found) > _ROUGH * stated + 1.0:
+        raise message.error(f"states of {key} = {stated:g} {_UNITS_OF[key]}", f"{found:g}", line)
 
 
 def _blocks(message: ccsds.Message) -> list[ccsds.KeyValues]:

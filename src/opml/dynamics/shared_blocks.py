@@ -19,11 +19,18 @@ from opml.dynamics.ensemble import Arcs, Departures
 from opml.dynamics.kernels.surroundings import ForceModel
 from opml.dynamics.settings import Integrator
 
-STEP = 300.0  # between the epochs of the raster, which are its multiples [s]
+STEP = 300.0
+"""Between the epochs of the raster, which are its multiples [s].
+
+Arcs whose integrator takes longer steps have a raster of more, `pace` of them, from where they begin.
+"""
+
+MOST = 1024
+"""Arcs that fly at once where no single caller asks for more: a hundred callers' would take a gigabyte."""
 
 Outcome = TypeVar("Outcome")
 
-_Kind = tuple[int, Integrator, bool]
+_Kind = tuple[int, Integrator, bool, int, int]
 
 
 @dataclass(frozen=True)
@@ -37,9 +44,17 @@ class _Request:
     arcs: Future[Arcs] = field(default_factory=Future)
 
     @property
+    def pace(self) -> int:
+        """How many STEP a step is long, if all epochs are so many apart."""
+        longest = max(1, int(self.integrator.max_step_s // STEP))
+        return longest if not ((self.epochs - self.epochs[0]) % longest).any() else 1
+
+    @property
     def kind(self) -> _Kind:
-        """What arcs have to have in common to fly together: model, integrator and direction."""
-        return id(self.model), self.integrator, bool(self.epochs[0] <= self.epochs[-1])
+        """What arcs have to have in common to fly together: model, integrator, direction and raster."""
+        phase = int(self.epochs[0]) % self.pace
+        forward = bool(self.epochs[0] <= self.epochs[-1])
+        return id(self.model), self.integrator, forward, self.pace, phase
 
     @property
     def begin(self) -> int:
@@ -105,8 +120,11 @@ class SharedBlocks:
         if not self._waiting or len(self._waiting) < self._under_way:
             return
         kind = min(self._waiting, key=lambda request: request.begin).kind
-        _fly([request for request in self._waiting if request.kind == kind])
-        self._waiting = [request for request in self._waiting if request.kind != kind]
+        alike = [request for request in self._waiting if request.kind == kind]
+        arcs = np.cumsum([len(request.departures) for request in alike])
+        flying = alike[: max(1, int(np.searchsorted(arcs, MOST, side="right")))]
+        _fly(flying)
+        self._waiting = [request for request in self._waiting if not request.arcs.done()]
         self._turn.notify_all()
 
 
@@ -128,7 +146,7 @@ def _fly(requests: Sequence[_Request]) -> None:
 def _flown(requests: Sequence[_Request]) -> Arcs:
     one = requests[0]
     raster = _raster(requests)
-    places = [np.abs(request.epochs - raster[0]) for request in requests]
+    places = [np.abs(request.epochs - raster[0]) // one.pace for request in requests]
     departures = [request.departures for request in requests]
     outlooks = [request.departures.outlooks(one.model, STEP * request.epochs) for request in requests]
     together = Departures(
@@ -146,8 +164,8 @@ def _raster(requests: Sequence[_Request]) -> np.ndarray:
     """Return the multiples from the first epoch of any request to the last, in their direction."""
     ends = np.array([[request.epochs[0], request.epochs[-1]] for request in requests])
     if requests[0].epochs[0] <= requests[0].epochs[-1]:
-        return np.arange(ends[:, 0].min(), ends[:, 1].max() + 1)
-    return np.arange(ends[:, 0].max(), ends[:, 1].min() - 1, -1)
+        return np.arange(ends[:, 0].min(), ends[:, 1].max() + 1, requests[0].pace)
+    return np.arange(ends[:, 0].max(), ends[:, 1].min() - 1, -requests[0].pace)
 
 
 def _own(arcs: Arcs, begin: int, request: _Request) -> Arcs:
@@ -158,6 +176,6 @@ def _own(arcs: Arcs, begin: int, request: _Request) -> Arcs:
     start = np.concatenate([[0], np.cumsum(count)])
     arc = np.repeat(np.arange(len(first)), count)
     epoch = first[arc] + np.arange(start[-1]) - start[arc] + 1
-    passed = np.abs(request.epochs[epoch] - request.epochs[first[arc]])
+    passed = np.abs(request.epochs[epoch] - request.epochs[first[arc]]) // request.pace
     status = arcs.status[begin : begin + len(first)]
     return Arcs(arcs.states[arcs.start[begin + arc] + passed - 1], start, status)

@@ -25,7 +25,7 @@ from opml.tables import STATE, STATE_COVARIANCES, symmetric_matrices
 from opml.tables.convergence import none_converged
 
 _KEY = "CCSDS_OEM_VERS"
-_VERSIONS = ("1.0", "2.0")
+_VERSIONS = ("1.0", "2.0", "3.0")
 _KILO = 3  # kilometres in the message, metres here
 _LOWER = np.tril_indices(6)
 

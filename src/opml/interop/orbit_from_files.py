@@ -85,12 +85,12 @@ def check_together(arcs: Sequence[Arc]) -> None:
     """
     for arc in arcs:
         _check_alike(arcs[0], arc)
-        radius = float(np.median(np.linalg.norm(arc.positions, axis=1)))
-        if not _NEAREST <= radius <= _FARTHEST:
+        radii = np.linalg.norm(arc.positions, axis=1)
+        wrong = np.flatnonzero((radii < _NEAREST) | (radii > _FARTHEST))
+        if wrong.size:
             expected = f"positions {_NEAREST / 1e3:.0f} to {_FARTHEST / 1e3:.0f} km from the Earth's centre"
-            raise InputError(
-                f"{arc.path}: expected {expected}, got {radius / 1e3:.6g} km: is the unit right?"
-            )
+            got = f"{radii[wrong[0]] / 1e3:.6g} km: is the unit right?"
+            raise InputError(f"{arc.path}: line {arc.lines[wrong[0]]}: expected {expected}, got {got}")
     for before, after in pairwise(sorted(arcs, key=lambda arc: float(arc.t[0]))):
         if before.t[0] == after.t[0]:
             raise InputError(

@@ -38,11 +38,13 @@ _FRAMES = {name.upper(): rotation for name, rotation in ccsds.FRAMES.items()}
 _WRITTEN_FRAME = "ICRF"
 
 _PASSED_OVER = re.compile(
-    r"CARRIER_POWER|CLOCK_(BIAS|DRIFT)|DOPPLER_(INTEGRATED|COUNT)|DOR|MAG|P[CR]_N0|PRESSURE|RCS"
+    r"CARRIER_POWER|DOPPLER_(INTEGRATED|COUNT)|DOR|MAG|P[CR]_N0|PRESSURE|RCS"
     r"|(RECEIVE|TRANSMIT)_(FREQ|FREQ_RATE|PHASE_CT)(_\d)?|RHUMIDITY|STEC|TEMPERATURE|TROPO_(DRY|WET)"
     r"|VLBI_DELAY"
 )
 """Types of data that the estimation does not use."""
+
+_CLOCKS = ("CLOCK_BIAS", "CLOCK_DRIFT")
 
 _DELAYS = (*(f"{end}_DELAY_{k}" for end in ("TRANSMIT", "RECEIVE") for k in range(1, 6)), "RANGE_MODULUS")
 _ABERRATIONS = ("CORRECTION_ABERRATION_YEARLY", "CORRECTION_ABERRATION_DIURNAL")
@@ -278,6 +280,10 @@ def _data(message: ccsds.Message) -> dict[str, dict[str, tuple[float, int]]]:
         number, kind, text = message.pair()
         time, *values = text.split()
         if _PASSED_OVER.fullmatch(kind):
+            continue
+        if kind in _CLOCKS and len(values) == 1:
+            if message.scale(values[0], 0, number) != 0.0:
+                raise message.error(f"{kind} of 0, as times count as they are", values[0], number)
             continue
         if kind not in _TYPES or len(values) != 1:
             raise message.error(f"{' or '.join(_TYPES)} = time value", f"{kind} = {text}", number)

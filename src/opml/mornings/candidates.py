@@ -109,7 +109,8 @@ def paths(
 
 def _with_spread(reached: pd.DataFrame, watched: Watched, estimates: pd.DataFrame) -> pd.DataFrame:
     """Return ephemerides with what more drag and the weather to come would do to them."""
-    sparse = reached.iloc[::EVERY]
+    # From an estimate on the raster all are multiples of EVERY steps away.
+    sparse = reached.iloc[EVERY - 1 :: EVERY]
     spreads = spread.build(watched.model.flattened, estimates, sparse, weathers=watched.model.weathers)
     causes = sparse[["t_j"]].join(spreads[SPREAD].set_axis(sparse.index))
     return interpolate_spread(reached, causes).drop(columns=["j", "reason"])

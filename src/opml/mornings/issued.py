@@ -55,13 +55,10 @@ def best_model(judged: pd.DataFrame, models: Sequence[str], *, now: float) -> tu
         judged_so_far = f"judged so far: {counted(most, 'prediction')}"
         raise InputError(f"{judged_so_far}, fewer than the {LEAST_ROWS} needed for sizes of errors")
     # A model that is new in the menu waits for a past of its own.
-    replays = {
-        name: judged[judged["model"] == name].drop(columns="model")
-        for name in models
-        if over.get(name, 0) >= LEAST_ROWS
-    }
+    rows = judged["model"].to_numpy()
+    replays = {name: judged[rows == name] for name in models if over.get(name, 0) >= LEAST_ROWS}
     model = choose(replays, [], now=now, seed=0).chosen
-    return model, replays[model]
+    return model, replays[model].drop(columns="model")
 
 
 def row(

@@ -19,7 +19,7 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
-from opml.base.constants import DAY, HOUR, SRP_PRESSURE
+from opml.base.constants import DAY, HOUR, SRP_PRESSURE, WGS84_A
 from opml.catalog.predict import labels
 from opml.catalog.predict.spread import TENTH, mean_cd
 from opml.learning.data.splits import are_over
@@ -55,6 +55,7 @@ USUAL = 3.0  # independent errors of a past that the usual sizes count as
 _CONSTANT, _RATE = ([f"{name}_{axis}" for axis in AXES] for name in "ab")
 _COLUMNS = [*_CONSTANT, *_RATE, "c"]
 _LEAST_CD = 1e-6
+J2 = 1.08263e-3  # the Earth's flattening in its gravity (EGM2008)
 _GROSS = 10.0  # sizes that an error counts as at most
 
 
@@ -71,6 +72,7 @@ def formal_errors(
     Where Cd is known, an orbit that is higher by x and faster by v falls back by 3 (n x + v), n its angular
     rate. An unknown acceleration g towards the Sun adds 3 g / 2 n each second to an orbit's radial wave, and
     twice that along the track; a fit has it by half its window. (Gauss's equations, over a revolution.)
+    A plane is known as position and velocity across it are; its node regresses by its inclination.
     """
     daily = pd.Series({one.start: one.drag_after(DAY) for one in paths})
     known = estimates[estimates["converged"].astype(bool) & estimates["track"].isin(daily.index)]
@@ -89,14 +91,24 @@ def formal_errors(
     mean = mean_cd(estimates[estimates["window_hours"] == base], rso.cd)[started.index].abs()
     cd = np.sqrt(longest["cov_cd_cd"]) / TENTH / np.maximum(mean, _LEAST_CD)
     hours = np.clip((longest["t"] - estimates["t"].min()) / HOUR, 1.0, LONG).to_numpy(float)
-    constant = np.hypot(CONSTANT, started[SIGMAS[:3]].to_numpy(float))
+    known_to = started[SIGMAS].to_numpy(float)
+    plane = np.sqrt(0.5 * (known_to[:, 2] ** 2 + (known_to[:, 5] / rates(states)) ** 2))
+    constant = np.hypot(CONSTANT, np.column_stack([known_to[:, :2], plane]))
     constant[:, 1] = np.hypot(constant[:, 1], DAILY * daily[started.index])
     pushed = light * SRP_PRESSURE * rso.cr * rso.area_to_mass * DAY / rates(states)
     wave = pushed[:, None] * np.array([1.5, 3.0, 0.0]) / np.sqrt(2.0)
     constant = np.hypot(constant, wave * HOUR * base / 2.0 / DAY)
-    rate = np.hypot(np.hypot(RATE, wave), np.stack([0.0 * drift, drift, 0.0 * drift], axis=1))
+    rate = np.hypot(np.hypot(RATE, wave), np.stack([0.0 * drift, drift, plane * _regression(states)], axis=1))
     density = np.minimum(np.hypot(DENSITY * np.sqrt(LONG / hours), cd), VAGUE)
     return pd.DataFrame(np.column_stack([constant, rate, density]), index=started.index, columns=_COLUMNS)
+
+
+def _regression(states: np.ndarray) -> np.ndarray:
+    """Return how much farther apart planes are each day (n,), in parts of their distance, by Earth's J2."""
+    momentum = np.cross(states[:, :3], states[:, 3:])
+    square_sine = 1.0 - momentum[:, 2] ** 2 / np.sum(momentum**2, axis=1)
+    flat = 1.5 * J2 * WGS84_A**2 / np.sum(states[:, :3] ** 2, axis=1)
+    return np.asarray(flat * rates(states) * square_sine * DAY / np.sqrt(2.0))
 
 
 def _as_they_miss(estimates: pd.DataFrame) -> pd.DataFrame:

@@ -228,11 +228,12 @@ def _checked(path: FilePath, schema: Schema) -> Iterator[tuple[pq.ParquetFile, S
         if seal := _check_footer(path):
             _check_pages(path, seal)
         with pq.ParquetFile(path) as file:
-            schema = schema.among(file.schema_arrow.names)
+            found = file.schema_arrow  # made anew whenever it is asked for
+            schema = schema.among(found.names)
+            dtypes = dict(zip(found.names, found.types, strict=True))
             for column in schema.columns:
-                if column.name not in file.schema_arrow.names:
+                if (dtype := dtypes.get(column.name)) is None:
                     raise InputError(f"{path}: {column.name}: column of table {schema.name} is missing")
-                dtype = file.schema_arrow.field(column.name).type
                 if dtype != _ARROW[column.dtype]:
                     raise InputError(f"{path}: {column.name}: expected {column.dtype}, got {dtype}")
             if not seal:

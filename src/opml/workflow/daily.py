@@ -2,6 +2,8 @@
 
 import json
 import math
+import os
+import signal
 import subprocess
 import sys
 from collections.abc import Sequence
@@ -9,6 +11,7 @@ from dataclasses import dataclass
 from datetime import UTC, date, datetime, timedelta
 from pathlib import Path
 
+from opml.base import epochs
 from opml.base.errors import InputError
 from opml.base.progress import counted
 from opml.mornings import outcomes
@@ -120,7 +123,11 @@ def beforehand(number: int, settings: Settings) -> str:
 
 
 def check_dates(call: Call, epoch: str, duration_days: float, *, today: date) -> None:
-    """Raise InputError for dates that are no mornings: to come, outside the run, or in the wrong order."""
+    """Raise InputError for dates that are no mornings: to come, outside the run, or in the wrong order.
+
+    epoch: of the run, UTC text; raises as `epochs.parse` does
+    """
+    epochs.parse(epoch)
     begin = date.fromisoformat(epoch[:10])
     last = min(today, begin + timedelta(days=math.ceil(duration_days)))
     for option, day in (("--date", call.day), ("--since", call.first)):
@@ -135,11 +142,29 @@ def _snakemake(call: Call, pages: Sequence[str]) -> int:
     how = ["-n"] if call.dry else ["--quiet", "all"]
     settings = ["--configfile", *call.configfiles] if call.configfiles else []
     command = [sys.executable, "-m", "snakemake", *call.where, *how, *settings, "--", *pages]
-    code = subprocess.run(command, check=False).returncode
+    code = _exit_code(command)
     if code and not call.dry:
         told = "opml: the workflow failed; `opml day -n` shows errors in its plan"
         print(told, file=sys.stderr, flush=True)
     return code
+
+
+def _exit_code(command: Sequence[str]) -> int:
+    """Run a command in a process group of its own, which an interrupt of this process ends; return its code.
+
+    In this one's group each job would print a traceback. Jobs in queues are for Snakemake to end.
+    """
+    kind = signal.SIGINT if "--profile" in command else signal.SIGKILL
+    for number in (signal.SIGTERM, signal.SIGHUP):
+        if signal.getsignal(number) == signal.SIG_DFL:
+            signal.signal(number, signal.default_int_handler)
+    with subprocess.Popen(command, process_group=0) as process:
+        try:
+            return process.wait()
+        except KeyboardInterrupt:
+            os.killpg(process.pid, kind)
+            process.wait()
+            raise KeyboardInterrupt("the same command resumes the run") from None
 
 
 def _forget_failed(folder: Path) -> None:

@@ -25,6 +25,8 @@ from opml.study.settings.model.run import RandomSeeds
 from opml.workflow.environment_files import EnvironmentFiles
 from opml.workflow.products import Product
 
+_JOBS, _FEW = 4, 32  # jobs of a morning that are enough, and objects of one up to which there are fewer
+
 
 def end_plan(error: object) -> NoReturn:
     """End the plan with one line, where Snakemake would put its own frame around the message."""
@@ -93,11 +95,15 @@ class Plan:
 
     @cached_property
     def watched(self) -> dict[str, list[str]]:
-        """The RSOs of every morning by the number of their job, in even shares; none without mornings."""
+        """The RSOs of every morning by the number of their job, in even shares; none without mornings.
+
+        Jobs are few, as each reads all files, but enough for the cores of a machine.
+        """
         if "day" not in self.values:
             return {}
         rsos = list(self.settings.measured)
-        jobs = math.ceil(len(rsos) / self.settings.day.together)
+        enough = min(_JOBS, math.ceil(len(rsos) / _FEW))
+        jobs = max(enough, math.ceil(len(rsos) / self.settings.day.together))
         return {str(k): rsos[k * len(rsos) // jobs : (k + 1) * len(rsos) // jobs] for k in range(jobs)}
 
     @property

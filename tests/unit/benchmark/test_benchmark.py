@@ -281,7 +281,7 @@ def test_inputs_after_t_are_told(sgp4, tmp_path):
         return [r | {"known": "2026-01-07T00:00:00" if r["t"] < "2026-01" else r["t"]} for r in rows]
 
     (told,) = suspicions(edited_rows(sgp4, tmp_path, known))
-    assert "tell of inputs that were known after t, the first for object 122" in told
+    assert "depend on inputs known after t, the first for object 122" in told
 
 
 @pytest.mark.parametrize("power", [-1.0, 0.0], ids=["shrink", "stay"])

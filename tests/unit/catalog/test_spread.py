@@ -49,6 +49,13 @@ def test_a_tenth_more_drag_takes_it_as_far_as_under_all_forces(iss, estimates, p
     assert (found[["weather_x", "weather_y", "weather_z"]] == 0.0).all(axis=None)
 
 
+def test_distances_are_those_of_short_steps(iss, estimates, pairs, monkeypatch):
+    found = built(iss, estimates, pairs)
+    monkeypatch.setattr(spread, "LONGEST_STEP", 100.0)
+    monkeypatch.setattr(spread, "TOLERANCE", 0.1)
+    np.testing.assert_allclose(found["drag_y"], built(iss, estimates, pairs)["drag_y"], rtol=1e-3)
+
+
 def test_a_wild_cd_is_that_of_its_past(iss, estimates, pairs):
     found = built(iss, estimates, pairs)
     assert found["drag_y"][2] == pytest.approx(found["drag_y"][0], rel=0.2)

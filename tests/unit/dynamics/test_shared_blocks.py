@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from opml.base.constants import HOUR, WGS84_A
-from opml.dynamics import ensemble
+from opml.dynamics import ensemble, shared_blocks
 from opml.dynamics.ensemble import Departures, propagate
 from opml.dynamics.settings import Integrator
 from opml.dynamics.shared_blocks import STEP, SharedBlocks
 from opml.orbits.elements import cartesian_from_coe
 
 RASTER = STEP * np.arange(200.0)
-SPANS = {"all": RASTER, "late": RASTER[90::3], "back": RASTER[150:20:-2]}
+SPANS = {"all": RASTER, "late": RASTER[90::3], "back": RASTER[150:20:-2], "even": RASTER[60:120:2]}
 
 
 def departures(epochs, gm, seed, count=3):
@@ -31,10 +31,11 @@ def departures(epochs, gm, seed, count=3):
     )
 
 
-def caller(blocks, model, epochs, seed, rounds=1):
+def caller(blocks, model, epochs, seed, rounds=1, longest=90.0):
     """Fly some arcs, several times in a row."""
+    integrator = Integrator(max_step_s=longest, position_tolerance_m=10.0 if longest > STEP else 0.1)
     flown = [
-        blocks.propagate(model, epochs, departures(epochs, model.gm, seed + turn), integrator=Integrator())
+        blocks.propagate(model, epochs, departures(epochs, model.gm, seed + turn), integrator=integrator)
         for turn in range(rounds)
     ]
     return flown[-1]
@@ -53,16 +54,30 @@ def flights(monkeypatch):
     return numbers
 
 
+@pytest.mark.parametrize("longest", [90.0, 600.0])
 @pytest.mark.parametrize("span", SPANS)
-def test_an_arc_is_the_same_whoever_flies_beside_it(assumed_model, span):
+def test_an_arc_is_the_same_whoever_flies_beside_it(assumed_model, span, longest):
     alone, beside = SharedBlocks(), SharedBlocks()
-    (one,) = alone.run([partial(caller, alone, assumed_model, SPANS[span], 5)])
-    others = [partial(caller, beside, assumed_model, epochs, 7) for epochs in SPANS.values()]
-    mine = partial(caller, beside, assumed_model, SPANS[span], 5)
+    flying = {"longest": longest}
+    (one,) = alone.run([partial(caller, alone, assumed_model, SPANS[span], 5, **flying)])
+    others = [partial(caller, beside, assumed_model, epochs, 7, **flying) for epochs in SPANS.values()]
+    mine = partial(caller, beside, assumed_model, SPANS[span], 5, **flying)
     _, found, *_ = beside.run([others[0], mine, *others[1:]])
     np.testing.assert_array_equal(found.states, one.states)
     np.testing.assert_array_equal(found.start, one.start)
     np.testing.assert_array_equal(found.status, one.status)
+
+
+@pytest.mark.parametrize("begin", [60, 61])
+def test_long_steps_are_those_of_an_arc_that_flies_without_a_raster(assumed_model, begin):
+    """Their raster has an epoch every two of the others', from where they begin."""
+    blocks, epochs = SharedBlocks(), RASTER[begin:120:2]
+    integrator = Integrator(max_step_s=600.0, position_tolerance_m=10.0)
+    expected = propagate(
+        assumed_model, epochs, departures(epochs, assumed_model.gm, 5), integrator=integrator
+    )
+    (found,) = blocks.run([partial(caller, blocks, assumed_model, epochs, 5, longest=600.0)])
+    np.testing.assert_array_equal(found.states, expected.states)
 
 
 @pytest.mark.parametrize("span", SPANS)
@@ -85,6 +100,18 @@ def test_arcs_of_all_callers_are_one_flight_and_those_that_begin_first_are_first
         ]
     )
     assert flights == [6, 3, 3]
+
+
+def test_arcs_beyond_the_most_that_fly_at_once_fly_next(assumed_model, flights, monkeypatch):
+    blocks = SharedBlocks()
+    calls = [partial(caller, blocks, assumed_model, RASTER, seed, rounds=2) for seed in range(3)]
+    whole = blocks.run(calls)
+    assert flights == [9, 9]
+    flights.clear()
+    monkeypatch.setattr(shared_blocks, "MOST", 7)
+    for found, expected in zip(blocks.run(calls), whole, strict=True):
+        np.testing.assert_array_equal(found.states, expected.states)
+    assert flights == [6, 6, 6]
 
 
 def test_epochs_off_the_raster_fly_alone(assumed_model, flights):

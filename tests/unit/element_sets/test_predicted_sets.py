@@ -15,6 +15,7 @@ from support import EPOCH, REPOSITORY
 
 import opml
 from opml import cli
+from opml.base import epochs
 from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.element_sets import catalogue, corrector, passes, prediction, ways
@@ -154,7 +155,7 @@ def test_passes_rise_and_set_at_five_degrees(made):
     found = passes.passes(made, place)
     assert len(found) > 20
     for row in found.head(5).to_dict("records"):
-        t = made._seconds(row["rise"]), made._seconds(row["highest"]), made._seconds(row["set"])
+        t = tuple(epochs.seconds_to(made.date, row[name]) for name in ("rise", "highest", "set"))
         low, high, end = (float(np.degrees(passes._elevation(made, place, one)[0])) for one in t)
         assert (low, end) == pytest.approx((5.0, 5.0), abs=0.2)
         assert high == pytest.approx(row["elevation"], abs=1e-3)
@@ -163,7 +164,7 @@ def test_passes_rise_and_set_at_five_degrees(made):
     late = found["early_or_late"].to_numpy()
     assert late[-1] > late[0]
     assert late[0] == pytest.approx(
-        1.645 * made.sigmas(made._seconds(found["highest"][0]))[0, 1] / 7600, rel=0.02
+        1.645 * made.sigmas(epochs.seconds_to(made.date, found["highest"][0]))[0, 1] / 7600, rel=0.02
     )
 
 

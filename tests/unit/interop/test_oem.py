@@ -87,7 +87,8 @@ def test_truth_comes_back_bit_for_bit(orbit, message):
     np.testing.assert_array_equal(back.states, orbit[list(STATE)])
 
 
-def test_a_byte_order_mark_is_no_text(orbit, message):
+def test_byte_order_marks_and_the_header_of_version_3_are_passed_over(orbit, message):
+    edited(message, "CCSDS_OEM_VERS = 2.0", "CCSDS_OEM_VERS = 3.0\nCLASSIFICATION = public\nMESSAGE_ID = 7")
     message.write_text("\ufeff" + message.read_text(encoding="utf-8"), encoding="utf-8")
     (back,) = oem.read(message, epoch=EPOCH)
     np.testing.assert_array_equal(back.states, orbit[list(STATE)])

@@ -293,7 +293,9 @@ def test_positions_in_another_unit_are_refused(tmp_path, nodes, factor):
     t, states = nodes(60.0)
     path = tmp_path / "a.oem"
     oem.write(path, [oem.Segment("mine", t, factor * states)], epoch=EPOCH)
-    with pytest.raises(InputError, match=r"a\.oem: expected positions 6357 to 600000 km .*is the unit right"):
+    with pytest.raises(
+        InputError, match=r"a\.oem: line \d+: expected positions 6357 to 600000 km .*unit right"
+    ):
         orbit_from_files.check(OrbitFiles([path], EPOCH, DURATION))
 
 

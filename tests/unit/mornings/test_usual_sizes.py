@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from opml.base.constants import DAY, SRP_PRESSURE
+from opml.base.constants import DAY, SRP_PRESSURE, WGS84_A
 from opml.mornings import usual_sizes
 from opml.mornings.records import Paths
 from opml.orbits.sheets import Rso
@@ -14,12 +14,12 @@ RATE = 0.0011
 LEADS = np.array([0.5, 1.0, 3.0, 7.0])
 
 
-def estimates(*, cd=1.0, sigma_cd=0.01, rise=0.0, rms=1.0):
+def estimates(*, cd=1.0, sigma_cd=0.01, rise=0.0, swing=0.0, inclination=0.0, rms=1.0):
     """Fits over 12 and 48 h of one track on a circular orbit, 0.1 m in each position."""
-    state = [7e6, 0.0, 0.0, 0.0, 7e6 * RATE, 0.0]
+    state = [7e6, 0.0, 0.0, 0.0, 7e6 * RATE * np.cos(inclination), 7e6 * RATE * np.sin(inclination)]
     columns = dict.fromkeys(PARAMETER_COVARIANCES, 0.0)
     columns |= {f"cov_{axis}_{axis}": 0.01 for axis in "xyz"} | {"cov_cd_cd": sigma_cd**2}
-    columns |= {"cov_vy_vy": rise**2}
+    columns |= {"cov_vy_vy": max(rise, swing) ** 2, "cov_vz_vz": swing**2}
     row = {
         "track": 4,
         "t": 2 * DAY,
@@ -79,6 +79,19 @@ def test_an_orbit_of_unknown_height_drifts():
     # Higher by x it falls back by 3 n x, faster by v by 3 v.
     drift = 3.0 * DAY * np.hypot(0.1 * RATE, 0.02)
     np.testing.assert_allclose(formal(rise=0.02)["b_y"], np.hypot(usual_sizes.RATE[1], drift))
+
+
+def test_a_plane_is_known_by_the_velocity_across_it_and_its_node_goes_on():
+    plane = np.sqrt(0.5 * (0.1**2 + (0.02 / RATE) ** 2))
+    for inclination in (0.0, 1.0, np.pi / 2):
+        known = formal(swing=0.02, inclination=inclination)
+        np.testing.assert_allclose(known["a_z"], np.hypot(usual_sizes.CONSTANT[2], plane))
+        # What the node of this orbit regresses by, by a difference of the inclination.
+        turn = [
+            1.5 * usual_sizes.J2 * (WGS84_A / 7e6) ** 2 * RATE * np.cos(inclination + d) for d in (0, 1e-6)
+        ]
+        daily = (turn[0] - turn[1]) / 1e-6 * np.sin(inclination) * DAY / np.sqrt(2.0)
+        np.testing.assert_allclose(known["b_z"], np.hypot(usual_sizes.RATE[2], plane * daily), rtol=1e-5)
 
 
 def test_light_of_a_body_that_is_a_guess_makes_an_orbit_eccentric():

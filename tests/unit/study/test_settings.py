@@ -201,6 +201,10 @@ def test_improved_sets_need_elements_and_the_model_of_the_density(key, monkeypat
         checks.check_study(source, with_sheets(source.values))
 
 
+def test_no_folder_is_longer_than_file_systems_take():
+    assert "results: expected a folder's path of at most 200" in message(edited("results", 201 * "a"))
+
+
 def test_missing_setting_is_named():
     values = paper_source().values
     del values["prediction"]["max_days"]

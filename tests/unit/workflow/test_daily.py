@@ -1,7 +1,11 @@
 """Dates that `opml day` may be asked for."""
 
 import json
+import os
+import signal
+import sys
 from datetime import date
+from threading import Thread
 from types import SimpleNamespace
 
 import pytest
@@ -35,6 +39,13 @@ def test_dates_that_are_no_mornings_are_refused(dates):
     assert refusal(check, *dates) == WRONG[dates]
 
 
+def test_an_epoch_that_does_not_exist_is_refused(monkeypatch):
+    monkeypatch.setattr(sys.modules[__name__], "EPOCH", "2016-13-28T12:09:45")
+    assert "epoch: expected an instant that exists, got '2016-13-28" in refusal(
+        check, "2016-10-01", "2016-10-01"
+    )
+
+
 def test_a_run_ends():
     check("2016-10-01", "2016-09-28", duration_days=2.4)
     with pytest.raises(InputError, match=r"to 2016-10-01, the end of the run, got 2016-10-02"):
@@ -58,10 +69,43 @@ def test_what_is_ahead_is_told(tmp_path):
 
 
 def test_a_workflow_that_fails_without_a_word_is_told(monkeypatch, capsys):
-    failed = SimpleNamespace(returncode=1)
-    monkeypatch.setattr("subprocess.run", lambda command, **_: failed)
+    monkeypatch.setattr("sys.executable", "false")
     assert daily._snakemake(Call(TODAY, TODAY, [], [], dry=False), ["day.html"]) == 1
     assert "opml: the workflow failed; `opml day -n`" in capsys.readouterr().err
+
+
+RUN = """\
+import subprocess, sys
+job = "import sys, time; at_work = open(sys.argv[1], 'w'); time.sleep(600)"
+subprocess.run([sys.executable, "-c", job, sys.argv[1]])
+"""
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_an_interrupt_ends_all_jobs_without_a_word(number, tmp_path, capfd):
+    """The end that reads of a pipe is at its end once all that hold the other are gone."""
+    os.mkfifo(tmp_path / "job")
+    command = [sys.executable, "-c", RUN, str(tmp_path / "job")]
+    others = (signal.SIGTERM, signal.SIGHUP)
+    before = [signal.getsignal(one) for one in others]
+    left = []
+
+    def strike():
+        with open(tmp_path / "job") as at_work:
+            os.kill(os.getpid(), number)
+            left.append(at_work.read())
+
+    striking = Thread(target=strike, daemon=True)
+    striking.start()
+    try:
+        with pytest.raises(KeyboardInterrupt, match="the same command resumes the run"):
+            daily._exit_code(command)
+    finally:
+        for one, handler in zip(others, before, strict=True):
+            signal.signal(one, handler)
+    striking.join(timeout=60.0)
+    assert left == [""]
+    assert capfd.readouterr().err == ""
 
 
 def test_pages_of_days_stay_while_another_call_is_at_work(tmp_path, monkeypatch):

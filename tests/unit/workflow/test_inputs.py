@@ -118,11 +118,23 @@ def test_a_study_of_conjunctions_is_told_its_weather_and_how_to_look():
     assert {"learners", "laws", "seed", "days"} < set(told)
 
 
-@pytest.mark.parametrize(("together", "shares"), [(32, [7]), (3, [2, 2, 3]), (1, [1] * 7)])
+@pytest.mark.parametrize(
+    ("together", "shares"),
+    [
+        (32, [7]),
+        (3, [2, 2, 3]),
+        (1, [1] * 7),
+        (None, [7]),
+        (None, [16, 17]),
+        (None, [32] * 4),
+        (None, [64] * 5),
+    ],
+)
 def test_objects_of_a_day_are_shared_out_evenly(together, shares):
-    names = [f"sat{k}" for k in range(7)]
+    """Few objects are one job, some as many as a machine may have cores, and many few large ones."""
+    names = [f"sat{k}" for k in range(sum(shares))]
     bodies, tracks = dict.fromkeys(names, BODY), {name: f"{name}.tdm" for name in names}
-    jobs = plan(rsos=bodies, tracks=tracks, day={"together": together}).watched
+    jobs = plan(rsos=bodies, tracks=tracks, day={"together": together} if together else {}).watched
     assert [len(objects) for objects in jobs.values()] == shares
     assert [name for objects in jobs.values() for name in objects] == names
     assert plan(rsos=bodies, tracks=tracks).watched == {}

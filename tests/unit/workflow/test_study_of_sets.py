@@ -13,13 +13,13 @@ from opml.interop.element_sets import mean_elements
 from opml.study.checks import load_settings
 from opml.study.settings import editor_schema
 from opml.study.settings.merging import merged
-from opml.workflow.study_of_sets import LONGEST, StudyOfSets
+from opml.workflow.first_study import LONGEST_SETS, FirstStudy
 
 
 def test_a_project_of_sets_can_be_run(tmp_path, monkeypatch, capsys):
     sinking_histories.write(tmp_path / "my sets.tle", [101], 40)
     assert cli.main(["init", str(tmp_path / "new"), "--elements", str(tmp_path / "my sets.tle")]) == 0
-    study = StudyOfSets.of(tmp_path / "my sets.tle")
+    study = FirstStudy.of_sets(tmp_path / "my sets.tle")
     assert study.told in capsys.readouterr().out
     monkeypatch.chdir(tmp_path / "new")
     settings = load_settings(merged(["config/config.yaml", "mine.yaml"]))
@@ -35,8 +35,8 @@ def test_a_project_of_sets_can_be_run(tmp_path, monkeypatch, capsys):
 
 def test_the_newest_days_of_a_long_history_count(tmp_path):
     sinking_histories.write(tmp_path / "sets.tle", [101], 120)
-    study = StudyOfSets.of(tmp_path / "sets.tle")
-    assert study.days == LONGEST
+    study = FirstStudy.of_sets(tmp_path / "sets.tle")
+    assert study.days == LONGEST_SETS
     last = mean_elements.read_sets(tmp_path / "sets.tle")[-1].satellite
     assert (last.epochyr, round(last.epochdays)) == (26, 78)
 
@@ -88,4 +88,4 @@ def test_other_files_are_refused_and_nothing_is_written(case, tmp_path, capsys):
 
 def test_a_body_without_drag_gets_the_least(tmp_path):
     (tmp_path / "sets.tle").write_text(tle_text(history(range(30))))
-    assert StudyOfSets.of(tmp_path / "sets.tle").area_to_mass == 0.0003
+    assert FirstStudy.of_sets(tmp_path / "sets.tle").area_to_mass == 0.0003

@@ -11,7 +11,7 @@ import math
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import fields, replace
-from functools import partial
+from functools import lru_cache, partial
 from typing import NamedTuple
 
 import numpy as np
@@ -68,10 +68,21 @@ def read_sets(path: FilePath, damaged: list[InputError] | None = None) -> list[E
 
     Raises InputError, naming file and line, for a file that cannot be read as a whole or has no set.
     """
-    sets = [*each(enumerate(pieces(path, read_text(path))), partial(_set, path), damaged)]
+    sets, errors = _parsed(str(path), read_text(path))
+    if errors and damaged is None:
+        raise errors[0]
+    if damaged is not None:
+        damaged.extend(errors)
     if not sets and not damaged:
         raise InputError(f"{path}: expected a TLE or an OMM, got none")
-    return sets
+    return [*sets]
+
+
+@lru_cache(maxsize=4)
+def _parsed(path: str, text: str) -> tuple[list[ElementSet], list[InputError]]:
+    """Return the sets of a text and the errors of those that are damaged; a morning asks for them twice."""
+    errors: list[InputError] = []
+    return [*each(enumerate(pieces(path, text)), partial(_set, path), errors)], errors
 
 
 def pieces(path: FilePath, text: str) -> Iterator[Piece]:

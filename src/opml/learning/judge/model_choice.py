@@ -29,6 +29,7 @@ BLOCK_DAYS = 3.0
 LEAST_BLOCKS = 4  # least number of such pieces
 
 _DRAWS = 1000
+_COMPARED = ["i", "j", "t_j", "duration", "e_y"]  # columns of what is compared
 
 
 @dataclass(frozen=True)
@@ -77,7 +78,10 @@ class _Past:
     @classmethod
     def over_by(cls, replays: Mapping[str, pd.DataFrame], plains: Sequence[str], now: float) -> Self:
         """Return what `replay` tables by model showed by `now` [s]; plains: models that learned nothing."""
-        known = {name: table[are_over(table, now)].set_index(["i", "j"]) for name, table in replays.items()}
+        known = {
+            name: table.loc[are_over(table, now), _COMPARED].set_index(["i", "j"])
+            for name, table in replays.items()
+        }
         sizes = pd.DataFrame({name: table["e_y"].abs() for name, table in known.items()})
         pairs = pd.concat([table[["t_j", "duration"]] for table in known.values()])
         pairs = pairs[~pairs.index.duplicated()].reindex(sizes.index)

@@ -33,8 +33,8 @@ RsoName = Annotated[str, Placeholder("rso")]
 Folder = Annotated[
     str,
     # Snakemake reads braces as wildcards, and shells end a word at a space.
-    Field(pattern=r"^(?!~)[\w./~+@-]*[\w~+@-]$"),
-    Expected("a folder's path without spaces, braces or a leading ~"),
+    Field(pattern=r"^(?!~)[\w./~+@-]*[\w~+@-]$", max_length=200),
+    Expected("a folder's path of at most 200 letters without spaces, braces or a leading ~"),
 ]
 
 PathList = Annotated[

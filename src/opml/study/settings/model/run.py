@@ -224,7 +224,7 @@ class DaySettings(Section):
         "time of a morning, UTC", unit="h", default=0.0
     )
     together: Annotated[int, Ge(1), Expected("a whole number from 1")] = setting(
-        "objects that one job takes at most; their arcs are integrated in step", default=32
+        "objects that one job takes at most; their arcs are integrated in step", default=64
     )
     messages: Absent[Annotated[list[Name], Unique()]] = absent(
         "objects whose ephemerides are also written as OEM; by default all", unit="names"

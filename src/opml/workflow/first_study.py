@@ -1,0 +1,111 @@
+"""A first study of an object from files of its element sets or positions, which tell epoch, days and body."""
+
+import json
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import date, timedelta
+from pathlib import Path
+
+import numpy as np
+
+from opml.base import epochs
+from opml.base.constants import DAY
+from opml.base.errors import InputError
+from opml.base.files import FilePath
+from opml.element_sets import catalogue
+from opml.interop import points_from_files
+from opml.interop.element_sets.element_set import elements_epoch
+from opml.interop.orbit_from_files import OrbitFiles
+
+LONGEST_SETS, LONGEST_POINTS = 91, 35  # days that count at most, the newest
+_FEWEST_SETS, _FEWEST_POINTS = 20, 8  # least days
+_AHEAD = 7  # days that predictions reach
+_TRAINED = 0.66  # of the days
+_CD = 2.2
+_BALLISTIC = 12.741621  # Cd times area to mass [m2/kg] per B* [earth radii^-1], by SGP4's reference density
+_BODIES = (0.0003, 0.5)  # area to mass that a guess stays within [m2/kg]
+_GUESS = 0.01  # area to mass of whose drag nothing is known [m2/kg]
+_DATE = len("2016-09-28")
+_EPOCH = "2000-01-01T00:00:00"
+
+_STUDY = """\
+# yaml-language-server: $schema=workflow/schemas/config.schema.json
+results: results/mine
+epoch: "{first}T00:00:00"
+duration_days: {duration}
+environment: {{solar_activity: OBSERVED, knowledge: forecast}}  # or a newer SW-All.csv
+{measured}
+rsos: {{mine: {{area_to_mass_m2pkg: {area_to_mass:.3g}, cd: 2.2, cr: 1.25}}}}  # {source}; Cd is fitted
+study:
+  rsos: [mine]
+  days: {{train: [0, {trained}], test: [{trained}, {days}]}}
+day: {{}}  # opml day --configfile mine.yaml
+"""
+
+
+@dataclass(frozen=True)
+class FirstStudy:
+    """A study.
+
+    first: its first day; days: of what was measured; measured: lines of YAML that name it
+    area_to_mass: of the body [m2/kg]; source: of that, in words
+    told: what was chosen, in words; beside: files that the project has copies of
+    """
+
+    first: str
+    days: int
+    measured: str
+    area_to_mass: float
+    source: str
+    told: str
+    beside: Sequence[Path] = ()
+
+    @classmethod
+    def of_sets(cls, path: FilePath) -> "FirstStudy":
+        """Choose a study by a file of sets; raise InputError for several objects and for too few days."""
+        sets = catalogue.readable(path)
+        if len(numbers := sorted({one.number for one in sets})) != 1:
+            got = ", ".join(map(str, numbers[:5]))
+            raise InputError(f"{path}: expected sets of one object, got {len(numbers)}: {got}")
+        epochs_of_sets = [str(elements_epoch(one.satellite)) for one in sets]
+        begin, end = (np.datetime64(f(epochs_of_sets), "s") for f in (min, max))
+        days = min(LONGEST_SETS, int((end - begin) / np.timedelta64(1, "D")))
+        if days < _FEWEST_SETS:
+            raise InputError(f"{path}: expected sets of {_FEWEST_SETS} days or more, got those of {days}")
+        first = date.fromisoformat(str(end)[:_DATE]) - timedelta(days=days)
+        drag = float(np.median([one.satellite.bstar for one in sets]))
+        area_to_mass = float(np.clip(_BALLISTIC * drag / _CD, *_BODIES))
+        measured = f"elements: {{mine: {json.dumps(Path(path).name)}}}"
+        chosen = f"{path}: its last {days} days of sets, from {first} on"
+        told = f"{chosen}; area to mass {area_to_mass:.3g} m2/kg by their B*"
+        return cls(str(first), days, measured, area_to_mass, "by its B*", told, [Path(path)])
+
+    @classmethod
+    def of_points(cls, paths: Sequence[FilePath]) -> "FirstStudy":
+        """Choose a study by files of one object's positions; raise InputError for too few days."""
+        begin, end = points_from_files.reach(OrbitFiles(paths, _EPOCH, np.inf))
+        midnight = math.ceil(begin / DAY)
+        whole = math.floor(end / DAY) - midnight
+        if whole < _FEWEST_POINTS:
+            expected = f"points of {_FEWEST_POINTS} whole days or more"
+            raise InputError(f"{paths[0]}: expected {expected}, got {max(whole, 0)}")
+        days = min(whole, LONGEST_POINTS)
+        first = epochs.calendar_day(_EPOCH, DAY * (midnight + whole - days + 0.5))
+        files = json.dumps([str(Path(path).absolute()) for path in paths])
+        measured = f"fixes: {{mine: {files}}}\nfixing: {{mine: {{every_s: 120, stretch_hours: 6}}}}"
+        told = f"{paths[0]}: its last {days} days of points, from {first} on"
+        return cls(first, days, measured, _GUESS, "a guess", told)
+
+    @property
+    def text(self) -> str:
+        """The study as YAML."""
+        return _STUDY.format(
+            first=self.first,
+            duration=self.days + _AHEAD,
+            measured=self.measured,
+            area_to_mass=self.area_to_mass,
+            source=self.source,
+            trained=math.floor(_TRAINED * self.days),
+            days=self.days,
+        )
