@@ -4,7 +4,9 @@ import shlex
 
 from snakemake.logging import logger
 
-INSTALL = "opml: expected the package with Snakemake, got none: pip install 'opml-orbits[workflow]', or --sdm conda"
+INSTALL = (
+    "opml: expected the package with Snakemake, got none: pip install 'opml-orbits[workflow]', or --sdm conda"
+)
 logger.warning(INSTALL)
 FILES = list(map(str, workflow.config_settings.configfiles))
 VALUES = [f"{key}={value}" for key, value in workflow.config_settings.config.items()]
