@@ -6,7 +6,6 @@ import subprocess
 import sys
 import traceback
 from collections.abc import Callable
-from types import SimpleNamespace
 from typing import NoReturn
 
 from snakemake import cli
@@ -23,18 +22,18 @@ def fork_scripts() -> None:
 
 def fork_snakemake() -> None:
     """Have the `opml day` of this process start no Python for Snakemake, nor this one any for its scripts."""
-    daily.subprocess = SimpleNamespace(run=_run_snakemake)
+    daily._exit_code = _run_snakemake
     fork_scripts()
 
 
-def _run_snakemake(command: list[str], check: bool) -> subprocess.CompletedProcess:
+def _run_snakemake(command: list[str]) -> int:
     sys.stdout.flush()
     process = os.fork()
     if process == 0:
         sys.argv = command[2:]
         _become(cli.main)
     _, status = os.waitpid(process, 0)
-    return subprocess.CompletedProcess(command, os.waitstatus_to_exitcode(status))
+    return os.waitstatus_to_exitcode(status)
 
 
 def _execute(script: PythonScript, path: str, edit: bool = False) -> None:
