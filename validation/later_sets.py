@@ -24,7 +24,7 @@ from opml.element_sets.training import HOUR_OF_MORNING
 from opml.environment import knowledge
 from opml.environment.solar_activity import OBSERVED
 from opml.interop.element_sets import teme
-from opml.interop.element_sets.element_set import changed, fly, seconds_since
+from opml.interop.element_sets.element_set import changed, propagate, seconds_since
 
 _WEATHER = density.clean(knowledge.read(OBSERVED))
 _REACH = 60.0
@@ -60,10 +60,10 @@ def _off(flown: dict[str, Satrec], judge: Satrec, truth: np.ndarray) -> dict[str
     """Return errors along the track [m] at the epoch of a later set, by that and by the true state (1, 6)."""
     at = seconds_since(EPOCH, [judge])
     to_gcrf = teme.teme_to_gcrf(EPOCH, at)[0]
-    position, velocity = fly(judge, np.zeros(1))
+    position, velocity = propagate(judge, np.zeros(1))
     found = {}
     for name, one in flown.items():
-        place, _ = fly(one, (at - seconds_since(EPOCH, [one])) / 60.0)
+        place, _ = propagate(one, (at - seconds_since(EPOCH, [one])) / 60.0)
         found[f"{name} by the set"] = float(pairs.along_track(place, position, velocity)[0])
         true = 1e-3 * truth
         found[f"{name} by the orbit"] = float(

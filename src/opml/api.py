@@ -38,7 +38,7 @@ from opml.element_sets.prediction import Prediction
 from opml.environment import MARGIN_S, nodes, solar_activity
 from opml.ephemerides import corrected, replays
 from opml.ephemerides.ephemeris_task import Task, departures
-from opml.ephemerides.known_tables import Known
+from opml.ephemerides.known_tables import KnownTables
 from opml.ephemerides.task_part import Grid
 from opml.interop import crd, points_from_files, sinex, tdm
 from opml.interop.element_sets import mean_elements
@@ -189,7 +189,7 @@ def read_rsos(path: str | Path) -> dict[str, Rso]:
 def read_elements(
     path: str | Path, *, name: str, epoch: str, area_to_mass: float, cd: float = 2.2, cr: float = 1.25
 ) -> Rso:
-    """Read an RSO from a TLE or an OMM (KVN, JSON, XML), flown by SGP4 to a UTC text; area_to_mass [m2/kg].
+    """Read an RSO from a TLE or an OMM (KVN, JSON, XML), by SGP4 at a UTC text; area_to_mass [m2/kg].
 
     Raises InputError, naming file and line or key, and where SGP4 cannot reach the epoch.
 
@@ -394,7 +394,7 @@ def predict(
     stations: Sequence[Station] = (),
     area_to_mass: float | None = None,
 ) -> PredictedOrbit:
-    """Predict an object with a covariance: SGP4 from its newest element set, improved, or a fit flown on.
+    """Predict an object with a covariance: SGP4 from its newest element set, improved, or a fit.
 
     files: files or folders of TLEs or OMMs; or files of points (OEM, SP3, CPF, CSV) or tracks (TDM); days: 7
     at most; object: name, designator or number, of several; date: UTC text, None for when the newest was
@@ -678,11 +678,11 @@ def style() -> dict[str, str]:
     }
 
 
-def _known(catalogue: Catalogue) -> Known:
+def _known(catalogue: Catalogue) -> KnownTables:
     """Return what is known of an RSO at its estimates; raises InputError for an unknown setting."""
     estimates, gm, cleaning = catalogue.estimates, catalogue.environment.gm, _cleaning(catalogue, "ephemeris")
     at = datasets.of_estimates(estimates, catalogue.predictions, catalogue.tracks, gm=gm, cleaning=cleaning)
-    return Known(estimates, at, catalogue.window_hours, gm, bounds=cleaning.cd_bounds)
+    return KnownTables(estimates, at, catalogue.window_hours, gm, bounds=cleaning.cd_bounds)
 
 
 def _spreads(flight: Flight, catalogue: Catalogue) -> corrected.Spreads:

@@ -249,7 +249,7 @@ def _predict(options: argparse.Namespace) -> None:
     )
     places = [passes.place(text) for text in options.station]
     with on_stderr() as progress:
-        made = (_fit if is_measured(options.files[0]) else _fly_sets)(options, progress)
+        made = (_fit if is_measured(options.files[0]) else _propagate_sets)(options, progress)
     for path in options.output:
         prediction_files.write(path, made, places)
     print(f"{made.identity} from {made.date} UTC: {made.way} ({made.reason})")
@@ -260,7 +260,7 @@ def _predict(options: argparse.Namespace) -> None:
         print(f"{path} is written")
 
 
-def _fly_sets(options: argparse.Namespace, progress: "Progress") -> "Prediction":
+def _propagate_sets(options: argparse.Namespace, progress: "Progress") -> "Prediction":
     from opml.element_sets import prediction
 
     if options.area_to_mass is not None:

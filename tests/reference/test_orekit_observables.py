@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 from support import EPOCH, EXCERPTS, environment
 
-from opml.catalog.simulate.observing import OBSERVABLES, Stands, difference, predicted
+from opml.catalog.simulate.observing import OBSERVABLES, StationStates, difference, predicted
 from opml.interop import tdm
 from opml.tables import STATE
 
@@ -23,7 +23,7 @@ def seen(rows, stations, *, light_time, two_way=None):
     names = {station.name: k for k, station in enumerate(stations)}
     number = rows["station"].map(names).to_numpy()
     t, turned = rows["t"].to_numpy(), environment()["earth_orientation"]
-    stands = Stands.at(t, stations, number, turned, two_way=two_way)
+    stands = StationStates.at(t, stations, number, turned, two_way=two_way)
     states = rows[STATE].to_numpy().reshape(-1, 2, 3)
     positions, velocities = (np.einsum("nij,nj->ni", stands.from_gcrf, states[:, k]) for k in (0, 1))
     return predicted(OBSERVABLES, positions, velocities, stands, light_time=light_time)

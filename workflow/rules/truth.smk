@@ -1,4 +1,4 @@
-# The paper's 'Truth Dynamic Models'. RSOs that the study names fly together, all others alone.
+# The paper's 'Truth Dynamic Models'. RSOs that the study names are propagated together, all others alone.
 TRUTH = product("truth/{rso}")
 
 

@@ -2,7 +2,7 @@
 
 from opml.catalog.flight import Flight, FlightSettings
 from opml.ephemerides import replays
-from opml.ephemerides.known_tables import Known, KnownSettings
+from opml.ephemerides.known_tables import KnownSettings, KnownTables
 from opml.learning.data import dataset
 from opml.learning.models.daily_training import Lessons
 from opml.learning.models.learners import paths_of_each
@@ -19,7 +19,7 @@ class Settings(FlightSettings, KnownSettings):
 
 with job(snakemake) as metadata:
     settings, files = Settings(**snakemake.params.settings), snakemake.input
-    known = Known.read(files, settings)
+    known = KnownTables.read(files, settings)
     predictions = read_table(files.predictions, "predictions")
     later = read_table(files.later, "estimates") if files.later else None
     spread = read_table(files.spread, "spread")

@@ -1,9 +1,9 @@
-"""Fly what tells how far drag and the weather ahead may take predictions."""
+"""Propagate what tells how far drag and the weather ahead may take predictions."""
 
 from opml.catalog.flight import Flight, FlightSettings
 from opml.catalog.predict import spread
 from opml.ephemerides import replays
-from opml.ephemerides.known_tables import Known, KnownSettings
+from opml.ephemerides.known_tables import KnownSettings, KnownTables
 from opml.tables import read_table, write_table
 from opml.workflow.jobs import job, progress
 
@@ -14,7 +14,7 @@ class Settings(FlightSettings, KnownSettings):
 
 with job(snakemake) as metadata:
     settings, files = Settings(**snakemake.params.settings), snakemake.input
-    known = Known.read(files, settings)
+    known = KnownTables.read(files, settings)
     starts = replays.morning_departures(known, every_hours=settings.every_hours)
     predictions = read_table(files.predictions, "predictions")
     flattened = settings.model_copy(update={"force_model": spread.FLATTENED})

@@ -1,4 +1,4 @@
-"""Propagate the true orbits of RSOs that fly together."""
+"""Propagate the true orbits of RSOs of one job."""
 
 import pandas as pd
 
@@ -25,7 +25,7 @@ with job(snakemake) as metadata:
         duration=DAY * settings.duration_days,
         step=settings.step_s,
     )
-    # First, as a truth that was there without it would count as one that flew alone.
+    # First, as a truth that was there without it would count as one that was propagated alone.
     group = pd.DataFrame({"rso": [rso.name for rso in settings.rsos]})
     write_table(snakemake.output.group, group, TRUTH_GROUPS, metadata=metadata)
     for path, table, alone in zip(snakemake.output.truth, tables, metadata_of_each(given), strict=True):

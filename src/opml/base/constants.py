@@ -46,7 +46,7 @@ EARTH_RATE = 2.0 * math.pi * 1.00273781191135448 / DAY
 SPEED_OF_LIGHT = 299_792_458.0  # speed of light in vacuum [m/s] (SI)
 
 LANES = 16
-"""Arcs that a kernel flies side by side, in the time of one.
+"""Arcs that a kernel propagates side by side, in the time of one.
 
 Two AVX-512 registers of doubles: enough independent work to hide the latency of a fused multiply and add.
 """

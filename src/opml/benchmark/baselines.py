@@ -1,7 +1,8 @@
 """Baselines: what a task's own inputs give without effort, written as answers that any tool could give.
 
-Each reads the folder of t alone, and a model where it is told one. Sets fly by SGP4; along the track sigmas
-come from the predictions of the mornings before t, radially and across from what sets usually err by.
+Each reads the folder of t alone, and a model where it is told one. Sets are propagated by SGP4; along the
+track sigmas come from the predictions of the mornings before t, radially and across from what sets usually
+err by.
 """
 
 import json
@@ -29,7 +30,7 @@ from opml.element_sets.features import FEATURES
 from opml.element_sets.model import CatalogueModel
 from opml.element_sets.ways import DENSITY, UNCHANGED, Ways
 from opml.interop.element_sets import element_fits, mean_elements, usual_errors
-from opml.interop.element_sets.element_set import changed, elements_epoch, fly, seconds_since
+from opml.interop.element_sets.element_set import changed, elements_epoch, propagate, seconds_since
 from opml.learning.models import svr
 from opml.learning.models.inputs import Training
 from opml.orbits.elements import rsw_rotation
@@ -206,10 +207,10 @@ def _answers(
     found = CORRECTIONS["sgp4" if way == FIT else way](morning)
     now = rows.loc[morning.is_now, ["number", "lead", "tau", "response"]].join(found)
     newest = improve.newest_sets(known.catalogue)
-    flown = _fitted(known.catalogue) if way == FIT else _corrected(known.catalogue, newest, now)
+    propagated = _fitted(known.catalogue) if way == FIT else _corrected(known.catalogue, newest, now)
     sigmas = now.set_index(["number", "lead"])["sigma"].to_dict()
     return [
-        [str(number), t, when, "GCRF", *_state(flown[number], when, sigmas.get((number, lead)))]
+        [str(number), t, when, "GCRF", *_state(propagated[number], when, sigmas.get((number, lead)))]
         for number, _, lead, when in questions[[*tasks.QUESTION]].itertuples(index=False)
     ]
 
@@ -241,7 +242,7 @@ def _fit(sets: list[Satrec]) -> Satrec:
         if age >= -_DAYS_OF_FIT:
             minutes = np.linspace(-1.0, 0.0, _POINTS) * 1440.0
             times.append(age * DAY + minutes * 60.0)
-            positions.append(fly(one, minutes)[0])
+            positions.append(propagate(one, minutes)[0])
     t, points = np.concatenate(times), np.concatenate(positions)
     order = np.argsort(t, kind="stable")
     _, r, v = newest.sgp4_tsince(0.0)

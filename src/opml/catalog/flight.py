@@ -53,7 +53,7 @@ class Flight:
     """An RSO under a force model, and how it is integrated.
 
     Area, mass and Cr of all arcs are the RSO's. threads: number that arcs are propagated on; progress: called
-    with the share of the work that is done, if not None; propagate: propagates the arcs; near: the part of
+    with the share of the work that is done, if not None; propagator: propagates the arcs; near: the part of
     the model that neighbours are propagated with, where it is made already.
     """
 
@@ -62,7 +62,7 @@ class Flight:
     integrator: Integrator = field(default_factory=Integrator)
     threads: int = 1
     progress: Progress | None = None
-    propagate: Callable[..., Arcs] = propagate
+    propagator: Callable[..., Arcs] = propagate
     near: ForceModel | None = None
 
     @classmethod
@@ -86,7 +86,7 @@ class Flight:
         """Return the flight of arcs of which only the distance from an arc beside them is wanted.
 
         Neighbours part under the first degrees of a large field as they do under all of it. A small field
-        stays as it is: to fly the arc beside them once more would cost as much as it saves.
+        stays as it is: to propagate the arc beside them once more would cost as much as it saves.
         """
         if self.model.degree <= _LARGE:
             return self
@@ -101,7 +101,7 @@ class Flight:
         """Return this flight for work whose caller reports the progress itself."""
         return replace(self, progress=None)
 
-    def fly(
+    def propagate(
         self,
         epochs: ArrayLike,
         states: np.ndarray,
@@ -127,7 +127,7 @@ class Flight:
             reflection=np.full(count, self.rso.cr * self.rso.area_to_mass),
             outlook=outlook,
         )
-        return self.propagate(
+        return self.propagator(
             self.model,
             epochs,
             departures,
@@ -136,7 +136,7 @@ class Flight:
             progress=self.progress,
         )
 
-    def fly_pairs(
+    def propagate_pairs(
         self, pairs: pd.DataFrame, states: np.ndarray, *, cd: np.ndarray, outlook: np.ndarray | None = None
     ) -> tuple[np.ndarray, np.ndarray]:
         """Return (states, status) at t_j of pairs (n,), of one arc per estimate i that begins at t_i.
@@ -156,7 +156,7 @@ class Flight:
         last = np.searchsorted(epochs, by_arc["t_j"].max())
         families = len(states) // len(first)
         ends = {"first": np.tile(first, families), "last": np.tile(last, families)}
-        arcs = self.fly(epochs, states, cd=cd, outlook=outlook, **ends)
+        arcs = self.propagate(epochs, states, cd=cd, outlook=outlook, **ends)
         passed = np.searchsorted(epochs, pairs["t_j"]) - first[arc] - 1
         arc = (arc + len(first) * np.arange(families)[:, None]).ravel()
         return arcs.states[arcs.start[arc] + np.tile(passed, families)], arcs.status[arc]

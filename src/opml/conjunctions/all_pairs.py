@@ -11,11 +11,11 @@ from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.conjunctions import sieve
 from opml.conjunctions.conjunction import Conjunction, check_length, check_radius
-from opml.conjunctions.screening import approaches_of, flown
+from opml.conjunctions.screening import approaches_of, propagated
 from opml.conjunctions.sieve import Span
-from opml.conjunctions.trajectories import FlownElements, read_elements, span_of_days
+from opml.conjunctions.trajectories import PropagatedElements, read_elements, span_of_days
 
-_REACH = 300.0  # time before and after a look in which two objects that may be near fly [s]
+_REACH = 300.0  # time before and after a look in which two objects that may be near are propagated [s]
 
 _log = logging.getLogger(__name__)
 
@@ -27,8 +27,8 @@ def screen(path: FilePath, *, days: float, within: float, radius: float) -> Iter
     within: largest distance [m]
     radius: sum of the radii of two objects [m]
 
-    The newest set of each object flies by SGP4. Raises InputError for a file of fewer than two objects, and
-    for a length that is none.
+    The newest set of each object is propagated by SGP4. Raises InputError for a file of fewer than two
+    objects, and for a length that is none.
     """
     check_length("within", within)
     check_radius(radius)
@@ -52,8 +52,8 @@ def screen(path: FilePath, *, days: float, within: float, radius: float) -> Iter
 
 
 def _approaches(
-    pair: Sequence[FlownElements], span: Span, within: float, radius: float
+    pair: Sequence[PropagatedElements], span: Span, within: float, radius: float
 ) -> Iterator[Conjunction]:
     """Yield the close approaches of two objects in a part of the time."""
-    one, other = (flown(elements, partial(elements.during, span)) for elements in pair)
+    one, other = (propagated(elements, partial(elements.during, span)) for elements in pair)
     return approaches_of(one, other, within, radius)

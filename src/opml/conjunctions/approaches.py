@@ -64,8 +64,11 @@ class Path:
                 f"Earth's centre, got {low / 1e3:g} to {high / 1e3:g}"
             )
         steps, velocities = np.diff(self.t)[:, None], self.states[:, 3:]
-        moved, flown = np.diff(self.states[:, :3], axis=0), 0.5 * steps * (velocities[1:] + velocities[:-1])
-        off = np.linalg.norm(moved - flown, axis=1) - _ROUGH * np.linalg.norm(moved, axis=1)
+        moved, propagated = (
+            np.diff(self.states[:, :3], axis=0),
+            0.5 * steps * (velocities[1:] + velocities[:-1]),
+        )
+        off = np.linalg.norm(moved - propagated, axis=1) - _ROUGH * np.linalg.norm(moved, axis=1)
         worst = int(np.argmax(off))
         if off[worst] > _VELOCITY_MISS:
             raise InputError(

@@ -62,7 +62,7 @@ def compare(
     days: Sequence[float],
     seed: int,
 ) -> pd.DataFrame:
-    """Return the `conjunctions` table: uncorrected fits, BESIDE, the best without learning, what is flown.
+    """Return the `conjunctions` table: uncorrected fits, BESIDE, the best without learning, what is selected.
 
     mornings: replayed
     fits: table `covariances` of the fits that are not corrected
@@ -76,7 +76,7 @@ def compare(
     cases = [
         (UNCORRECTED, FORMAL, _with_covariances(plain, fits)),
         *((name, LEARNED, mornings.tables[name]) for name in (UNCORRECTED, *names, best)),
-        (CHOSEN, LEARNED, mornings.flown),
+        (CHOSEN, LEARNED, mornings.selected),
     ]
     tables = [
         alarms_by_day(table, screening, days=days, seed=seed).assign(model=model, covariance=covariance)

@@ -17,7 +17,7 @@ def conjunctions(
 
     within: largest distance [km], None: the usual one
     radius: sum of the radii of two objects [m], None: the usual one, or the CDM's
-    days: that mean elements fly where no file is an OEM
+    days: that mean elements are propagated where no file is an OEM
 
     Raises InputError for a distance with a CDM, and as `screening.screen`, `all_pairs.screen` and `cdm.read`.
     """

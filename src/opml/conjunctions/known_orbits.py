@@ -3,7 +3,7 @@
     orbit = known_orbits.read(["mine.oem"])
     orbit.state("2019-09-16T00:00:00")
 
-Files are OEM, SP3, CPF, CSV of points, tables of opml with states, or mean elements, which SGP4 flies.
+Files are OEM, SP3, CPF, CSV of points, tables of opml with states, or mean elements, which SGP4 propagates.
 """
 
 import logging
@@ -141,7 +141,7 @@ class States(KnownOrbit):
 
 @dataclass(frozen=True, eq=False)
 class Sets(KnownOrbit):
-    """An orbit of mean elements: at each time the set flies, by SGP4, whose epoch is nearest."""
+    """An orbit of mean elements: at each time the set is propagated, by SGP4, whose epoch is nearest."""
 
     sets: pd.DataFrame  # of one object
 
@@ -151,7 +151,7 @@ class Sets(KnownOrbit):
         return np.asarray(self.sets["t"])
 
     def at(self, t: np.ndarray) -> np.ndarray:
-        """Return states as `KnownOrbit.at`; a set flies 30 days at most."""
+        """Return states as `KnownOrbit.at`; a set is propagated 30 days at most."""
         states = np.full((len(t), 6), np.nan)
         nearest = np.searchsorted(0.5 * (self.t[1:] + self.t[:-1]), t)
         young = np.abs(t - self.t[nearest]) <= DAY * MOST_DAYS

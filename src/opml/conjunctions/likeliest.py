@@ -107,7 +107,7 @@ class UncertainPairs:
         return shaped, squared.reshape(t.shape)
 
     def collisions(self) -> Collision:
-        """Return where both most likely collide at any time, flying straight past each other: for 2D-Nc."""
+        """Return where both most likely collide at any time on straight paths past each other: for 2D-Nc."""
         elements, t = self._elements, np.zeros(self.states.shape[:-2])
         velocity, before = _SIGN @ self.states[..., 3:], np.full(t.shape, np.inf)
         # R^2 / 4 is the variance along each axis of a point drawn from a disc of radius R.
@@ -152,7 +152,7 @@ class UncertainPairs:
     @cached_property
     def _inverse(self) -> np.ndarray:
         """How the elements change (..., 2, 6, 6) with states in the axes of the elements."""
-        _, slope = self._flown(self._elements, np.zeros(self.states.shape[:-2]))
+        _, slope = self._propagated(self._elements, np.zeros(self.states.shape[:-2]))
         return np.linalg.inv(self._axes @ slope)
 
     @cached_property
@@ -169,7 +169,7 @@ class UncertainPairs:
         common = self._inverse @ (self._axes @ self.common[..., None])
         return np.asarray(common @ np.swapaxes(common[..., ::-1, :, :], -1, -2))
 
-    def _flown(self, elements: np.ndarray, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _propagated(self, elements: np.ndarray, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the states (..., 2, 6) of elements at times (...) [s], and their slopes (..., 2, 6, 6)."""
         steps = _STEP * np.concatenate([np.zeros((1, 6)), np.eye(6), -np.eye(6)])
         states = cartesian_from_equinoctial(elements[..., None, :] + steps, t[..., None, None], EARTH_GM)
@@ -179,7 +179,7 @@ class UncertainPairs:
 
     def _about(self, elements: np.ndarray, t: np.ndarray) -> tuple[Cloud, np.ndarray]:
         """Return the relative state, linear about elements, and how it varies with these (..., 2, 6, 6)."""
-        states, slope = self._flown(elements, t)
+        states, slope = self._propagated(elements, t)
         expected = states + (slope @ (self._elements - elements)[..., None])[..., 0]
         turned = np.swapaxes(slope, -1, -2)
         mixed = self._spread @ turned

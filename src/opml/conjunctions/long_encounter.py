@@ -4,8 +4,8 @@ While slow objects pass, the relative motion bends and the covariance changes. S
 time and from all sides, into the sphere of the sum of their radii, and its flow is summed over the time from
 one largest expected distance to the next. What is in the sphere to begin with is added. Where the flow has
 not ended at such a limit, it belongs to the next encounter from the least flow on, and is told beside. Both
-objects fly by Kepler's laws, and at each time their deviations are linear in the elements about where they
-most likely collide then. Who enters twice counts twice.
+objects are propagated by Kepler's laws, and at each time their deviations are linear in the elements about
+where they most likely collide then. Who enters twice counts twice.
 
 Sources: Coppola 2012, Including velocity uncertainty in the probability of collision between space objects
 (AAS 12-247); Hall 2021, Expected collision rates for tracked satellites, J. Spacecr. Rockets 58.

@@ -3,7 +3,7 @@
 opml screen ours.oem others/*.oem catalogue.tle --within 5 --radius 20
 
 What is not compared with ours is logged: ephemerides of our own object, and times that nothing is known of.
-Mean elements fly minute by minute where the sieve finds that they may come near.
+Mean elements are propagated minute by minute where the sieve finds that they may come near.
 """
 
 import logging
@@ -24,7 +24,7 @@ from opml.conjunctions.conjunction import Conjunction, Participant, check_length
 from opml.conjunctions.sieve import Looks, Span
 from opml.conjunctions.trajectories import (
     EPOCH,
-    FlownElements,
+    PropagatedElements,
     Trajectory,
     of_segment,
     read_elements,
@@ -36,7 +36,7 @@ from opml.interop.object_ids import ObjectId
 from opml.interop.orbit_arcs import contents
 
 RADIUS = 20.0  # sum of the radii of two objects of which nothing is told [m]
-DAYS = 7.0  # days that mean elements fly where nobody tells
+DAYS = 7.0  # days that mean elements are propagated by default
 WITHIN = 5.0  # distance that is near where nobody tells [km]
 
 # Standard deviations of a position [m] beyond which it is told: one may be in another unit, or made up.
@@ -50,20 +50,20 @@ _log = logging.getLogger(__name__)
 class ScreenedObject:
     """What a file knows of an object.
 
-    fly: return the trajectories, in the order of the file, none where the object has decayed, or its elements
-        are too old
+    propagate: return the trajectories, in the order of the file, none where the object has decayed, or its
+        elements are too old
     """
 
     identity: ObjectId  # of the object
     source: str  # the file's name
-    fly: Callable[[], Sequence[Trajectory]]
+    propagate: Callable[[], Sequence[Trajectory]]
     known: float  # when the newest was known that it is made from [s]
-    elements: FlownElements | None = None  # that fly; None for states
+    elements: PropagatedElements | None = None  # that are propagated; None for states
 
     @cached_property
     def trajectories(self) -> Sequence[Trajectory]:
-        """Where the object is expected, flown when it is first asked for."""
-        return self.fly()
+        """Where the object is expected, propagated when it is first asked for."""
+        return self.propagate()
 
     def participant(self, trajectory: Trajectory, t: float) -> Participant:
         """Return the object at a time [s] of one of its trajectories."""
@@ -96,12 +96,12 @@ class ScreenedObject:
 def read(paths: Sequence[FilePath], *, days: float = DAYS) -> list[ScreenedObject]:
     """Read the ephemerides in files, ours first: OEM, and mean elements over the span of ours.
 
-    days: from our newest set on that elements fly where no file is an OEM
+    days: from our newest set on that elements are propagated where no file is an OEM
 
     A file that is named twice counts once. The first file is of our object. Where it has mean elements,
-    all of them fly over the span of the OEM. Of an object with several sets the newest before the middle
-    of the span flies, by SGP4, to 30 days from its epoch at most. Raises InputError, naming the file, for
-    what cannot be read, and a first file of several objects.
+    all of them propagate over the span of the OEM. Of an object with several sets the newest before the
+    middle of the span propagates, by SGP4, to 30 days from its epoch at most. Raises InputError, naming the
+    file, for what cannot be read, and a first file of several objects.
     """
     for path in paths:
         if cdm.matches(contents(path)):
@@ -233,23 +233,23 @@ def _of_message(path: FilePath) -> list[ScreenedObject]:
     """Return an ephemeris of each object of an OEM."""
     segments = oem.read(path, epoch=EPOCH)
     try:
-        flown = [(one.identity, of_segment(one)) for one in segments]
+        propagated = [(one.identity, of_segment(one)) for one in segments]
     except InputError as reason:
         raise InputError(f"{path}: {reason}") from None
     source, known = File(path).name, segments[0].newest
     return [
         ScreenedObject(
-            identity, source, partial(list, [one for owner, one in flown if owner == identity]), known
+            identity, source, partial(list, [one for owner, one in propagated if owner == identity]), known
         )
-        for identity in dict.fromkeys(identity for identity, _ in flown)
+        for identity in dict.fromkeys(identity for identity, _ in propagated)
     ]
 
 
 def _of_elements(paths: Sequence[FilePath], span: Span) -> list[ScreenedObject]:
-    return [flown(one, one.trajectories) for one in read_elements(paths, span)]
+    return [propagated(one, one.trajectories) for one in read_elements(paths, span)]
 
 
-def flown(elements: FlownElements, fly: Callable[[], Sequence[Trajectory]]) -> ScreenedObject:
-    """Return the object of mean elements as they fly."""
+def propagated(elements: PropagatedElements, propagate: Callable[[], Sequence[Trajectory]]) -> ScreenedObject:
+    """Return the object of mean elements as they are propagated."""
     row = elements.row
-    return ScreenedObject(elements.identity, row["file"], fly, float(row["known"]), elements)
+    return ScreenedObject(elements.identity, row["file"], propagate, float(row["known"]), elements)

@@ -14,7 +14,7 @@ from sgp4.api import Satrec
 
 from opml.base.constants import WGS84_A
 from opml.conjunctions.approaches import Path
-from opml.interop.element_sets.element_set import fly
+from opml.interop.element_sets.element_set import propagate
 from opml.interop.element_sets.teme import teme_to_gcrf
 
 LOOK = 240.0  # longest time between two looks at one object and ours [s]
@@ -31,7 +31,7 @@ _MINUTE = 60.0
 
 @dataclass(frozen=True, eq=False)
 class Sgp4Orbit:
-    """Mean elements as SGP4 flies them."""
+    """Mean elements as SGP4 propagates them."""
 
     t: float  # epoch of the elements [s since that of the looks]
     satellite: Satrec  # the elements
@@ -41,7 +41,7 @@ class Sgp4Orbit:
 
         Velocities that may not lead from one position to the next are NaN, too.
         """
-        states = np.hstack(fly(self.satellite, (t - self.t) / _MINUTE))
+        states = np.hstack(propagate(self.satellite, (t - self.t) / _MINUTE))
         states[~(np.linalg.norm(states[:, :3], axis=1) > STEEP), 3:] = np.nan
         return states
 

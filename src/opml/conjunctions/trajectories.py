@@ -91,8 +91,8 @@ def span_of_days(path: FilePath, days: float) -> Span:
 
 
 @dataclass(frozen=True, eq=False)
-class FlownElements:
-    """Mean elements that SGP4 flies."""
+class PropagatedElements:
+    """Mean elements that SGP4 propagates."""
 
     identity: ObjectId  # of the object
     row: pd.Series  # of a table `element_sets`, times from EPOCH, and when it was known
@@ -100,7 +100,7 @@ class FlownElements:
 
     @cached_property
     def orbit(self) -> Sgp4Orbit:
-        """What SGP4 flies."""
+        """What SGP4 propagates."""
         return Sgp4Orbit(self.row["t"], histories.satellite(self.row, epoch=EPOCH))
 
     @cached_property
@@ -167,8 +167,8 @@ def _led(t: np.ndarray, states: np.ndarray) -> np.ndarray:
     return np.hstack([states[:, :3], approaches.velocities_of(t, states[:, :3])])
 
 
-def read_elements(paths: Sequence[FilePath], span: Span) -> list[FlownElements]:
-    """Return the mean elements of each object in files that fly over a span.
+def read_elements(paths: Sequence[FilePath], span: Span) -> list[PropagatedElements]:
+    """Return the mean elements of each object in files that are propagated over a span.
 
     They are the newest that were known before the middle of the span, else the first.
     """
@@ -176,4 +176,4 @@ def read_elements(paths: Sequence[FilePath], span: Span) -> list[FlownElements]:
     sets = history.sets.assign(known=np.fmax(history.sets["t"], history.sets["t_created"]))
     past = sets[sets["known"] <= 0.5 * (span[0] + span[1])].drop_duplicates("number", keep="last")
     chosen = pd.concat([past, sets]).drop_duplicates("number").sort_values("number")
-    return [FlownElements(history.objects[row["number"]], row, span) for _, row in chosen.iterrows()]
+    return [PropagatedElements(history.objects[row["number"]], row, span) for _, row in chosen.iterrows()]

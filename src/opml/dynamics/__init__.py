@@ -1,1 +1,1 @@
-"""Forces, the integrator and the ensemble that flies many arcs at once; `kernels` has what is compiled."""
+"""Forces, the integrator and the ensemble, which propagates many arcs at once; `kernels` is compiled."""

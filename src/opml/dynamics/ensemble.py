@@ -7,8 +7,9 @@ first epoch and leaves it at its last. An arc whose error is too large in a step
 alone in smaller ones; an arc that decays or loses its numbers is retired with its reason. So no
 arc's result depends on the others.
 
-Where the force model has outlooks, each arc flies under the newest at its first epoch, so that no arc knows
-what was measured later. Arcs under several outlooks fly together: they differ in the density alone.
+Where the force model has outlooks, each arc is propagated under the newest at its first epoch, so that no arc
+knows what was measured later. Arcs under several outlooks propagate together: they differ in the density
+alone.
 """
 
 from collections.abc import Callable, Iterator
@@ -41,7 +42,7 @@ class Departures:
         return len(np.asarray(self.first))
 
     def outlooks(self, model: ForceModel, epochs: np.ndarray) -> np.ndarray:
-        """Return the outlook (arcs,) of a model that each arc flies under; epochs: (n,) [s]."""
+        """Return the outlook (arcs,) of a model that each arc is propagated under; epochs: (n,) [s]."""
         newest = model.newest_outlook(epochs[np.asarray(self.first)])
         return newest if self.outlook is None else self.outlook
 
@@ -91,14 +92,14 @@ def propagate(
     )
     outlook = departures.outlooks(model, epochs)
 
-    def fly(members: np.ndarray) -> int:
+    def propagate(members: np.ndarray) -> int:
         kinds, kind = np.unique(outlook[members], return_inverse=True)
-        ensemble.fly(members, model.for_block(kinds), kind)
+        ensemble.propagate(members, model.for_block(kinds), kind)
         return len(members)
 
     done = 0
     with ThreadPoolExecutor(threads) as pool:
-        for count in pool.map(fly, _blocks(outlook, first, last)):
+        for count in pool.map(propagate, _blocks(outlook, first, last)):
             done += count
             if progress:
                 progress(done / len(first))
@@ -134,11 +135,11 @@ class _Ensemble:
     join: np.ndarray  # (arcs,)
     leave: np.ndarray  # (arcs,)
     grid: _Grid
-    arcs: Arcs  # filled as blocks of them fly
+    arcs: Arcs  # filled as blocks of them propagate
     integrator: Integrator
 
-    def fly(self, members: np.ndarray, model: ForceModel, kind: np.ndarray) -> None:
-        """Fly one block; spare lanes repeat its first arc and leave where they join.
+    def propagate(self, members: np.ndarray, model: ForceModel, kind: np.ndarray) -> None:
+        """Propagate one block; spare lanes repeat its first arc and leave where they join.
 
         kind: (members,) of the model's activity
         """

@@ -139,12 +139,12 @@ def logarithms(thermosphere: pd.DataFrame) -> np.ndarray:
 
 
 def with_outlooks(model: ForceModel, table: pd.DataFrame) -> ForceModel:
-    """Return a model whose arcs fly under what was known when they start.
+    """Return a model whose arcs are propagated under what was known when they start.
 
     table: `outlooks`, at the model's nodes
 
     Up to an issue the activity is that of the model. Beyond the forecast it is not finite, so that no arc
-    flies there unnoticed.
+    propagates there unnoticed.
     """
     issued, outlook = np.unique(table["issued"].to_numpy(), return_inverse=True)
     node = np.round((table["t"].to_numpy() - model.first) / model.step).astype(int)
@@ -159,7 +159,7 @@ def with_outlooks(model: ForceModel, table: pd.DataFrame) -> ForceModel:
 def joined(models: Sequence[ForceModel]) -> ForceModel:
     """Return the first of models that differ in their outlooks alone, with those of all behind its own.
 
-    Those behind its own are no newest ones: an arc flies under one where its departure names it.
+    Those behind its own are no newest ones: an arc is propagated under one where its departure names it.
     """
     width = max(model.outlooks.shape[1] for model in models)
     rows = [

@@ -1,4 +1,4 @@
-"""Settings of the forces that arcs fly under, and of how they are integrated."""
+"""Settings of the forces that arcs are propagated under, and of how they are integrated."""
 
 from typing import Annotated, Literal
 

@@ -1,8 +1,9 @@
-"""Arcs of several callers in the same blocks: objects that fly a few arcs each leave no lanes empty.
+"""Arcs of several callers in the same blocks: objects that are propagated a few arcs each leave no lanes
+empty.
 
 Each caller runs in a thread of its own, one at a time. One that asks for arcs waits until all others have
-asked for theirs or ended; then all arcs of a kind fly together. They fly on a raster of epochs that is the
-same whoever flies beside them, so no caller's arcs depend on the others.
+asked for theirs or ended; then all arcs of a kind propagate together. They are propagated on a raster of
+epochs that is the same whoever propagates beside them, so no caller's arcs depend on the others.
 """
 
 from collections.abc import Callable, Sequence
@@ -26,7 +27,7 @@ Arcs whose integrator takes longer steps have a raster of more, `pace` of them, 
 """
 
 MOST = 1024
-"""Arcs that fly at once where no single caller asks for more: a hundred callers' would take a gigabyte."""
+"""Arcs of one call where no single caller asks for more: a hundred callers' would take a gigabyte."""
 
 Outcome = TypeVar("Outcome")
 
@@ -51,7 +52,7 @@ class _Request:
 
     @property
     def kind(self) -> _Kind:
-        """What arcs have to have in common to fly together: model, integrator, direction and raster."""
+        """What arcs have to have in common to propagate together: model, integrator, direction and raster."""
         phase = int(self.epochs[0]) % self.pace
         forward = bool(self.epochs[0] <= self.epochs[-1])
         return id(self.model), self.integrator, forward, self.pace, phase
@@ -99,7 +100,7 @@ class SharedBlocks:
             )
         request = _Request(model, multiples.astype(np.int64), departures, integrator)
         self._waiting.append(request)
-        self._fly_when_all_wait()
+        self._propagate_when_all_wait()
         self._turn.wait_for(request.arcs.done)
         return request.arcs.result()
 
@@ -110,28 +111,29 @@ class SharedBlocks:
                 return caller()
             finally:
                 self._under_way -= 1
-                self._fly_when_all_wait()
+                self._propagate_when_all_wait()
 
-    def _fly_when_all_wait(self) -> None:
-        """Fly arcs of one kind, when there is no caller that does not wait for its own.
+    def _propagate_when_all_wait(self) -> None:
+        """Propagate arcs of one kind, when there is no caller that does not wait for its own.
 
-        It is the kind of the arcs that begin first: who is behind catches up, and then more fly together.
+        It is the kind of the arcs that begin first: who is behind catches up, and then more propagate
+        together.
         """
         if not self._waiting or len(self._waiting) < self._under_way:
             return
         kind = min(self._waiting, key=lambda request: request.begin).kind
         alike = [request for request in self._waiting if request.kind == kind]
         arcs = np.cumsum([len(request.departures) for request in alike])
-        flying = alike[: max(1, int(np.searchsorted(arcs, MOST, side="right")))]
-        _fly(flying)
+        propagating = alike[: max(1, int(np.searchsorted(arcs, MOST, side="right")))]
+        _propagate(propagating)
         self._waiting = [request for request in self._waiting if not request.arcs.done()]
         self._turn.notify_all()
 
 
-def _fly(requests: Sequence[_Request]) -> None:
-    """Fly the arcs of requests of one kind, and hand them out."""
+def _propagate(requests: Sequence[_Request]) -> None:
+    """Propagate the arcs of requests of one kind, and hand them out."""
     try:
-        arcs = _flown(requests)
+        arcs = _propagated(requests)
     except Exception as reason:
         for request in requests:
             request.arcs.set_exception(reason)
@@ -143,7 +145,7 @@ def _fly(requests: Sequence[_Request]) -> None:
         begin += count
 
 
-def _flown(requests: Sequence[_Request]) -> Arcs:
+def _propagated(requests: Sequence[_Request]) -> Arcs:
     one = requests[0]
     raster = _raster(requests)
     places = [np.abs(request.epochs - raster[0]) // one.pace for request in requests]
@@ -171,7 +173,8 @@ def _raster(requests: Sequence[_Request]) -> np.ndarray:
 def _own(arcs: Arcs, begin: int, request: _Request) -> Arcs:
     """Return a request's own arcs, from the one at `begin` on, at the request's own epochs."""
     first, last = (np.asarray(ends) for ends in (request.departures.first, request.departures.last))
-    # Arcs flew at all epochs of the raster; a request has its own, so many multiples after its start.
+    # Arcs were propagated at all epochs of the raster; a request has its own, so many multiples after its
+    # start.
     count = last - first
     start = np.concatenate([[0], np.cumsum(count)])
     arc = np.repeat(np.arange(len(first)), count)

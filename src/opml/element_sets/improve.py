@@ -4,9 +4,9 @@
     better = improve.improve(known, model.read())
     better.write("better.tle")
 
-Nothing counts that was not public on the date: later sets, later weather. Sets fly, by every tool that knows
-SGP4, to where the corrected prediction is: a change of the mean motion and one of B* come nearest to the
-corrections at all leads.
+Nothing counts that was not public on the date: later sets, later weather. Sets are propagated, by every tool
+that knows SGP4, to where the corrected prediction is: a change of the mean motion and one of B* come nearest
+to the corrections at all leads.
 """
 
 import logging

@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from opml.element_sets.catalogue import ElementCatalogue
-from opml.interop.element_sets.element_set import fly, kick
+from opml.interop.element_sets.element_set import kick, propagate
 from opml.tables.element_tables import IMPROVED_LEADS
 
 LEADS = IMPROVED_LEADS  # days from the morning to what is predicted
@@ -42,7 +42,7 @@ class Pairs:
 def build(catalogue: ElementCatalogue, mornings: np.ndarray) -> Pairs:
     """Return the pairs of mornings (n,), modified Julian days (UTC), ascending."""
     rows, judges = find(catalogue, mornings)
-    flights = _fly(catalogue, rows)
+    flights = _propagate(catalogue, rows)
     own = _own_states(catalogue)
     error = np.where(judges >= 0, along_track(flights.positions, *own.take(judges)), np.nan)
     moved = along_track(flights.kicked, flights.positions, flights.velocities)
@@ -135,12 +135,12 @@ def _nearest(times: np.ndarray, wanted: np.ndarray, first: np.ndarray, ends: np.
 
 def _own_states(catalogue: ElementCatalogue) -> _States:
     """Return the states of all sets at their own epochs."""
-    flown = [one.sgp4_tsince(0.0)[1:] for one in catalogue.satellites]
-    states = np.array(flown, dtype=float).reshape(-1, 6)
+    propagated = [one.sgp4_tsince(0.0)[1:] for one in catalogue.satellites]
+    states = np.array(propagated, dtype=float).reshape(-1, 6)
     return _States(states[:, :3], states[:, 3:])
 
 
-def _fly(catalogue: ElementCatalogue, rows: pd.DataFrame) -> _Flights:
+def _propagate(catalogue: ElementCatalogue, rows: pd.DataFrame) -> _Flights:
     """Return what SGP4 makes of the newest sets of rows."""
     t, number = catalogue.table["t"].to_numpy(), catalogue.table["number"].to_numpy()
     newest, tau = rows["newest"].to_numpy(), rows["tau"].to_numpy()
@@ -153,8 +153,8 @@ def _fly(catalogue: ElementCatalogue, rows: pd.DataFrame) -> _Flights:
         earlier = earlier[number[earlier] == number[one]]
         minutes = _MINUTES * np.concatenate([t[earlier] - t[one], tau[members]])
         satellite, known = catalogue.satellites[one], len(earlier)
-        flown, speeds = fly(satellite, minutes)
-        back[one, :known] = flown[:known]
-        positions[members], velocities[members] = flown[known:], speeds[known:]
-        kicked[members] = fly(kick(satellite, _STEP), minutes[known:])[0]
+        propagated, speeds = propagate(satellite, minutes)
+        back[one, :known] = propagated[:known]
+        positions[members], velocities[members] = propagated[known:], speeds[known:]
+        kicked[members] = propagate(kick(satellite, _STEP), minutes[known:])[0]
     return _Flights(positions, velocities, kicked, back)

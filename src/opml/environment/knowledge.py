@@ -1,4 +1,4 @@
-"""The space weather that an assumed model flies under, by the time at which it is known.
+"""The space weather that an assumed model propagates under, by the time at which it is known.
 
 hindcast: t_j is today. The weather up to t_j was measured; only figures that look ahead are replaced.
 forecast: t_i is today. An outlook has the weather known at its issue, and the forecast made then.
@@ -24,7 +24,7 @@ MONTHLY, HINDCAST, FORECAST = "monthly", "hindcast", "forecast"
 KNOWN = (HINDCAST, FORECAST)  # kinds of knowledge that need measured weather
 
 FIT_HOURS = 3
-"""Hours between the outlooks that fits fly under: they know Kp up to the last interval that is over."""
+"""Hours between the outlooks of fits: they know Kp up to the last interval that is over."""
 
 _AHEAD = 2.0 * HOUR
 """Time beyond the end of an arc up to which its figures are looked up, two nodes of the grid [s]."""

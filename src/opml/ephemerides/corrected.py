@@ -18,8 +18,8 @@ from opml.catalog.predict.labels import with_sigmas
 from opml.catalog.predict.spread import Weathers
 from opml.ephemerides.along_track_shift import check_smooth, corrected, through
 from opml.ephemerides.ephemeris_task import Task, ephemeris_table, reached
-from opml.ephemerides.known_tables import Known
-from opml.ephemerides.task_part import Grid, Part
+from opml.ephemerides.known_tables import KnownTables
+from opml.ephemerides.task_part import Grid, TaskPart
 from opml.learning.data.splits import are_over
 from opml.learning.judge.error_sizes import Sizes
 from opml.learning.models.contract import Model
@@ -31,10 +31,10 @@ from opml.tables import SIGMAS, SPREAD, STATE, read_table
 Spreads = Callable[[pd.DataFrame], pd.DataFrame]  # returns the `spread` table of pairs
 
 SPREAD_STEP = 600.0
-"""Time between the epochs of an ephemeris that arcs fly to for its spread [s], linear between them."""
+"""Time between the epochs of an ephemeris at which arcs give its spread [s], linear between them."""
 
 
-def spreading(files: Any, settings: FlightSettings, known: Known, *, threads: int = 1) -> Spreads:
+def spreading(files: Any, settings: FlightSettings, known: KnownTables, *, threads: int = 1) -> Spreads:
     """Return how a job makes the `spread` of pairs; futures of the weather are optional among its files."""
     flight = Flight.read(
         files, settings.model_copy(update={"force_model": spread.FLATTENED}), threads=threads
@@ -61,7 +61,7 @@ def build(
     def sizes(now: float) -> Sizes:
         return Sizes.learned(replay, now=now)
 
-    def ephemerides(part: Part) -> Iterator[pd.DataFrame]:
+    def ephemerides(part: TaskPart) -> Iterator[pd.DataFrame]:
         columns = part.columns(lessons.variables, arc=lessons.arc)
         sparse = columns[_is_sparse(columns, part.grid)]
         causes = sparse[["i", "t_j"]].join(spreads(sparse)[SPREAD])
@@ -88,7 +88,7 @@ def basis(replay: pd.DataFrame, now: float) -> str:
 
 
 def _is_sparse(columns: pd.DataFrame, grid: Grid) -> pd.Series:
-    """Return which rows arcs fly to for the spread: of each estimate every so many, from the first."""
+    """Return the rows at which arcs give the spread: of each estimate every so many, from the first."""
     every = max(1, round(SPREAD_STEP / grid.step))
     return columns.groupby("i").cumcount() % every == 0
 
@@ -117,7 +117,7 @@ def expected(rows: pd.DataFrame, model: Model) -> np.ndarray:
 def moved(rows: pd.DataFrame, along: np.ndarray) -> np.ndarray:
     """Return states (n, 6) GCRF [m, m/s] of one ephemeris, corrected by e_y (n,) [m].
 
-    rows: `Part.columns` of one estimate
+    rows: `TaskPart.columns` of one estimate
     """
     return corrected(rows["t_j"].to_numpy(), np.ascontiguousarray(rows[STATE]), along)
 

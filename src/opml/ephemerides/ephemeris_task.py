@@ -16,8 +16,8 @@ from opml.base.constants import DAY, LANES
 from opml.base.errors import InputError
 from opml.catalog.flight import Flight, FlightSettings, Progress
 from opml.ephemerides.along_track_shift import LEAST_EPOCHS
-from opml.ephemerides.known_tables import Known, KnownSettings
-from opml.ephemerides.task_part import Grid, Part
+from opml.ephemerides.known_tables import KnownSettings, KnownTables
+from opml.ephemerides.task_part import Grid, TaskPart
 from opml.tables import STATE, STATE_COVARIANCES
 
 TOGETHER = LANES  # ephemerides made side by side, an arc each; their tables take some hundred MB
@@ -36,7 +36,7 @@ class Task:
     """Ephemerides to be made from `starts`, rows of the estimates, to the epochs of a grid."""
 
     flight: Flight  # under the assumed model
-    known: Known
+    known: KnownTables
     starts: pd.DataFrame
     grid: Grid
 
@@ -44,8 +44,8 @@ class Task:
     def read(
         cls, files: Any, settings: TaskSettings, *, threads: int = 1, progress: Progress | None = None
     ) -> Self:
-        """Read the task of a job; raises InputError as `Known.read` and `departures` do."""
-        known = Known.read(files, settings)
+        """Read the task of a job; raises InputError as `KnownTables.read` and `departures` do."""
+        known = KnownTables.read(files, settings)
         step, max_days, duration_days = settings.grid
         return cls(
             Flight.read(files, settings, threads=threads, progress=progress),
@@ -54,11 +54,11 @@ class Task:
             Grid(step, max_days, DAY * duration_days),
         )
 
-    def parts(self) -> Iterator[Part]:
+    def parts(self) -> Iterator[TaskPart]:
         """Yield the parts of the task, each to be done with before the next; tell the progress in between."""
         for begin in range(0, len(self.starts), TOGETHER):
             starts = self.starts.iloc[begin : begin + TOGETHER]
-            yield Part(self.flight.without_progress(), self.known, starts, self.grid)
+            yield TaskPart(self.flight.without_progress(), self.known, starts, self.grid)
             if self.flight.progress:
                 self.flight.progress((begin + len(starts)) / len(self.starts))
 
@@ -72,7 +72,7 @@ class Task:
         return pd.concat(tables, ignore_index=True)
 
 
-def departures(known: Known, *, known_until: float, each: bool) -> pd.DataFrame:
+def departures(known: KnownTables, *, known_until: float, each: bool) -> pd.DataFrame:
     """Return the estimates that ephemerides start from: the newest usable one up to `known_until` [s].
 
     With `each` all usable later ones, too. Raises InputError where there is none.
@@ -98,7 +98,7 @@ def reached(columns: pd.DataFrame, names: Sequence[str]) -> Iterator[pd.DataFram
 def ephemeris_table(rows: pd.DataFrame, states: np.ndarray, covariances: np.ndarray) -> pd.DataFrame:
     """Return the table of one ephemeris.
 
-    rows: `Part.columns` of one estimate
+    rows: `TaskPart.columns` of one estimate
     states: (n, 6) GCRF [m, m/s]
     covariances: (n, 6, 6) in RSW
     """

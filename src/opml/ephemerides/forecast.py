@@ -12,7 +12,7 @@ import pandas as pd
 
 from opml.catalog.predict import weather_futures
 from opml.ephemerides.ephemeris_task import Task, ephemeris_table, reached
-from opml.ephemerides.task_part import Part
+from opml.ephemerides.task_part import TaskPart
 from opml.orbits.rsw_covariance import AXES, rates, rsw_covariances
 from opml.tables import SCHEMAS, STATE
 
@@ -25,12 +25,12 @@ def build(task: Task, futures: pd.DataFrame, *, seed: int) -> pd.DataFrame:
     """Return the `forecast` table.
 
     futures: the table
-    seed: of the estimates that the futures are flown from, drawn from the fit's covariance
+    seed: of the estimates that the futures are propagated from, drawn from the fit's covariance
 
     Raises InputError where no ephemeris reaches anywhere.
     """
 
-    def ephemerides(part: Part) -> Iterator[pd.DataFrame]:
+    def ephemerides(part: TaskPart) -> Iterator[pd.DataFrame]:
         pairs = part.columns()
         sample = weather_futures.sample(
             part.flight, futures, part.known.estimates, pairs, window=part.known.window, seed=seed

@@ -40,7 +40,7 @@ class KnownSettings(JobSettings):
 
 
 @dataclass(frozen=True)
-class Known:
+class KnownTables:
     """What a catalogue knows of an RSO.
 
     others: tables of fits of the same tracks over other windows, by these [h], as learners ask for them

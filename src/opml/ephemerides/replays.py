@@ -19,8 +19,8 @@ from opml.catalog.predict.prediction import TRUE
 from opml.ephemerides.along_track_shift import corrected_by_each, through
 from opml.ephemerides.corrected import expected, morning
 from opml.ephemerides.ephemeris_task import Task, reached
-from opml.ephemerides.known_tables import Known
-from opml.ephemerides.task_part import Grid, Part
+from opml.ephemerides.known_tables import KnownTables
+from opml.ephemerides.task_part import Grid, TaskPart
 from opml.learning.data.splits import known_at
 from opml.learning.judge.error_sizes import as_known
 from opml.learning.models.contract import hours_to_fill
@@ -37,7 +37,7 @@ _NEAR = 64
 """Epochs to both sides of a time that tell where an ephemeris is: others move splines by less than 1 um."""
 
 
-def morning_departures(known: Known, *, every_hours: float, first_day: float = 0.0) -> pd.DataFrame:
+def morning_departures(known: KnownTables, *, every_hours: float, first_day: float = 0.0) -> pd.DataFrame:
     """Return the estimates that mornings start from: the first usable one of every so many hours.
 
     first_day: estimates before that day are left out
@@ -51,7 +51,7 @@ def first_of_each(estimates: pd.DataFrame, *, every_hours: float) -> pd.DataFram
     return estimates[~np.floor(estimates["t"] / (HOUR * every_hours)).duplicated().to_numpy()]
 
 
-def first_day(lessons: Lessons, known: Known, *, train_days: Sequence[float]) -> float:
+def first_day(lessons: Lessons, known: KnownTables, *, train_days: Sequence[float]) -> float:
     """Return the day of the first morning.
 
     A learner that learns waits until half of the days to train on are over, any other until a window of
@@ -115,7 +115,7 @@ class ReplaySeries:
 
 
 def build(
-    flight: Flight, known: Known, series: Sequence[ReplaySeries], *, max_days: float
+    flight: Flight, known: KnownTables, series: Sequence[ReplaySeries], *, max_days: float
 ) -> list[pd.DataFrame]:
     """Return the `replay` table of the ephemerides of each learner.
 
@@ -149,7 +149,7 @@ def _together(task: Task, series: Sequence[ReplaySeries]) -> Iterator[pd.DataFra
         yield table[SCHEMAS["replay"].among(table.columns).names]
 
 
-def _ephemerides(part: Part, series: ReplaySeries) -> Iterator[pd.DataFrame]:
+def _ephemerides(part: TaskPart, series: ReplaySeries) -> Iterator[pd.DataFrame]:
     """Yield how far a learner's ephemerides are off the states of later tracks."""
     lessons, by_start = series.lessons, dict(tuple(series.judge.groupby("i")))
     columns = part.columns(lessons.variables, arc=lessons.arc)

@@ -1,6 +1,6 @@
 """A part of a task: ephemerides that are made side by side, and the arcs that models ask for beside them.
 
-Several models may ask for the same arcs. Each family of them flies once in a part.
+Several models may ask for the same arcs. Each family of them is propagated once in a part.
 """
 
 from collections.abc import Callable, Hashable, Sequence
@@ -19,7 +19,7 @@ from opml.catalog.predict.mechanism import FittedArcs
 from opml.catalog.predict.prediction import predict
 from opml.catalog.predict.resonance import Resonances
 from opml.catalog.predict.sensitivity import sensitivities
-from opml.ephemerides.known_tables import Known
+from opml.ephemerides.known_tables import KnownTables
 from opml.interop.element_sets import baseline
 from opml.learning.models.learners import tables_asked
 from opml.tables import STATE
@@ -28,7 +28,7 @@ PARTED = {f"l_arc_{axis}" for axis in STATE}
 """Columns of the table `arcs` that tell how its arcs part from predictions."""
 
 Arguments = ParamSpec("Arguments")
-_Method = Callable[Concatenate["Part", Arguments], pd.DataFrame]
+_Method = Callable[Concatenate["TaskPart", Arguments], pd.DataFrame]
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ def _once(make: _Method[Arguments]) -> _Method[Arguments]:
     """Return the method of a part that makes a table once for the same arguments."""
 
     @wraps(make)
-    def lookup(part: "Part", /, *args: Arguments.args, **kwargs: Arguments.kwargs) -> pd.DataFrame:
+    def lookup(part: "TaskPart", /, *args: Arguments.args, **kwargs: Arguments.kwargs) -> pd.DataFrame:
         key = (make.__name__, args, tuple(kwargs.items()))
         if key not in part.made:
             part.made[key] = make(part, *args, **kwargs)
@@ -59,14 +59,14 @@ def _once(make: _Method[Arguments]) -> _Method[Arguments]:
 
 
 @dataclass(frozen=True)
-class Part:
+class TaskPart:
     """Ephemerides to be made side by side from `starts`, rows of the estimates, to the epochs of a grid.
 
     made: the tables so far
     """
 
     flight: Flight  # under the assumed model
-    known: Known
+    known: KnownTables
     starts: pd.DataFrame
     grid: Grid
     made: dict[Hashable, pd.DataFrame] = field(default_factory=dict, repr=False, compare=False)
@@ -115,7 +115,7 @@ class Part:
         """Return predictions to the grid from the same tracks, by fits over another window [h]."""
         return self._predicted(self._at_starts(hours), self.flight)
 
-    def fly_together(
+    def propagate_together(
         self, windows: Sequence[float], nudged: Sequence[float], held: Sequence[tuple[float, float]]
     ) -> None:
         """Make `pairs`, `predictions` of windows [h], `nudged` and `held_predictions`, all from one start.
@@ -123,8 +123,8 @@ class Part:
         nudged: windows [h] of those
         held: window [h] and memory [days] of each of these arcs
 
-        In a large field the first fly under all of it, and the others beside them. A few arcs that fly alone
-        leave most lanes of a block empty.
+        In a large field the first propagate under all of it, and the others beside them. A few arcs that are
+        propagated alone leave most lanes of a block empty.
         """
         families: dict[Hashable, pd.DataFrame] = {
             ("pairs", (), ()): self.starts,
@@ -134,12 +134,14 @@ class Part:
         }
         numbered = pd.concat(families.values(), ignore_index=True)
         near = self.flight.for_neighbours()
-        flown = self._predicted(numbered.assign(track=np.arange(len(numbered))), near)
+        propagated = self._predicted(numbered.assign(track=np.arange(len(numbered))), near)
         if near is not self.flight:
-            flown = _beside(self.pairs(), flown)
-        family = np.repeat(np.arange(len(families)), [len(one) for one in families.values()])[flown["i"]]
-        flown["i"] = numbered["track"].to_numpy()[flown["i"]]
-        self.made.update({key: flown[family == k].reset_index(drop=True) for k, key in enumerate(families)})
+            propagated = _beside(self.pairs(), propagated)
+        family = np.repeat(np.arange(len(families)), [len(one) for one in families.values()])[propagated["i"]]
+        propagated["i"] = numbered["track"].to_numpy()[propagated["i"]]
+        self.made.update(
+            {key: propagated[family == k].reset_index(drop=True) for k, key in enumerate(families)}
+        )
 
     def _with_held_cd(self, hours: float, memory_days: float) -> pd.DataFrame:
         """Return the fits over a window [h] that ephemerides start from, their Cd held by its past."""
@@ -189,7 +191,7 @@ class Part:
 
     @_once
     def parted(self, hours: float) -> pd.DataFrame:
-        """Return the columns `l_arc` of that table, for which no further arcs fly."""
+        """Return the columns `l_arc` of that table, for which no further arcs are propagated."""
         return other_windows.parted(
             self.pairs(),
             arc_estimates=self.known.estimates_without_burns(hours),

@@ -259,7 +259,7 @@ def _name_zoom(panels: Sequence[Axes], first: float, last: float) -> None:
 
 
 def _revolutions(positions: np.ndarray) -> np.ndarray:
-    """Return the revolutions (n,) flown at each position (n, 3), from the angles between neighbours."""
+    """Return the revolutions (n,) made at each position (n, 3), from the angles between neighbours."""
     start, end = positions[:-1], positions[1:]
     across = np.linalg.norm(np.cross(start, end), axis=-1)
     angle = np.arctan2(across, np.sum(start * end, axis=-1))

@@ -73,16 +73,17 @@ def errors(evaluations: Mapping[str, pd.DataFrame], *, component: str, note: str
 
 
 def residuals(mornings: Mornings, *, laws: Collection[str], note: str = "") -> Figure:
-    """Draw sizes of e_y [m] by duration [d]: without correction, as flown, and as each model would leave it.
+    """Draw sizes of e_y [m] by duration [d]: without correction, as selected, and as each model would leave
+    it.
 
-    Errors without correction and errors of what was flown have bands of 50 and 90 %; models have medians.
+    Errors without correction and errors of what was selected have bands of 50 and 90 %; models have medians.
     Named are the model chosen last, the best without learning, the best that learned, and the paper's.
 
     laws: the models that learned
     """
     figure = screen_figure(height_mm=105.0)
     axes = figure.add_subplot()
-    before, after = (sizes(mornings.flown, column) for column in ("before", "e_y"))
+    before, after = (sizes(mornings.selected, column) for column in ("before", "e_y"))
     _draw_bands(axes, before, TRUE_COLOR, "o", "no correction")
     _draw_bands(axes, after, RESIDUAL, "^", "model selected each day")
     medians = {name: sizes(table, "e_y")["50"] for name, table in mornings.tables.items() if name != "none"}

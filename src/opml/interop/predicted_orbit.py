@@ -55,7 +55,7 @@ class PredictedOrbit(ABC):
         return self.way
 
     @abstractmethod
-    def _flown(self, t: np.ndarray) -> np.ndarray:
+    def _propagated(self, t: np.ndarray) -> np.ndarray:
         """Return GCRF states (n, 6) [m, m/s] at times (n,) within the prediction [s since the date]."""
 
     def states(self, t: np.ndarray) -> np.ndarray:
@@ -66,7 +66,7 @@ class PredictedOrbit(ABC):
         if not np.all((t >= 0.0) & (t <= DAY * self.days + _ROUNDED)):
             begin, end = self._texts(np.array([0.0, DAY * self.days]))
             raise InputError(f"predict: expected a time from {begin} to {end}, got another")
-        return self._flown(t)
+        return self._propagated(t)
 
     @abstractmethod
     def sigmas(self, t: np.ndarray) -> np.ndarray:

@@ -122,11 +122,11 @@ class BatchSettings(JobSettings):
 
 @dataclass(frozen=True)
 class Surroundings:
-    """What all objects of a job fly in: force models as of `watched.FlightModel`, and the stations.
+    """What all objects of a job share: force models as of `watched.FlightModel`, and the stations.
 
     The weather was seen until `seen_until` [s]. The models of fits and predictions stand with the parts of
-    them that neighbours fly under, made once: arcs under one model fly together. Mean elements are improved
-    beside those of all objects of the run, whose files are read once.
+    them that neighbours are propagated under, made once: arcs under one model propagate together. Mean
+    elements are improved beside those of all objects of the run, whose files are read once.
     """
 
     fits: tuple[ForceModel, ForceModel]
@@ -169,12 +169,12 @@ class Surroundings:
         )
 
     def model(self, rso: Rso) -> FlightModel:
-        """Return how an object flies."""
+        """Return the flight of an object."""
         fits, predictions = (
-            Flight(model, rso, self.integrator, propagate=self.propagate, near=near)
+            Flight(model, rso, self.integrator, propagator=self.propagate, near=near)
             for model, near in (self.fits, self.predictions)
         )
-        flattened = Flight(self.weathers.model, rso, self.integrator, propagate=self.propagate)
+        flattened = Flight(self.weathers.model, rso, self.integrator, propagator=self.propagate)
         return FlightModel(fits, predictions, flattened, self.weathers, self.orientation)
 
 
@@ -189,7 +189,7 @@ def run(files: Any, settings: BatchSettings, *, metadata: Mapping[str, Any]) -> 
         blocks, store = SharedBlocks(), Store(settings.days, settings.batch, settings.objects)
         done = store.done(settings.date)
         surroundings = Surroundings.read(
-            files, settings, blocks.propagate, since=_flown_since(settings, done)
+            files, settings, blocks.propagate, since=_propagated_since(settings, done)
         )
         attempts = _Attempts(blocks, settings.date)
         begun = attempts.together(
@@ -265,8 +265,8 @@ def _futures(path: FilePath, *, since: float) -> pd.DataFrame:
     return pd.concat(kept or [SCHEMAS["futures"].empty()], ignore_index=True)
 
 
-def _flown_since(settings: BatchSettings, done: Mapping[str, Sequence[date]]) -> float:
-    """Return the time after which the weather is issued that the mornings to be run fly under [s]."""
+def _propagated_since(settings: BatchSettings, done: Mapping[str, Sequence[date]]) -> float:
+    """Return the time after which the weather is issued that the mornings to be run propagate under [s]."""
     begins = [settings.calendar.time(before[-1]) if before else -np.inf for before in done.values()]
     # An ephemeris starts less than its length before the morning, and from an issue of at most a day before.
     return min(begins) - DAY * (settings.max_days + 1.0)

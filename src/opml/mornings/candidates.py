@@ -13,8 +13,8 @@ from opml.catalog.predict import spread
 from opml.catalog.predict.prediction import predict_pairs
 from opml.ephemerides.along_track_shift import LEAST_EPOCHS
 from opml.ephemerides.corrected import expected, interpolate_spread
-from opml.ephemerides.known_tables import Known
-from opml.ephemerides.task_part import Grid, Part
+from opml.ephemerides.known_tables import KnownTables
+from opml.ephemerides.task_part import Grid, TaskPart
 from opml.learning.data import dataset
 from opml.learning.data.cleaning import Cleaning
 from opml.learning.data.error_components import CORRECTED
@@ -26,12 +26,12 @@ from opml.mornings.watched import Watched
 from opml.tables import SPREAD, STATE
 
 STEP = 300.0  # time between the epochs of these ephemerides [s]: decimetres from those of a minute
-EVERY = 2  # so many epochs are to one that arcs fly to for the spread
+EVERY = 2  # so many epochs are to one that arcs are propagated to for the spread
 
 _LOOKED_AT = 4  # newest estimates among which one is found to start from
 
 
-def known_at(now: float, watched: Watched, records: Records, recent: Recent) -> Known:
+def known_at(now: float, watched: Watched, records: Records, recent: Recent) -> KnownTables:
     """Return what is known of an object at a time [s], of which its newest estimates may start ephemerides.
 
     records: with the estimates of the morning
@@ -43,7 +43,7 @@ def known_at(now: float, watched: Watched, records: Records, recent: Recent) -> 
     tracking = recent.tracking.assign(track=recent.numbers[recent.tracking["track"]])
     made = partial(dataset.of_estimates, tracking=tracking, gm=flight.model.gm, cleaning=Cleaning())
     nothing = pd.DataFrame(columns=["i", "j", *STATE, "reason"])
-    known = Known(
+    known = KnownTables(
         rows,
         made(rows, nothing),
         plan.base,
@@ -53,14 +53,14 @@ def known_at(now: float, watched: Watched, records: Records, recent: Recent) -> 
     )
     pairs = _from_previous(known, longest=DAY * plan.max_days)
     # Where the newest may start one, nobody asks for the others.
-    for flown in (pairs.tail(1), pairs) if len(pairs) else ():
-        known = replace(known, at_estimates=made(rows, predict_pairs(flight, rows, flown)))
+    for propagated in (pairs.tail(1), pairs) if len(pairs) else ():
+        known = replace(known, at_estimates=made(rows, predict_pairs(flight, rows, propagated)))
         if known.may_depart().any():
             break
     return known
 
 
-def _from_previous(known: Known, *, longest: float) -> pd.DataFrame:
+def _from_previous(known: KnownTables, *, longest: float) -> pd.DataFrame:
     """Return the pairs of an estimate before and one that may start an ephemeris, if the first reaches it.
 
     longest: arc [s]
@@ -78,7 +78,7 @@ def model(settings: ResolvedSettings, columns: pd.DataFrame) -> Model:
 
 
 def paths(
-    watched: Watched, known: Known, records: Records, starts: pd.DataFrame, *, now: float
+    watched: Watched, known: KnownTables, records: Records, starts: pd.DataFrame, *, now: float
 ) -> pd.DataFrame:
     """Return the ephemerides of all models of an object from one start, as far as all of them reach.
 
@@ -90,9 +90,9 @@ def paths(
     plan, burns = watched.plan, watched.known_by(now)
     windows = learners.arc_windows(plan.models.values())
     whole = replace(known, others={hours: records.of_window(hours, burns) for hours in windows})
-    part = Part(watched.model.predictions, whole, starts, Grid(STEP, plan.max_days, plan.end))
+    part = TaskPart(watched.model.predictions, whole, starts, Grid(STEP, plan.max_days, plan.end))
     answering = [one for one in plan.models.values() if "v_arc_y" in one.variables]
-    part.fly_together(windows, learners.arc_windows(answering), _held_arcs(plan.models.values()))
+    part.propagate_together(windows, learners.arc_windows(answering), _held_arcs(plan.models.values()))
     table = part.pairs().assign(morning=now)
     for name, settings in plan.models.items():
         table[f"e_y_{name}"] = _along(part, settings)
@@ -122,7 +122,7 @@ def _held_arcs(settings: Iterable[ResolvedSettings]) -> list[tuple[float, float]
     return list(dict.fromkeys(arc for arc in map(learners.arc_of, asking) if arc))
 
 
-def _along(part: Part, settings: ResolvedSettings) -> np.ndarray:
+def _along(part: TaskPart, settings: ResolvedSettings) -> np.ndarray:
     """Return the e_y (n,) [m] that a model expects along a part's ephemeris, NaN where none reaches."""
     columns = part.columns(settings.variables, arc=learners.arc_of(settings))
     along = np.full(len(columns), np.nan)

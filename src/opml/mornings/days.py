@@ -19,9 +19,9 @@ from opml.interop import ccsds, oem
 from opml.learning.judge.error_sizes import INSIDE, along_track
 from opml.mornings import verdicts
 from opml.mornings.calendar import Calendar
-from opml.mornings.kept.batch_day import Finished
+from opml.mornings.kept.batch_day import FinishedMorning
 from opml.mornings.kept.store import Store
-from opml.mornings.morning import Left, morning
+from opml.mornings.morning import MorningResult, morning
 from opml.mornings.outcomes import NOTHING
 from opml.mornings.records import Records
 from opml.mornings.verdicts import OLDEST
@@ -34,7 +34,7 @@ STRIP = 30  # mornings whose verdicts the page of a day shows in a row
 AGAIN = 7
 """Newest mornings that can be run again: as many days ephemerides are kept after they were judged last."""
 
-Together = Callable[[Mapping[str, Callable[[], Finished]]], Mapping[str, Finished]]
+Together = Callable[[Mapping[str, Callable[[], FinishedMorning]]], Mapping[str, FinishedMorning]]
 """Runs calls by name, and returns what they return by name, without those that failed."""
 
 _DATE = len("2016-09-28")
@@ -78,7 +78,7 @@ class UnderWay:
         records = store.records(task.rso, done, since=done[-1] - longest)
         return cls(task, watched, store, records, done[-1] + timedelta(days=1))
 
-    def run(self) -> Finished:
+    def run(self) -> FinishedMorning:
         """Run the next morning."""
         rso, day, plan = self.task.rso, self.next, self.watched.plan
         now = self.task.calendar.time(day)
@@ -92,9 +92,9 @@ class UnderWay:
         }
         self.next = day + timedelta(days=1)
         _log.info("%s, %s: %s, %s", rso, day, left.verdict.word, left.verdict.reason)
-        return Finished(left.records, told, self.task.settings, stations_of(self.watched))
+        return FinishedMorning(left.records, told, self.task.settings, stations_of(self.watched))
 
-    def _write_message(self, left: Left) -> str | None:
+    def _write_message(self, left: MorningResult) -> str | None:
         """Write the ephemeris that left as a message; return the name of its file, None without one."""
         if left.ephemeris is None or not self.task.has_message:
             return None
@@ -148,7 +148,7 @@ def check_reached(calendar: Calendar, until: date, known: float) -> None:
         )
 
 
-def one_by_one(calls: Mapping[str, Callable[[], Finished]]) -> dict[str, Finished]:
+def one_by_one(calls: Mapping[str, Callable[[], FinishedMorning]]) -> dict[str, FinishedMorning]:
     """Run calls one after the other."""
     return {name: call() for name, call in calls.items()}
 
@@ -184,7 +184,7 @@ def _drop_paths(store: Store, objects: Sequence[UnderWay], day: date) -> None:
     store.drop_paths(day - timedelta(days=longest + AGAIN), until=day)
 
 
-def outcome(rso: str, day: date, left: Left, plan: MorningPlan) -> dict[str, Any]:
+def outcome(rso: str, day: date, left: MorningResult, plan: MorningPlan) -> dict[str, Any]:
     """Return what became of an object on a morning, as JSON values."""
     row, made = left.records.issued.iloc[0], left.records.estimates
     base = made[made["window_hours"] == plan.base]
@@ -203,7 +203,7 @@ def outcome(rso: str, day: date, left: Left, plan: MorningPlan) -> dict[str, Any
         "late": left.recent.late,
         **orbit(left.ephemeris),
         "expected": [] if left.ephemeris is None else expected(left.ephemeris),
-        "scores": scores(_flown(left.records.judged)),
+        "scores": scores(_selected(left.records.judged)),
     }
 
 
@@ -244,22 +244,22 @@ def strip(records: Records, plan: MorningPlan) -> list[dict[str, str]]:
 
 
 def past(records: Records) -> dict[str, list[dict[str, Any]]]:
-    """Return how all that was flown on the mornings that count was off later estimates, by its verdict."""
+    """Return how far all that was issued on mornings that count was off later estimates, by its verdict."""
     verdicts = records.issued.set_index("morning")["verdict"]
-    flown = _flown(records.judged)
-    by_verdict = flown.groupby(flown["morning"].map(verdicts))
-    return {"all": scores(flown)} | {str(word): scores(rows) for word, rows in by_verdict}
+    selected = _selected(records.judged)
+    by_verdict = selected.groupby(selected["morning"].map(verdicts))
+    return {"all": scores(selected)} | {str(word): scores(rows) for word, rows in by_verdict}
 
 
-def _flown(judged: pd.DataFrame) -> pd.DataFrame:
-    """Return the rows of models that were flown: of these alone standard deviations were stated."""
+def _selected(judged: pd.DataFrame) -> pd.DataFrame:
+    """Return the rows of models that were selected: of these alone standard deviations were stated."""
     return judged[np.isfinite(judged["sigma_y"])]
 
 
-def scores(flown: pd.DataFrame) -> list[dict[str, Any]]:
+def scores(selected: pd.DataFrame) -> list[dict[str, Any]]:
     """Return how ephemerides were off along the track, by day of their duration."""
-    size, lead = flown["e_y"].abs().to_numpy(), np.ceil(flown["duration"].to_numpy() / DAY).astype(int)
-    inside = size < INSIDE * along_track(flown)
+    size, lead = selected["e_y"].abs().to_numpy(), np.ceil(selected["duration"].to_numpy() / DAY).astype(int)
+    inside = size < INSIDE * along_track(selected)
     by_day = {day: lead == day for day in np.unique(lead).tolist()}
     return [
         {

@@ -3,7 +3,7 @@
 The tracks have numbers that stay theirs. Estimates ascend in time: a track that comes after later ones were
 estimated gets none of its own; fits of the tracks to come take its measurements.
 
-Burns that nobody named are looked for where the newest estimates are far off what was flown. A storm or a
+Burns that nobody named are looked for where the newest estimates are far off what was predicted. A storm or a
 track of another object puts estimates off, too. Whether a burn does, the tracks themselves tell
 (`opml.catalog.associate.quarantine`), all of the last days in turn.
 """
@@ -178,8 +178,8 @@ def are_far(judged: pd.DataFrame) -> bool:
 
     judged: rows of that table of one morning
     """
-    flown = judged[np.isfinite(judged["sigma_y"]) & (judged["duration"] < _FRESH)]
-    nearest = flown.loc[flown.groupby("j")["duration"].idxmin()].nlargest(_NEWEST, "t_j")
+    selected = judged[np.isfinite(judged["sigma_y"]) & (judged["duration"] < _FRESH)]
+    nearest = selected.loc[selected.groupby("j")["duration"].idxmin()].nlargest(_NEWEST, "t_j")
     return len(nearest) == _NEWEST and bool(np.median(sigmas_off(nearest)) > FAR)
 
 

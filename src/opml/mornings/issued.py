@@ -1,6 +1,6 @@
 """What a morning issues: the model that left the least so far, its ephemeris with the sizes of its errors.
 
-The row of the model that is flown is of the table `issued`. The ephemeris is the path of that model, with
+The row of the model that is selected is of the table `issued`. The ephemeris is the path of that model, with
 covariances, on a message's epochs.
 """
 
@@ -28,21 +28,21 @@ _TIMES = ("days", "reach", "flat")
 
 
 @dataclass(frozen=True)
-class Flown:
-    """The model that is flown."""
+class SelectedModel:
+    """The model that is selected."""
 
     model: str
     replay: pd.DataFrame  # how far its ephemerides of earlier mornings were off
     sizes: Sizes
 
 
-def choose_model(judged: pd.DataFrame, models: Sequence[str], *, now: float) -> Flown:
+def choose_model(judged: pd.DataFrame, models: Sequence[str], *, now: float) -> SelectedModel:
     """Return the model that left the least by `now` [s]; raise InputError where the past is too short.
 
     judged: rows of that table of all mornings
     """
     model, replay = best_model(judged, models, now=now)
-    return Flown(model, replay, Sizes.learned(replay, now=now))
+    return SelectedModel(model, replay, Sizes.learned(replay, now=now))
 
 
 def best_model(judged: pd.DataFrame, models: Sequence[str], *, now: float) -> tuple[str, pd.DataFrame]:
@@ -62,15 +62,21 @@ def best_model(judged: pd.DataFrame, models: Sequence[str], *, now: float) -> tu
 
 
 def row(
-    now: float, start: pd.DataFrame, flown: Flown | None, verdict: str, *, burn: Manoeuvre | None = None
+    now: float,
+    start: pd.DataFrame,
+    selected: SelectedModel | None,
+    verdict: str,
+    *,
+    burn: Manoeuvre | None = None,
 ) -> pd.DataFrame:
-    """Return the row of a morning whose ephemerides start from an estimate; None is flown without a past.
+    """Return the row of a morning whose ephemerides start from an estimate; without a past no model is
+    selected.
 
     burn: that the morning found
     """
     begin = {"i": int(start["track"].iloc[0]), "t_i": float(start["t"].iloc[0])}
-    what = {"model": flown.model if flown else "", "verdict": verdict}
-    sizes = _columns(flown.sizes) if flown else dict.fromkeys([*SIZES, *_TIMES], np.nan)
+    what = {"model": selected.model if selected else "", "verdict": verdict}
+    sizes = _columns(selected.sizes) if selected else dict.fromkeys([*SIZES, *_TIMES], np.nan)
     found = {"burn_t": burn.t if burn else np.nan}
     return pd.DataFrame([{"morning": now, **begin, **what, **found, **sizes}])
 
@@ -81,10 +87,10 @@ def no_start() -> pd.DataFrame:
 
 
 def with_sigmas(judged: pd.DataFrame, issued: pd.DataFrame) -> pd.DataFrame:
-    """Return rows of `judged` with the standard deviations that were stated of the models that were flown."""
+    """Return rows of `judged` with the standard deviations that were stated of the selected models."""
     sigmas = judged[SIGMA_STATE].to_numpy(copy=True)
-    flown = issued[(issued["model"] != "") & issued["morning"].isin(judged["morning"])]
-    for flight in flown.to_dict("records"):
+    selected = issued[(issued["model"] != "") & issued["morning"].isin(judged["morning"])]
+    for flight in selected.to_dict("records"):
         rows = ((judged["model"] == flight["model"]) & (judged["morning"] == flight["morning"])).to_numpy()
         sigmas[rows] = _sizes(flight).sigmas(judged[rows])
     return judged.assign(**dict(zip(SIGMA_STATE, sigmas.T, strict=True)))
@@ -106,8 +112,8 @@ def _sizes(flight: Mapping[str, Any]) -> Sizes:
     return Sizes(**values, **{name: flight[name] for name in _TIMES})
 
 
-def ephemeris(paths: pd.DataFrame, flown: Flown, *, step: float) -> pd.DataFrame:
-    """Return the `corrected` table of the model that is flown.
+def ephemeris(paths: pd.DataFrame, selected: SelectedModel, *, step: float) -> pd.DataFrame:
+    """Return the `corrected` table of the model that is selected.
 
     paths: the table of a morning
     step: between the epochs [s]
@@ -115,7 +121,7 @@ def ephemeris(paths: pd.DataFrame, flown: Flown, *, step: float) -> pd.DataFrame
     Between the epochs of a path stand splines: of degree 7 through its states, millimetres off. Raises
     InputError as `check_smooth` does.
     """
-    t, along = paths["t_j"].to_numpy(), paths[f"e_y_{flown.model}"].to_numpy()
+    t, along = paths["t_j"].to_numpy(), paths[f"e_y_{selected.model}"].to_numpy()
     check_smooth(t, along)
     at = np.arange(np.ceil(t[0] / step), np.floor(t[-1] / step) + 1.0) * step
     path = np.ascontiguousarray(paths[STATE])
@@ -125,4 +131,4 @@ def ephemeris(paths: pd.DataFrame, flown: Flown, *, step: float) -> pd.DataFrame
     )
     rate = rates(states)
     caused = interpolate_spread(rows, paths).assign(rate=rate, duration=at - rows["t_i"])
-    return ephemeris_table(rows, states, rsw_covariances(flown.sizes.sigmas(caused), rate))
+    return ephemeris_table(rows, states, rsw_covariances(selected.sizes.sigmas(caused), rate))

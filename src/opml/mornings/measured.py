@@ -49,13 +49,13 @@ class Span:
 
 
 @dataclass(frozen=True)
-class Found:
+class ObjectMeasurements:
     """What was measured of an object."""
 
     tracking: pd.DataFrame  # the table, or `fixes` in its place
     manoeuvres: list[Manoeuvre]
     identity: ObjectId = UNKNOWN  # what its files tell of the object
-    sgp4: Sgp4 | None = None  # what anybody would have flown, where mean elements were taken
+    sgp4: Sgp4 | None = None  # the prediction of the public sets, where mean elements were taken
 
 
 def read(
@@ -65,7 +65,7 @@ def read(
     orientation: pd.DataFrame,
     *,
     since: float,
-) -> Found:
+) -> ObjectMeasurements:
     """Return what was measured of an object.
 
     since: earlier measurements are left out, of fixes none [s]
@@ -77,14 +77,14 @@ def read(
         found = tdm.measurements(source.files, epoch=span.epoch)
         tracking = measured_tracks.tracks(found[found["t"] >= since], stations)
         started = [first_state.identity(source.start)] if source.start else []
-        return Found(tracking, known, first_told([*started, tdm.identity(found)]))
+        return ObjectMeasurements(tracking, known, first_told([*started, tdm.identity(found)]))
     if source.kind == "fixes":
         taking = FixTaking.model_validate(source.taking)
         files = OrbitFiles(source.files, span.epoch, span.duration, taking.satellite)
         points = points_from_files.read(files, orientation, taking.sampling)
         tracking = fixes.stretches(points, length=HOUR * taking.stretch_hours)
         identity, burns = points_from_files.beside(files)
-        return Found(tracking, known + burns, identity)
+        return ObjectMeasurements(tracking, known + burns, identity)
     asked = HistoryTaking.model_validate(source.taking)
     history = source.read_sets(
         tuple(source.files), epoch=span.epoch, leave_out_damaged=asked.leave_out_damaged
@@ -94,7 +94,7 @@ def read(
 
 def _of_elements(
     history: History, taking: HistoryTaking, span: Span, known: list[Manoeuvre], *, since: float
-) -> Found:
+) -> ObjectMeasurements:
     """Return what mean elements measured; the manoeuvres are with those that they show, if asked for."""
     ours = histories.of_object(history.sets, taking.number)
     sets, identity = measured_sets.of_run(ours, span.duration), history.objects[int(ours["number"].iloc[0])]
@@ -108,7 +108,7 @@ def _of_elements(
         manoeuvres=known,
     )
     tracking = fixes.of_sets(found.epochs, found.points, known=found.known)
-    return Found(tracking, known, identity, Sgp4(sets, span.epoch))
+    return ObjectMeasurements(tracking, known, identity, Sgp4(sets, span.epoch))
 
 
 def given_state(

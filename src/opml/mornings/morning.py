@@ -1,4 +1,4 @@
-"""One morning of one object: new tracks are fitted, earlier ephemerides judged, the best model flown.
+"""One morning of one object: new tracks are fitted, earlier ephemerides judged, the best model selected.
 
 Nothing that was measured, published or made after the morning touches it. What an earlier morning left is
 never made again.
@@ -14,7 +14,7 @@ from opml.base.errors import InputError
 from opml.ephemerides import corrected
 from opml.mornings import candidates, fits, issued, verdicts
 from opml.mornings.fits import Recent
-from opml.mornings.issued import Flown
+from opml.mornings.issued import SelectedModel
 from opml.mornings.outcomes import DO_NOT_USE, UNPROVEN
 from opml.mornings.records import Paths, Records
 from opml.mornings.verdicts import Verdict
@@ -26,7 +26,7 @@ _NOT_FLOWN = Verdict(UNPROVEN, "nothing was issued yet")
 
 
 @dataclass(frozen=True)
-class Left:
+class MorningResult:
     """What a morning left."""
 
     records: Records  # of this morning alone
@@ -36,7 +36,7 @@ class Left:
     basis: str = ""  # what its covariances rest on, in words
 
 
-def morning(watched: Watched, records: Records, *, now: float) -> Left:
+def morning(watched: Watched, records: Records, *, now: float) -> MorningResult:
     """Return what a morning leaves.
 
     records: of earlier mornings
@@ -48,7 +48,7 @@ def morning(watched: Watched, records: Records, *, now: float) -> Left:
     one = _Morning(watched.on(now).aware_of(records.burns), records, now)
     try:
         one.fit()
-        one.issue(one.fly())
+        one.issue(one.select())
     except InputError as reason:
         if one.verdict.word != DO_NOT_USE:
             one.verdict = Verdict(DO_NOT_USE, str(reason))
@@ -75,7 +75,7 @@ class _Morning:
     burn: Manoeuvre | None = None  # that the estimates showed, with which they were made again
     starts: pd.DataFrame = field(default_factory=issued.no_start)
     paths: list[Paths] = field(default_factory=list)
-    flown: Flown | None = None
+    selected: SelectedModel | None = None
     ephemeris: pd.DataFrame | None = None
     verdict: Verdict = _NOT_FLOWN
 
@@ -98,7 +98,7 @@ class _Morning:
             estimates = self.fitting.further(kept)
         self.estimates = estimates
 
-    def fly(self) -> Paths:
+    def select(self) -> Paths:
         """Return the ephemerides of all models from the newest estimate that they may start from."""
         known = candidates.known_at(self.now, self.watched, self._so_far, self.recent)
         starts = known.estimates[known.may_depart()].tail(1)
@@ -115,22 +115,22 @@ class _Morning:
         return paths
 
     def issue(self, paths: Paths) -> None:
-        """Judge whether to trust an ephemeris, and choose the model that is flown."""
+        """Judge whether to trust an ephemeris, and choose the model that is selected."""
         plan, burns = self.watched.plan, self.watched.manoeuvres
         past = self.whole.rows_unaffected_by_burns(plan.base, self.watched.known_by(self.now))
         judgement = verdicts.verdict(past, self.starts, now=self.now, burns=burns, window=plan.base * HOUR)
         self.verdict = verdicts.beside_sgp4(judgement, past, now=self.now)
-        flown = issued.choose_model(past, paths.models, now=self.now)
-        self.ephemeris = issued.ephemeris(paths.table, flown, step=plan.step)
-        self.flown = flown
+        selected = issued.choose_model(past, paths.models, now=self.now)
+        self.ephemeris = issued.ephemeris(paths.table, selected, step=plan.step)
+        self.selected = selected
 
     @property
-    def outcome(self) -> Left:
+    def outcome(self) -> MorningResult:
         """What the morning leaves."""
-        row = issued.row(self.now, self.starts, self.flown, self.verdict.word, burn=self.burn)
-        basis = corrected.basis(self.flown.replay, self.now) if self.flown else ""
+        row = issued.row(self.now, self.starts, self.selected, self.verdict.word, burn=self.burn)
+        basis = corrected.basis(self.selected.replay, self.now) if self.selected else ""
         records = Records(self.estimates, self.judged, row, self.paths)
-        return Left(records, self.recent, self.verdict, self.ephemeris, basis)
+        return MorningResult(records, self.recent, self.verdict, self.ephemeris, basis)
 
     @property
     def _so_far(self) -> Records:

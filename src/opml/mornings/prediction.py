@@ -1,7 +1,7 @@
-"""Where an object will be by what measured it, points or tracks, and how surely: its mornings flown again.
+"""Where an object will be by what measured it, points or tracks, and how surely: its mornings run again.
 
 The mornings up to a date fit what was measured by then, under the forces and the weather that were known, and
-judge what they flew. The last one's ephemeris, of the model that left the least, is the prediction. Its
+judge what they issued. The last one's ephemeris, of the model that erred least, is the prediction. Its
 covariance has the usual sizes of errors, scaled by those of that past (`usual_sizes`).
 """
 
@@ -42,16 +42,16 @@ from opml.learning.models import learners
 from opml.learning.models.contract import ResolvedSettings
 from opml.learning.models.learners import JobLearner, arc_of
 from opml.mornings import issued, measured, usual_sizes, verdicts
-from opml.mornings.issued import Flown
+from opml.mornings.issued import SelectedModel
 from opml.mornings.measured import MeasurementSource, Span
-from opml.mornings.morning import Left, morning
+from opml.mornings.morning import MorningResult, morning
 from opml.mornings.records import Records
 from opml.mornings.verdicts import OLDEST, Verdict
 from opml.mornings.watched import FlightModel, MorningPlan, Watched
 from opml.orbits.sheets import Rso, Station
 from opml.tables import STATE, STATE_COVARIANCES, symmetric_matrices
 
-MORNINGS = 7  # mornings before the date that are flown again
+MORNINGS = 7  # mornings before the date that are run again
 STRETCH = 6.0  # length of a stretch of points [h], whose estimate is at its first
 SIGMA = 10.0  # standard deviation of positions whose file tells none [m]
 GUESS = 0.01  # area to mass of a body that nobody knows [m2/kg]
@@ -96,7 +96,7 @@ class Request:
 class FittedOrbit(PredictedOrbit):
     """An object from a date on, by fits to what measured it.
 
-    ephemeris: table `corrected`, times since the date; model: settings of the one that was flown; verdict: on
+    ephemeris: table `corrected`, times since the date; model: settings of the selected one; verdict: on
     it; burns: number of those in what the mornings measured.
     """
 
@@ -105,7 +105,7 @@ class FittedOrbit(PredictedOrbit):
     verdict: Verdict
     burns: int
 
-    def _flown(self, t: np.ndarray) -> np.ndarray:
+    def _propagated(self, t: np.ndarray) -> np.ndarray:
         return self._path(t)
 
     def sigmas(self, t: np.ndarray) -> np.ndarray:
@@ -175,7 +175,7 @@ class _Times:
 
     @property
     def mornings(self) -> np.ndarray:
-        """Mornings (n,) that are flown, the last at the date [s]."""
+        """Mornings (n,) that are run, the last at the date [s]."""
         back = min(MORNINGS, int((self.date - self.first - HOUR * self.stretch) / DAY))
         return self.date - DAY * np.arange(back, -1, -1)
 
@@ -207,7 +207,7 @@ def predict(request: Request, settings: OrbitSettings, *, progress: Progress) ->
     times = _Times.of(request)
     progress(f"weather and forces from {times.epoch[:_DAY]} on")
     watched = _watched(request, settings, times)
-    # What is too old to be flown from the date on is flown no farther than it can be judged.
+    # What is too old to be propagated from the date on is propagated no farther than it can be judged.
     judged_alone = replace(watched, plan=replace(watched.plan, end=times.date + _AFTER))
     records = Records.empty()
     for now in with_time_left(times.mornings.tolist(), "morning", progress):
@@ -225,22 +225,22 @@ def predict(request: Request, settings: OrbitSettings, *, progress: Progress) ->
     expected = f"{request.files[0]}: expected an orbit for {request.days:g} days, got"
     try:
         light = usual_sizes.GUESSED if request.area_to_mass is None else usual_sizes.GIVEN
-        flown = _flown(watched, left, records, now=times.date, light=light)
+        issued_last = _issued_last(watched, left, records, now=times.date, light=light)
     except NotSmoothError:
         raise InputError(f"{expected} fits over several windows that differ too fast") from None
-    t = flown.table["t"].to_numpy() - times.date
+    t = issued_last.table["t"].to_numpy() - times.date
     if t[-1] < DAY * request.days:
         raise InputError(f"{expected} one that comes down, or is hardly determined, after {t[-1] / DAY:.1f}")
-    past = flown.past.assign(lead=flown.past["duration"] / DAY, left=flown.past["e_y"])
+    past = issued_last.past.assign(lead=issued_last.past["duration"] / DAY, left=issued_last.past["e_y"])
     return FittedOrbit(
         watched.identity,
         _text(times.epoch, times.date),
         request.days,
         past[["morning", "lead", "left"]].reset_index(drop=True),
-        _basis(flown.past),
-        flown.table.assign(t=t),
-        settings.models[flown.model],
-        flown.verdict,
+        _basis(issued_last.past),
+        issued_last.table.assign(t=t),
+        settings.models[issued_last.model],
+        issued_last.verdict,
         sum(times.mornings[0] <= one.t for one in [*watched.known_by(times.date), *records.burns]),
     )
 
@@ -263,7 +263,7 @@ def _span(request: Request) -> tuple[float, float]:
 
 
 def _watched(request: Request, settings: OrbitSettings, times: _Times) -> Watched:
-    """Return what is measured of the object, and how it flies."""
+    """Return what is measured of the object, and its flight."""
     max_days = request.days + (OLDEST + _AFTER) / DAY
     rso = Rso("object", **_NO_ELEMENTS, area_to_mass=request.area_to_mass or GUESS, cd=2.2, cr=1.25)
     model = _flight_model(rso, request.weather, settings, times, max_days)
@@ -306,7 +306,7 @@ def _window(tracking: pd.DataFrame, windows: Sequence[float]) -> float:
 def _flight_model(
     rso: Rso, weather: FilePath, settings: OrbitSettings, times: _Times, max_days: float
 ) -> FlightModel:
-    """Return how an object flies under the weather that was known at each time."""
+    """Return the flight of an object under the weather that was known at each time."""
     weather, t = str(weather), nodes(times.epoch, times.duration)
     sources, hours = settings.environment, settings.environment.issue_hours or knowledge.FIT_HOURS
     date = _text(times.epoch, times.date)
@@ -327,11 +327,11 @@ def _flight_model(
     three_hourly = issues.model_copy(update={"issue_hours": knowledge.FIT_HOURS, "max_days": _HISTORY})
     still, flattened = (build(environment, one) for one in (settings.force_model, spread.FLATTENED))
     fitting = with_outlooks(still, knowledge.outlooks(three_hourly, t))
-    flying, flat = (with_outlooks(model, expected) for model in (still, flattened))
+    full, flat = (with_outlooks(model, expected) for model in (still, flattened))
     flight = partial(Flight, rso=rso, integrator=settings.integrator, threads=os.cpu_count() or 1)
     return FlightModel(
         flight(fitting, near=near_part(fitting)),
-        flight(flying, near=near_part(flying)),
+        flight(full, near=near_part(full)),
         flight(flat),
         Weathers.of(flat, futures),
         environment.earth_orientation,
@@ -339,8 +339,8 @@ def _flight_model(
 
 
 @dataclass(frozen=True)
-class _Flown:
-    """What the last morning flew: the table `corrected`, its model, and the rows of `judged` of that."""
+class _Issued:
+    """What the last morning issued: the table `corrected`, its model, and the rows of `judged` of that."""
 
     table: pd.DataFrame
     model: str
@@ -348,8 +348,10 @@ class _Flown:
     past: pd.DataFrame
 
 
-def _flown(watched: Watched, left: Left, records: Records, *, now: float, light: float) -> _Flown:
-    """Return what the newest morning that could flew: the model that left the least.
+def _issued_last(
+    watched: Watched, left: MorningResult, records: Records, *, now: float, light: float
+) -> _Issued:
+    """Return what the newest morning issued that could: the model that erred least.
 
     Where that is not known, it is a fit's own Cd, or the mean of the past where the fit hardly knows it.
     """
@@ -364,8 +366,8 @@ def _flown(watched: Watched, left: Left, records: Records, *, now: float, light:
         model = next((name for name in models if _holds_cd(models[name]) == is_vague), next(iter(models)))
     past = usual_sizes.with_sigmas(known[known["model"] == model], formal)
     sizes = usual_sizes.sizes(past, formal, start=paths.start, now=now)
-    table = issued.ephemeris(paths.table, Flown(model, past, sizes), step=STEP)
-    return _Flown(table, model, _verdict(watched, left, records, past, now=now), past)
+    table = issued.ephemeris(paths.table, SelectedModel(model, past, sizes), step=STEP)
+    return _Issued(table, model, _verdict(watched, left, records, past, now=now), past)
 
 
 def _holds_cd(model: ResolvedSettings) -> bool:
@@ -373,7 +375,9 @@ def _holds_cd(model: ResolvedSettings) -> bool:
     return "cd_past" in model.variables
 
 
-def _verdict(watched: Watched, left: Left, records: Records, past: pd.DataFrame, *, now: float) -> Verdict:
+def _verdict(
+    watched: Watched, left: MorningResult, records: Records, past: pd.DataFrame, *, now: float
+) -> Verdict:
     """Return the verdict on the last morning's ephemeris, by these sizes; its own where it has none."""
     start = left.records.issued.rename(columns={"t_i": "t"})
     if start["t"].isna().all():

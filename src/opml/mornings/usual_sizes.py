@@ -1,4 +1,4 @@
-"""Sizes of errors of fits that are flown on: the usual ones, scaled by the errors of the object's own past.
+"""Sizes of errors of predictions from fits: the usual ones, scaled by those of the object's own past.
 
 The variance of each axis has a part of the fit and a part of drag,
 
@@ -48,7 +48,7 @@ DENSITY = 0.6  # error of the density that a fit over LONG hours estimates, in t
 LONG = 48.0
 """Window over which density hardly errs more by chance; its mean over fewer hours does, by their root."""
 
-VAGUE = 5.0  # most of that error. A fit that knows drag no better is flown with the mean of the past
+VAGUE = 5.0  # most of that error. A fit that knows drag no better takes the mean of the past
 WEATHER = 0.6  # part of the spread of the weather's futures that errors have
 USUAL = 3.0  # independent errors of a past that the usual sizes count as
 

@@ -98,12 +98,12 @@ def verdict(
     """
     begin = float(start["t"].iloc[0])
     age, burned = now - begin, max((one.t for one in burns if one.counts_from <= now), default=-np.inf)
-    flown = judged[np.isfinite(judged["sigma_y"].to_numpy(float))]
-    off = sigmas_off(flown)
+    selected = judged[np.isfinite(judged["sigma_y"].to_numpy(float))]
+    off = sigmas_off(selected)
     # On a day without tracks the last ones still have their say.
-    last = (flown["t_known"] > flown["t_known"].max() - DAY).to_numpy(bool)
-    newest = last & (flown["duration"] < 2.0 * DAY).to_numpy(bool)
-    recent = (flown["t_known"] > now - PAST).to_numpy(bool)
+    last = (selected["t_known"] > selected["t_known"].max() - DAY).to_numpy(bool)
+    newest = last & (selected["duration"] < 2.0 * DAY).to_numpy(bool)
+    recent = (selected["t_known"] > now - PAST).to_numpy(bool)
     mornings = judged["morning"].nunique()
     if age > OLDEST:
         return Verdict(DO_NOT_USE, f"the newest estimate is {age / DAY:.1f} days old")
@@ -119,7 +119,7 @@ def verdict(
         return Verdict(UNPROVEN, f"judged so far: {counted(mornings, 'morning')}, fewer than {FEWEST}")
     if not recent.any():
         return Verdict(UNPROVEN, f"nothing was judged in the last {PAST / DAY:.0f} days")
-    share, day = _least_inside(off[recent], flown["duration"].to_numpy(float)[recent])
+    share, day = _least_inside(off[recent], selected["duration"].to_numpy(float)[recent])
     most = off[newest].max(initial=0.0)
     if share >= LEAST_INSIDE and most > RARE:
         return Verdict(WIDE, f"one of the newest estimates is {most:.1f} sigma off the ephemeris before")
@@ -157,7 +157,8 @@ def beside_sgp4(judgement: Verdict, judged: pd.DataFrame, *, now: float) -> Verd
 
 
 def medians_beside_sgp4(judged: pd.DataFrame) -> list[dict[str, Any]]:
-    """Return by day ahead how far what was flown, and SGP4 at the same epochs, were off in the median [m].
+    """Return by day ahead how far the selected model, and SGP4 at the same epochs, were off in the median
+    [m].
 
     With the number of mornings that it was judged on.
 
@@ -171,7 +172,7 @@ def medians_beside_sgp4(judged: pd.DataFrame) -> list[dict[str, Any]]:
 
 
 def _both(judged: pd.DataFrame) -> pd.DataFrame:
-    """Return the rows of what was flown where SGP4 was judged, too, with its error `sgp4` [m]."""
+    """Return the rows of the selected models where SGP4 was judged, too, with its error `sgp4` [m]."""
     keys = ["morning", "j"]
     sgp4 = judged[judged["model"] == SGP4].set_index(keys)["e_y"].rename("sgp4")
     return judged[np.isfinite(judged["sigma_y"])].join(sgp4, on=keys, how="inner")

@@ -1,4 +1,4 @@
-"""An object that is watched: how it flies, what is asked of its mornings, what was measured of it."""
+"""An object that is watched: its flight, what is asked of its mornings, what was measured of it."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -25,7 +25,7 @@ from opml.orbits.manoeuvres import Manoeuvre
 from opml.orbits.sheets import Station
 from opml.tables import STATE
 
-SGP4 = "sgp4"  # name of the model that is flown along the track where SGP4 is
+SGP4 = "sgp4"  # name of the model that follows SGP4 along the track
 
 Expected = Callable[[pd.DataFrame], np.ndarray]
 """How far a path is off along the track (n,) [m], by what another orbit says."""
@@ -38,7 +38,7 @@ _MINUTE = 60.0
 
 @dataclass(frozen=True, eq=False)
 class Sgp4:
-    """What anybody would have flown of an object, and with the same sets improved.
+    """The prediction of an object's public sets, and of the same sets improved.
 
     improved: the sets of all objects that are watched; None where nothing improves them
     """
@@ -66,9 +66,9 @@ class Sgp4:
         if self.improved is not None:
             number, morning = int(self.sets["number"].iloc[0]), modified_julian_day(self.epoch) + now / DAY
             for name in (DENSITY, LEARNED):
-                flown = self.improved.newest(name, number, morning)
-                if flown is not None:
-                    models[name] = partial(mean_elements.states, flown, epoch=self.epoch)
+                propagated = self.improved.newest(name, number, morning)
+                if propagated is not None:
+                    models[name] = partial(mean_elements.states, propagated, epoch=self.epoch)
         return {name: partial(_expected, states) for name, states in models.items()}
 
 
@@ -80,7 +80,7 @@ def _expected(states: Callable[..., np.ndarray], path: pd.DataFrame) -> np.ndarr
 
 @dataclass(frozen=True)
 class FlightModel:
-    """How an object flies."""
+    """How an object is propagated."""
 
     fits: Flight  # under what was measured of the weather by the time of each fit
     predictions: Flight  # under what was known of it by t_i
@@ -99,7 +99,7 @@ class MorningPlan:
     step: float  # between its epochs [s]
     end: float  # of the run [s]
     epoch: str  # UTC text
-    fits_above: float = 0.0  # height of mean elements below which none of these models is flown [m]
+    fits_above: float = 0.0  # height of mean elements below which none of these models is used [m]
 
     @property
     def base(self) -> float:
@@ -128,10 +128,10 @@ class Watched:
     manoeuvres: Sequence[Manoeuvre] = ()  # each counts from when it is known
     given: TimedState | None = None  # a state that the very first fits may start from
     identity: ObjectId = UNKNOWN  # what else than its name in the run tells the object
-    sgp4: Sgp4 | None = None  # what anybody would have flown, where mean elements were taken
+    sgp4: Sgp4 | None = None  # the prediction of the public sets, where mean elements were taken
 
     def on(self, now: float) -> "Watched":
-        """Return it with the models of a morning [s]: low down, fits lose against SGP4 and none is flown."""
+        """Return it with the models of a morning [s]: low down, fits lose against SGP4 and none is used."""
         if self.sgp4 is None or self.sgp4.is_above(self.plan.fits_above, now=now):
             return self
         return replace(self, plan=replace(self.plan, models={}))

@@ -1,4 +1,4 @@
-"""The report's warning of fits that nobody would fly: ratios to such fits make any model look good."""
+"""The report's warning of fits that are of no use: ratios to such fits make any model look good."""
 
 from collections.abc import Iterator, Mapping
 

@@ -1,4 +1,4 @@
-"""The report's first section: which model to fly, what it left, the file to send, what to watch."""
+"""The report's first section: which model to use, its residual errors, the file to send, what to watch."""
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -58,7 +58,7 @@ def section(
     laws: the models that learn
     marks: prediction durations that errors are stated at [days]
     durations: prediction durations that coverage is stated at [days]
-    absurd: datasets whose fits nobody would fly
+    absurd: datasets whose fits are of no use
     proof: headings of the sections that the answers follow from
     """
     yield Heading(TITLE)
@@ -118,9 +118,9 @@ def _held(found: Mornings, durations: Sequence[float]) -> str:
 
 
 def _ellipsoids(found: Mornings, durations: Sequence[float]) -> dict[float, float]:
-    """Return shares of the errors of what was flown inside the 90 % ellipsoid, by duration [days]."""
+    """Return shares of the errors of the selected models inside the 90 % ellipsoid, by duration [days]."""
     try:
-        shares = calibration.of_replay(found.flown, days=durations)
+        shares = calibration.of_replay(found.selected, days=durations)
     except InputError:  # the past was too short for a covariance
         return {}
     is_told = (shares["level"] == LEVEL) & (shares["rows"] >= FEWEST)
@@ -130,12 +130,12 @@ def _ellipsoids(found: Mornings, durations: Sequence[float]) -> dict[float, floa
 
 def _others(found: Mornings, laws: Collection[str]) -> str:
     """Return in words what the best model without learning would have left, and the best that learned."""
-    flown, words = summed(found.flown), []
+    selected, words = summed(found.selected), []
     plain, learned = [[name for name in found.tables if (name in laws) is kind] for kind in (False, True)]
     for names, what in ((plain, "the best without learning"), (learned, "the best with learning")):
         if names:
             best = found.best(names)
-            words.append(f"`{best}`, {what}, would have had {_more(summed(found.tables[best]), flown)}")
+            words.append(f"`{best}`, {what}, would have had {_more(summed(found.tables[best]), selected)}")
     few = " So few mornings select poorly, four weeks select well." if len(found.choices) < MORNINGS else ""
     against = "In hindsight, against the models selected each morning,"
     return f"{against} {' and '.join(words)}.{few} {_learned(found, laws)}"
@@ -148,8 +148,8 @@ def _learned(found: Mornings, laws: Collection[str]) -> str:
     return "No learned model was used: on no morning did past results show that it would be better."
 
 
-def _more(left: float, flown: float) -> str:
-    percent = -round(skill(left, flown)) if flown > 0.0 else 0
+def _more(left: float, selected: float) -> str:
+    percent = -round(skill(left, selected)) if selected > 0.0 else 0
     return f"{abs(percent)} % {'more' if percent > 0 else 'less'} error" if percent else "the same error"
 
 
@@ -167,7 +167,7 @@ def _to_watch(
         yield f"**Watch the fits:** {link_to(absurd_fits.TITLE)}."
     if found is not None:
         more = f"In seconds and degrees: {link_to(EVERY_MORNING)}."
-        yield f"**Watch the errors:** {days_within(found.flown)} {more}"
+        yield f"**Watch the errors:** {days_within(found.selected)} {more}"
         low, high = uncertainty.HOLDS
         misses = [
             f"{100.0 * share:.0f} % after {_span(day)}"

@@ -104,7 +104,7 @@ def _expected(outcome: Outcome) -> str:
 
 
 def _beside_sgp4(outcome: Outcome) -> Iterator[str]:
-    """Yield how far what was flown was off, and SGP4 beside it, where mean elements were taken."""
+    """Yield how far the selected models were off, and SGP4 beside them, where mean elements were taken."""
     by_day = {one["day"]: one for one in outcome["beside_sgp4"]}
     parts = [
         f"{with_unit(by_day[day]['flown_m'])} (SGP4 {with_unit(by_day[day]['sgp4_m'])}) after {day} d, "
@@ -126,8 +126,8 @@ def _newest(outcome: Outcome) -> str:
 def _yesterday(outcome: Outcome) -> str:
     """Return a link to the folder of the morning before, if there was one."""
     before = (date.fromisoformat(outcome["date"]) - timedelta(days=1)).isoformat()
-    flown = (GOOD, WIDE, UNPROVEN)
-    was_sent = any(one["date"] == before and one["verdict"] in flown for one in outcome["mornings"])
+    selected = (GOOD, WIDE, UNPROVEN)
+    was_sent = any(one["date"] == before and one["verdict"] in selected for one in outcome["mornings"])
     is_there = outcome["message"] and was_sent
     return f"; [yesterday's](../{before}/{outcome['object']}/)" if is_there else ""
 

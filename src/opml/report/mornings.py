@@ -37,14 +37,14 @@ def section(
         told = {"rso": rso, "stations": stations, "verdict": _verdict(mornings, laws)}
         days = texts.across(f"{day:g} d" for day in marks)
         yield from texts.blocks("mornings.dataset", _rows(mornings, marks, laws), **told, days=days)
-        yield from on_the_sky(mornings.flown, marks)
+        yield from on_the_sky(mornings.selected, marks)
 
 
 def _verdict(mornings: Mornings, laws: Sequence[str]) -> str:
     best, least = best_model(mornings, laws)
-    skill = skill_cell(summed(mornings.flown), least)
+    skill = skill_cell(summed(mornings.selected), least)
     names = [choice.chosen for choice in mornings.choices.values()]
-    flown = ", ".join(f"`{name}` {number}" for name, number in Counter(names).most_common())
+    selected = ", ".join(f"`{name}` {number}" for name, number in Counter(names).most_common())
     verdict = texts.sentences(
         "mornings.verdict",
         skill=skill,
@@ -52,12 +52,14 @@ def _verdict(mornings: Mornings, laws: Sequence[str]) -> str:
         mornings=len(mornings.choices),
         begin=min(mornings.choices) / DAY,
         end=max(mornings.choices) / DAY,
-        flown=flown,
+        selected=selected,
         sure=sum(name in laws for name in names),
-        predictions=len(mornings.flown),
+        predictions=len(mornings.selected),
         earlier=mornings.earlier,
     )
-    across = int(np.isfinite(mornings.flown["burn_known"]).sum()) if "burn_known" in mornings.flown else 0
+    across = (
+        int(np.isfinite(mornings.selected["burn_known"]).sum()) if "burn_known" in mornings.selected else 0
+    )
     return f"{verdict} {texts.sentences('mornings.burns', across=across)}" if across else verdict
 
 
@@ -72,11 +74,11 @@ def best_model(mornings: Mornings, laws: Sequence[str]) -> tuple[str, float]:
 
 def _rows(mornings: Mornings, marks: Sequence[float], laws: Sequence[str]) -> list[list[str]]:
     _, least = best_model(mornings, laws)
-    before = mornings.flown.assign(e_y=mornings.flown["before"])
+    before = mornings.selected.assign(e_y=mornings.selected["before"])
     tables = {NO_CORRECTION: before} | {
         f"`{name}`": table for name, table in mornings.tables.items() if name != "none"
     }
-    return [_row(name, table, marks, least) for name, table in (tables | {CHOSEN: mornings.flown}).items()]
+    return [_row(name, table, marks, least) for name, table in (tables | {CHOSEN: mornings.selected}).items()]
 
 
 def _row(name: str, table: pd.DataFrame, marks: Sequence[float], least: float) -> list[str]:
@@ -92,31 +94,31 @@ def _row(name: str, table: pd.DataFrame, marks: Sequence[float], least: float) -
     return [name, *cells, skill_cell(summed(table), least)]
 
 
-def on_the_sky(flown: pd.DataFrame, marks: Sequence[float]) -> list[Block]:
+def on_the_sky(selected: pd.DataFrame, marks: Sequence[float]) -> list[Block]:
     """Return the along-track errors of a `replay` table as a station sees them; marks: durations [days].
 
-    Seconds too early or too late, and degrees in the sky of a station below the RSO, which flies at n r with
+    Seconds too early or too late, and degrees in the sky of a station below the RSO, which moves at n r with
     r = (GM / n^2)^(1/3) and n its mean motion.
     """
-    rate = float(flown["rate"].median())
+    rate = float(selected["rate"].median())
     radius = float((EARTH_GM / rate**2) ** (1.0 / 3.0))
     speed, height = rate * radius, radius - WGS84_A
     rows = []
     for day in marks:
-        near = (flown["duration"] / DAY - day).abs() <= REACH_DAYS
+        near = (selected["duration"] / DAY - day).abs() <= REACH_DAYS
         if near.any():
-            size = float(flown.loc[near, "e_y"].abs().quantile(SHARE))
+            size = float(selected.loc[near, "e_y"].abs().quantile(SHARE))
             angle = np.degrees(np.arctan2(size, height))
             rows.append([f"{day:g} d", length(size), f"{size / speed:.2g}", f"{angle:.2g}"])
-    sizes = {"speed": speed / 1000.0, "height": height / 1000.0, "within": days_within(flown)}
+    sizes = {"speed": speed / 1000.0, "height": height / 1000.0, "within": days_within(selected)}
     return list(texts.blocks("mornings.sky", rows, **sizes))
 
 
-def days_within(flown: pd.DataFrame) -> str:
+def days_within(selected: pd.DataFrame) -> str:
     """Return in words for how long nine tenths of the errors of a `replay` table stay within BOUND."""
     step = 2.0 * REACH_DAYS
-    number = np.round(flown["duration"] / DAY / step)
-    passed = flown["e_y"].abs().groupby(number).quantile(SHARE) > BOUND
+    number = np.round(selected["duration"] / DAY / step)
+    passed = selected["e_y"].abs().groupby(number).quantile(SHARE) > BOUND
     if not passed.any():
         return "90 % stay within 1 km for the whole prediction."
     if passed.iloc[0]:

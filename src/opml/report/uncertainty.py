@@ -36,20 +36,20 @@ def section(
         return
     yield from texts.blocks("uncertainty.section", title=TITLE, passes=calibration.PASSES)
     for (rso, stations), mornings in replays.items():
-        tables = {CHOSEN: mornings.flown} | {f"`{name}`": table for name, table in mornings.tables.items()}
+        tables = {CHOSEN: mornings.selected} | {f"`{name}`": table for name, table in mornings.tables.items()}
         shares = calibration.of_replays(tables, days=days)
         rows = [row for name in shares for row in _rows(name, tables[name], shares[name], days)]
         if (rso, stations) in fits:
             fit = fits[rso, stations].groupby("day")
             rows += [[*_cells("fit", day, table), NO_VALUE, NO_VALUE, NO_VALUE] for day, table in fit]
-        flown = _verdict(mornings.flown, shares[CHOSEN], days) if CHOSEN in shares else TOO_SHORT
-        yield from texts.blocks("uncertainty.dataset", rows, rso=rso, stations=stations, flown=flown)
+        selected = _verdict(mornings.selected, shares[CHOSEN], days) if CHOSEN in shares else TOO_SHORT
+        yield from texts.blocks("uncertainty.dataset", rows, rso=rso, stations=stations, selected=selected)
 
 
-def _verdict(flown: pd.DataFrame, shares: pd.DataFrame, days: Sequence[float]) -> str:
+def _verdict(selected: pd.DataFrame, shares: pd.DataFrame, days: Sequence[float]) -> str:
     ellipsoids = shares[(shares["quantity"] == ELLIPSOID) & (shares["level"] == LEVEL)]
     held = {row["day"]: row["inside"] for row in ellipsoids.to_dict("records")}
-    tested = calibration.goodness(flown, days=days).dropna(subset=["p"])
+    tested = calibration.goodness(selected, days=days).dropna(subset=["p"])
     return texts.sentences(
         "uncertainty.verdict",
         words=", ".join(f"{100.0 * share:.0f} % at {day:g} d" for day, share in held.items()),

@@ -28,7 +28,7 @@ def of_measurements(request: Request, *, progress: Progress) -> FittedOrbit:
 
 
 def settings() -> OrbitSettings:
-    """Return the settings of mornings that come with the package, for what flies over the real Earth."""
+    """Return the settings of mornings that come with the package, for real objects."""
     run = packaged.RUN
     real = read_yaml(PROJECT / "config" / "real_satellites.yaml")
     resolve = partial(

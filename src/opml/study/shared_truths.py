@@ -1,4 +1,4 @@
-"""Which RSOs fly together: the truths of one job, side by side in the lanes of the kernels."""
+"""Which RSOs are propagated together: the truths of one job, side by side in the lanes of the kernels."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
@@ -33,12 +33,14 @@ def named_rsos(paper: Paper, beyond: Beyond, own_study: OwnStudy) -> list[str]:
 def groups(study: Study, rsos: Iterable[str], *, results: Path) -> list[tuple[str, ...]]:
     """Return the simulated RSOs of each group of two or more.
 
-    rsos: names that the study may fly
-    results: folder of the truths that exist, in `truth`, and of who flew together, in `truth_groups`
+    rsos: names that the study may propagate
+    results: folder of the truths that exist, in `truth`, and of who were propagated together, in
+        `truth_groups`
 
     A job's truths are made anew together, with all that follows from them. So an RSO with a truth stays with
-    the RSOs it flew with, and an RSO that is new to the study flies with others that are new. The order is
-    the RSOs' own, whichever group is finished first: a job on another machine finds its rule by its number.
+    the RSOs it propagated with, and an RSO that is new to the study propagates with others that are new. The
+    order is the RSOs' own, whichever group is finished first: a job on another machine finds its rule by its
+    number.
     """
     rsos = _simulated_rsos(study, rsos)
     finished = list(_finished_groups(study, rsos, results))
@@ -58,8 +60,8 @@ def _finished_groups(study: Study, rsos: Sequence[str], results: Path) -> Iterat
     placed: set[str] = set()
     for group in map(_read_group, sorted((results / TRUTH_GROUPS).glob("*.parquet"))):
         is_needed = not set(rsos).isdisjoint(group) and placed.isdisjoint(group)
-        is_flown = any(_has_truth(results, rso) for rso in group)
-        if is_needed and is_flown and len(_simulated_rsos(study, group)) == len(group):
+        is_propagated = any(_has_truth(results, rso) for rso in group)
+        if is_needed and is_propagated and len(_simulated_rsos(study, group)) == len(group):
             placed.update(group)
             yield group
 

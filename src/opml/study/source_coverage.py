@@ -29,11 +29,11 @@ def check(run: RunSettings, *, is_measured: bool = False) -> None:
     ends = nodes(epoch, DAY * run.duration_days)[[0, -1]]
     earth_orientation.tabulate(epoch, ends)
     celestial_bodies.tabulate(sources.ephemerides, epoch, ends)
-    flown = {"true_solar_activity": sources.true_solar_activity}
+    propagated = {"true_solar_activity": sources.true_solar_activity}
     # Measurements before a forecast need not reach into the days ahead.
     if sources.knowledge != knowledge.FORECAST or not (is_measured or sources.true_solar_activity):
-        flown = {"solar_activity": sources.solar_activity, **flown}
-    for setting, source in flown.items():
+        propagated = {"solar_activity": sources.solar_activity, **propagated}
+    for setting, source in propagated.items():
         if source:
             _check_activity(setting, source, epoch, ends, sources.percentile)
     _check_knowledge(run, ends)
@@ -62,7 +62,7 @@ def _check_knowledge(run: RunSettings, ends: np.ndarray) -> None:
 
 
 def _check_atmosphere(run: RunSettings, ends: np.ndarray) -> None:
-    """Raise InputError where the truth is to fly through NRLMSIS without its code or measured weather."""
+    """Raise InputError where the truth has NRLMSIS, without its code or measured weather."""
     sources = run.environment
     if run.force_models.truth.atmosphere != nrlmsis.NAME:
         return

@@ -1,4 +1,4 @@
-"""Schemas of tables of mean elements flown by SGP4, and of what a catalogue of them teaches."""
+"""Schemas of tables of mean elements propagated by SGP4, and of what a catalogue of them teaches."""
 
 from collections.abc import Sequence
 

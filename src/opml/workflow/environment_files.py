@@ -38,12 +38,12 @@ class EnvironmentFiles:
 
     @property
     def is_forecast(self) -> bool:
-        """Whether predictions fly under a forecast of the space weather."""
+        """Whether predictions are propagated under a forecast of the space weather."""
         return self.knowledge == knowledge.FORECAST
 
     @property
     def true_activity(self) -> str:
-        """Name of the solar activity that the truth flies under."""
+        """Name of the solar activity that the truth is propagated under."""
         return "true_solar_activity" if self.sources.true_solar_activity else "solar_activity"
 
     @cached_property
@@ -61,7 +61,7 @@ class EnvironmentFiles:
 
     @cached_property
     def predictions(self) -> dict[str, str]:
-        """Tables that predictions read; those of a day share an outlook, as arcs under one fly together."""
+        """Tables that predictions read; those of a day share an outlook, so that their arcs share blocks."""
         return self._known(outlooks_every=self.sources.issue_hours)
 
     def futures(self, members: int) -> str | list[str]:
@@ -82,7 +82,7 @@ class EnvironmentFiles:
 
     @property
     def forecast(self) -> ForecastSettings:
-        """Settings of the forecast that predictions fly under; persistence where the run has none."""
+        """Settings of the forecast of predictions; persistence where the run has none."""
         return self.run.forecasts.get(self.sources.forecast or "", persistence.SETTINGS)
 
     @property

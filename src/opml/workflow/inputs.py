@@ -119,7 +119,7 @@ class Inputs:
     params: Params
 
     def activity(self, wildcards: Wildcards) -> str:
-        """Return the path of the solar activity that an RSO flew under, or of the assumed one if unknown."""
+        """Return the path of the solar activity of an RSO's truth, or of the assumed one if unknown."""
         environment = self.plan.environment
         tables = (
             environment.predictions if wildcards.rso in self.plan.settings.measured else environment.truth
@@ -243,7 +243,7 @@ class Inputs:
 
     @_input_function
     def futures(self, _: Wildcards, futures: _Pattern) -> _Paths:
-        """Find the courses that the weather may take; none where predictions fly under no forecast."""
+        """Find the courses that the weather may take; none where predictions have no forecast."""
         if not self.plan.environment.is_forecast:
             return []
         members = self.plan.settings.run.uncertainty.futures

@@ -235,7 +235,7 @@ class Params:
             "max_days": self.run.prediction.max_days,
             "step_s": self.run.ephemeris.step_s,
             "models": {name: settings.of_job() for name, settings in self._resolved(day.models, {}).items()},
-            # Models that a user names are flown at any height.
+            # Models that a user names are used at any height.
             "fits_above": 0.0 if "models" in day.model_fields_set else FITS_ABOVE,
             "catalogue": {"files": self.element_files, "weather": self.measured_weather},
             "objects": {rso: self._watched(rso) for rso in self.plan.watched[wildcards.batch]},
@@ -269,7 +269,7 @@ class Params:
         }
 
     def departures(self, wildcards: Wildcards) -> dict[str, Any]:
-        """Return the params that choose the estimates that ephemerides start from, and fly them."""
+        """Return the params that choose the estimates that ephemerides start from, and propagate them."""
         return self.assumed_model | {
             "rso": self.rso(wildcards),
             "cleaning": self.cleaning(wildcards),
@@ -334,7 +334,7 @@ class Params:
 
     @property
     def catalogue_weather(self) -> dict[str, Any]:
-        """Weather that a catalogue's objects fly under."""
+        """Weather that a catalogue's objects are propagated under."""
         asked = self.plan.values["catalogue"]
         return {"epoch": self.run.epoch, "weather": asked["weather"]}
 

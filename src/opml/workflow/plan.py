@@ -123,7 +123,7 @@ class Plan:
 
     @cached_property
     def truth_groups(self) -> list[tuple[str, ...]]:
-        """The RSOs of the studies, by the job that flies their truths together."""
+        """The RSOs of the studies, by the job that propagates their truths together."""
         rsos = shared_truths.named_rsos(self.paper, self.beyond, self.own_study)
         return shared_truths.groups(self.study, dict.fromkeys(rsos), results=Path(self.settings.run.results))
 

@@ -38,7 +38,7 @@ def test_carried_covariances_are_those_of_many_arcs(assumed_model, iss):
     assert found[["i", "j"]].to_numpy().tolist() == [[10, 11], [10, 12], [11, 12]]
 
     draws = np.random.default_rng(1).multivariate_normal(np.zeros(7), fit, DRAWS)
-    arcs = flight.fly(
+    arcs = flight.propagate(
         TIMES,
         table.loc[0, STATE].to_numpy(float) + draws[:, :6],
         cd=2.2 + draws[:, 6],

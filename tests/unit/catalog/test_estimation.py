@@ -132,7 +132,9 @@ def evaluated(assumed_model, iss, measured):
     flight = Flight(assumed_model, iss)
 
     def evaluate(window, parameters):
-        (around,), (lost,) = neighbour_arcs.fly_around(flight, measured.epochs, [window], parameters[None])
+        (around,), (lost,) = neighbour_arcs.propagate_around(
+            flight, measured.epochs, [window], parameters[None]
+        )
         assert not lost
         return measured.evaluation(window, around.states)
 

@@ -14,7 +14,7 @@ from opml.catalog.fit.estimation import Run
 from opml.catalog.fit.least_squares import Fit
 from opml.catalog.flight import Flight
 from opml.catalog.simulate import truth
-from opml.catalog.simulate.observing import Stands, horizon, predicted
+from opml.catalog.simulate.observing import StationStates, horizon, predicted
 from opml.tables import SCHEMAS, STATE, read_measured, write_table
 
 LATITUDE, HEIGHT = np.radians([30.67166667]), np.array([2010.344])
@@ -115,7 +115,7 @@ def points(orbit, earth_orientation, sites):
             np.tile(_axes(place), (len(t), 1, 1)),
         )
         both = np.ones(len(t), bool)
-        stands = Stands.of_places(t, moved, axes, earth_orientation, two_way=both)
+        stands = StationStates.of_places(t, moved, axes, earth_orientation, two_way=both)
         positions, velocities = (np.einsum("nij,nj->ni", stands.from_gcrf, states[:, k]) for k in (0, 1))
         names = ["range", "elevation"]
         distance, elevation = predicted(names, positions, velocities, stands, light_time=True).T

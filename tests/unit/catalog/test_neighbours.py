@@ -72,14 +72,14 @@ def test_fits_come_to_the_same_answer(estimates, fit, whole_field):
 
 def test_the_first_trial_of_a_fit_alone_flies_under_the_whole_field(fit, monkeypatch):
     counts = []
-    fly = Flight.fly
+    fly = Flight.propagate
 
     def counted(flight, epochs, states, **arguments):
         if flight.model.degree > 20 and epochs[0] > epochs[-1]:
             counts.append(len(states))
         return fly(flight, epochs, states, **arguments)
 
-    monkeypatch.setattr(Flight, "fly", counted)
+    monkeypatch.setattr(Flight, "propagate", counted)
     estimates = fit()
     iterations = estimates["iterations"].sum()
     assert estimates["converged"].all()
@@ -105,7 +105,7 @@ def test_an_arc_beside_another_is_where_it_would_have_flown(flight, iss, ahead, 
     epochs = np.arange(0.0, 2 * DAY + 1.0, 300.0)
     states, ends = np.array([start, other]), {"first": [0, 0], "last": [len(epochs) - 1] * 2}
     whole, near = (
-        one.fly(epochs, states, cd=2.2, **ends).states.reshape(2, -1, 6)
+        one.propagate(epochs, states, cd=2.2, **ends).states.reshape(2, -1, 6)
         for one in (flight, flight.for_neighbours())
     )
     found = beside(whole[0], *near)

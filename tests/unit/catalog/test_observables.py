@@ -15,7 +15,7 @@ from opml.catalog.fit import measured_tracks, sequential, sightings
 from opml.catalog.fit.first import first_orbit
 from opml.catalog.flight import Flight
 from opml.catalog.simulate import tracking
-from opml.catalog.simulate.observing import OBSERVABLES, Stands, difference, measured_by, site
+from opml.catalog.simulate.observing import OBSERVABLES, StationStates, difference, measured_by, site
 from opml.dynamics.frames import gcrf_to_itrf
 from opml.interop import tdm
 from opml.tables import STATE
@@ -208,7 +208,7 @@ def test_how_far_a_place_is_from_measurements(orbit, earth_orientation, three_st
     seen = without_noise(tracking.simulate(orbit, earth_orientation, [station], rso="iss", seed=1))
     measured, rows = sightings.Measured(seen, earth_orientation, [station]), np.array([3, 30, 60])
     at = orbit.set_index("t").loc[seen["t"].iloc[rows], STATE[:3]].to_numpy()
-    stands = Stands.at(seen["t"].to_numpy()[rows], [station], np.zeros(3, int), earth_orientation)
+    stands = StationStates.at(seen["t"].to_numpy()[rows], [station], np.zeros(3, int), earth_orientation)
     away = at - np.einsum("nji,nj->ni", stands.from_gcrf, stands.position)
     sight = away / np.linalg.norm(away, axis=1, keepdims=True)
     aside = np.cross(sight, [0.0, 0.0, 1.0])

@@ -36,7 +36,7 @@ def burnt(flight, orbit):
     first = int(np.searchsorted(t, BURN_AT))
     state = orbit[STATE].to_numpy()[first].copy()
     state[3:] += rsw_rotation(state[None])[0].T @ CHANGE
-    arcs = flight.fly(t[first:], state[None], cd=flight.rso.cd, first=[0], last=[len(t) - first - 1])
+    arcs = flight.propagate(t[first:], state[None], cd=flight.rso.cd, first=[0], last=[len(t) - first - 1])
     behind = orbit.copy()
     behind.loc[first + 1 :, STATE] = arcs.path(0)
     return behind
@@ -175,8 +175,8 @@ def test_what_nothing_explains_for_longer_than_a_window_counts_again(orbit, seen
     """No fit takes a track in that is far, none agree: after six hours they count all the same."""
     monkeypatch.setattr(quarantine.Watch, "_takes_in", lambda *_: False)
     monkeypatch.setattr(quarantine, "farthest", lambda *_: 1.0 + 1e3 * (len(reached) > 6))
-    reached, usual = [], quarantine.Usual.take
-    monkeypatch.setattr(quarantine.Usual, "take", lambda *call: (reached.append(0), usual(*call)))
+    reached, usual = [], quarantine.UsualInnovation.take
+    monkeypatch.setattr(quarantine.UsualInnovation, "take", lambda *call: (reached.append(0), usual(*call)))
     found = estimates(orbit, seen(orbit), WATCHING.evolve(window_hours=6.0))
     times, held = found["t"].to_numpy(), found["held_back"].to_numpy()
     first = int(np.argmax(held))

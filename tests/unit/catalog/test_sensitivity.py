@@ -44,7 +44,7 @@ def run(assumed_model, iss):
 
 def flown(model, rso, state, cd, span):
     """State after `span` [s] of an arc."""
-    return Flight(model, rso).fly(np.array(span), state[None], cd=cd, first=[0], last=[1]).path(0)[-1]
+    return Flight(model, rso).propagate(np.array(span), state[None], cd=cd, first=[0], last=[1]).path(0)[-1]
 
 
 def turned(pairs, row, difference):

@@ -78,7 +78,9 @@ def blown(flight, *, gust, seed, duration):
     for begin in np.arange(0.0, duration, PIECE):
         epochs = np.arange(begin, begin + PIECE + STEP, STEP)
         cd = flight.rso.cd * (1.0 + gust * np.sqrt(DAY / PIECE) * noise.normal())
-        pieces.append(flight.fly(epochs, pieces[-1][-1:], cd=cd, first=[0], last=[len(epochs) - 1]).path(0))
+        pieces.append(
+            flight.propagate(epochs, pieces[-1][-1:], cd=cd, first=[0], last=[len(epochs) - 1]).path(0)
+        )
     states = np.concatenate(pieces)
     t = STEP * np.arange(len(states))
     return pd.DataFrame({"t": t, **dict(zip(STATE, states.T, strict=True))})
@@ -238,9 +240,9 @@ def propagated(case, leg, noise, mean, root):
 
 def test_a_leg_carries_its_neighbours_as_they_fly(flight, calm, start):
     seen = 5.3 * HOUR + np.arange(3) * STEP
-    leg = Leg.fly(flight, start, 0.0, seen)
+    leg = Leg.propagate(flight, start, 0.0, seen)
     beside = start + [30.0, -20.0, 10.0, 0.02, 0.03, -0.01, 0.3]
-    flown = flight.fly(np.append(0.0, seen), beside[None, :6], cd=2.5, first=[0], last=[3]).path(0)
+    flown = flight.propagate(np.append(0.0, seen), beside[None, :6], cd=2.5, first=[0], last=[3]).path(0)
     assert np.linalg.norm(flown[0, :3] - leg.path[-1, :3]) > 500.0
     mean, root = propagated(calm[0], leg, Noise(0.0, 0.0, 0.0), beside, np.eye(7))
     assert mean[6] == 2.5
@@ -251,7 +253,7 @@ def test_a_leg_carries_its_neighbours_as_they_fly(flight, calm, start):
 
 
 def test_gusts_move_the_state_as_arcs_with_gusts_are_moved(flight, calm, start):
-    leg = Leg.fly(flight, start, 0.0, np.array([6.0 * HOUR]))
+    leg = Leg.propagate(flight, start, 0.0, np.array([6.0 * HOUR]))
     root = propagated(calm[0], leg, Noise(0.0, 0.1, 0.0), start, np.zeros((7, 7)))[1]
     pieces = 12
     states = np.tile(start[:6], (pieces + 1, 1))
@@ -259,7 +261,9 @@ def test_gusts_move_the_state_as_arcs_with_gusts_are_moved(flight, calm, start):
         cd = np.full(pieces + 1, 2.2)
         cd[k] += 0.01
         epochs = np.array([k, k + 1]) * PIECE
-        states = flight.fly(epochs, states, cd=cd, first=[0] * (pieces + 1), last=[1] * (pieces + 1)).states
+        states = flight.propagate(
+            epochs, states, cd=cd, first=[0] * (pieces + 1), last=[1] * (pieces + 1)
+        ).states
     moved = (states[:-1] - states[-1]) / 0.01 * 0.1 * 2.2 * np.sqrt(DAY / PIECE)
     expected = np.sqrt(np.diag(moved.T @ moved))
     np.testing.assert_allclose(np.linalg.norm(root, axis=1)[:6], expected, rtol=0.02)
@@ -267,10 +271,10 @@ def test_gusts_move_the_state_as_arcs_with_gusts_are_moved(flight, calm, start):
 
 
 def test_walks_and_kicks_add_up_to_those_of_a_day(flight, calm, start):
-    leg = Leg.fly(flight, start, 0.0, np.array([6.0 * HOUR]))
+    leg = Leg.propagate(flight, start, 0.0, np.array([6.0 * HOUR]))
     root = propagated(calm[0], leg, Noise(0.1, 0.0, 0.0), start, np.zeros((7, 7)))[1]
     assert np.linalg.norm(root[6]) == pytest.approx(0.1 * 2.2 * np.sqrt(0.25))
-    short = Leg.fly(flight, start, 0.0, np.array([1.0]))
+    short = Leg.propagate(flight, start, 0.0, np.array([1.0]))
     root = propagated(calm[0], short, Noise(0.0, 0.0, 1e-3), start, np.zeros((7, 7)))[1]
     covariance = root[3:6] @ root[3:6].T
     assert np.trace(covariance) == pytest.approx(2.0 * 1e-6 / DAY, rel=1e-3)
@@ -286,7 +290,7 @@ def test_a_leg_flies_under_what_is_known_when_its_track_begins(assumed_model, fl
     issued, known = np.array([-1.0, 2.0, 8.0]) * HOUR, np.zeros(3, int)
     model = assumed_model._replace(issued=issued, known=known, outlooks=outlooks)
     paths = [
-        Leg.fly(replace(flight, model=model), start, 0.0, np.array([6.0 * HOUR])).path
+        Leg.propagate(replace(flight, model=model), start, 0.0, np.array([6.0 * HOUR])).path
         for model in (model, assumed_model._replace(activity=active), assumed_model)
     ]
     np.testing.assert_array_equal(paths[0], paths[1])

@@ -42,7 +42,8 @@ def test_a_tenth_more_drag_takes_it_as_far_as_under_all_forces(iss, estimates, p
     assert list(found.columns) == SCHEMAS["spread"].names
     started = estimates[STATE].to_numpy()
     plain, more = (
-        Flight(assumed_model, iss).fly_pairs(pairs, started, cd=cd * np.ones(2))[0] for cd in (2.2, 2.42)
+        Flight(assumed_model, iss).propagate_pairs(pairs, started, cd=cd * np.ones(2))[0]
+        for cd in (2.2, 2.42)
     )
     expected = np.abs(in_rsw(more - plain, plain)[:, :3])
     np.testing.assert_allclose(found["drag_y"], expected[:, 1], rtol=0.03)

@@ -104,7 +104,7 @@ def test_sets_flown_by_plain_sgp4_carry_the_correction(
     for number, own in rows.loc[wanted.index].groupby("number"):
         assert new[number].jdsatepochF == old[number].jdsatepochF
         minutes = 1440.0 * own["tau"].to_numpy()
-        flown = [element_set.fly(one[number], minutes) for one in (old, new)]
+        flown = [element_set.propagate(one[number], minutes) for one in (old, new)]
         taken = pairs.along_track(flown[0][0], flown[1][0], flown[1][1])
         tau, response, sought = (part.to_numpy() for part in (own["tau"], own["response"], wanted[own.index]))
         design, weight = np.column_stack([tau, response]), tau**-1.5

@@ -212,9 +212,9 @@ def test_arcs_under_several_outlooks_fly_together_as_each_alone(iss):
     epochs = HOUR * np.arange(0.0, 25.0)
     first = np.arange(0, 16, 2)
     states = np.tile([6.9e6, 0.0, 0.0, 0.0, 5e3, 5.7e3], (len(first), 1))
-    together = flight.fly(epochs, states, cd=2.2, first=first, last=first + 9)
+    together = flight.propagate(epochs, states, cd=2.2, first=first, last=first + 9)
     for arc, begin in enumerate(first):
-        alone = flight.fly(epochs, states[:1], cd=2.2, first=[begin], last=[begin + 9])
+        alone = flight.propagate(epochs, states[:1], cd=2.2, first=[begin], last=[begin + 9])
         assert alone.states.tobytes() == together.path(arc).tobytes()
     assert len(np.unique(flight.model.newest_outlook(epochs[first]))) > 4
     assert len({together.path(arc)[-1].tobytes() for arc in range(len(first))}) == len(first)

@@ -17,8 +17,8 @@ from opml.catalog.predict.resonance import Resonances
 from opml.catalog.predict.sensitivity import sensitivities
 from opml.ephemerides import corrected
 from opml.ephemerides.ephemeris_task import Task, departures
-from opml.ephemerides.known_tables import Known
-from opml.ephemerides.task_part import Grid, Part
+from opml.ephemerides.known_tables import KnownTables
+from opml.ephemerides.task_part import Grid, TaskPart
 from opml.figures import errors_at_later_tracks
 from opml.interop import oem
 from opml.interop.element_sets import baseline
@@ -111,7 +111,9 @@ def known(assumed_model):
         }
     )
     others = {24.0: estimates(gm, 2.2, ahead=40.0)}
-    return Known(own, at_estimates, 12.0, gm, others=others, long_window_hours=24.0, resonances=[(1, 15)])
+    return KnownTables(
+        own, at_estimates, 12.0, gm, others=others, long_window_hours=24.0, resonances=[(1, 15)]
+    )
 
 
 def built(flight, known, starts, *, grid=GRID, replay=REPLAY):
@@ -127,7 +129,7 @@ def table(flight, known):
 def test_sgp4_flies_to_the_grid_from_the_newest_set(flight, known):
     sets = history([0.1, 0.3, 0.6])
     grid = Grid(step=0.01 * DAY, max_days=0.8, end=2.0 * DAY)
-    part = Part(
+    part = TaskPart(
         flight, replace(known, epoch=EPOCH, histories={"element_sets": sets}), known.estimates.iloc[1:3], grid
     )
     columns = part.columns(("sgp4_y",))
@@ -136,17 +138,17 @@ def test_sgp4_flies_to_the_grid_from_the_newest_set(flight, known):
     assert np.isfinite(columns["sgp4_y"]).all()
     improved = pd.concat([sets.assign(model=name) for name in IMPROVED_MODELS])
     beside = replace(known, epoch=EPOCH, histories={"improved_history": improved})
-    columns = Part(flight, beside, known.estimates.iloc[1:3], grid).columns(("learned_y",))
+    columns = TaskPart(flight, beside, known.estimates.iloc[1:3], grid).columns(("learned_y",))
     assert columns["learned_y"].tolist() == expected["sgp4_y"].tolist()
     for name in ("sgp4_y", "density_y"):
         with pytest.raises(InputError, match="ephemeris: expected mean elements, as the learner asks"):
-            Part(flight, known, known.estimates.iloc[1:3], grid).columns((name,))
+            TaskPart(flight, known, known.estimates.iloc[1:3], grid).columns((name,))
 
 
 def test_columns_on_the_grid_are_those_at_tracks(flight, known):
     """What the tables say of pairs of tracks, they say of the grid's epochs, too."""
     grid = Grid(step=0.01 * DAY, max_days=0.8, end=2.0 * DAY)
-    part = Part(flight, known, known.estimates.iloc[1:3], grid)
+    part = TaskPart(flight, known, known.estimates.iloc[1:3], grid)
     dense = part.columns(("v_y", "l_y", "h_arc_y"), arc=(24.0, 30.0)).set_index(["i", "j"])
     at_tracks = {"arrivals": known.estimates.set_index("track")["t"], "max_days": 0.8}
     fits = known.estimates, known.other(24.0)
@@ -173,8 +175,8 @@ def test_columns_on_the_grid_are_those_at_tracks(flight, known):
 def test_arcs_that_fly_together_are_those_that_fly_alone(degree, known, iss):
     """In a large field they fly beside the first, 40 m ahead of it and with another Cd, to a decimetre."""
     flight, start = Flight(force_model(degree), iss), known.estimates.iloc[1:2]
-    together, alone = (Part(flight, known, start, replace(GRID, step=300.0)) for _ in range(2))
-    together.fly_together([24.0], [24.0], [(24.0, 30.0)])
+    together, alone = (TaskPart(flight, known, start, replace(GRID, step=300.0)) for _ in range(2))
+    together.propagate_together([24.0], [24.0], [(24.0, 30.0)])
     np.testing.assert_array_equal(together.pairs()[STATE], alone.pairs()[STATE])
     for found, expected in (
         (together.predictions(24.0), alone.predictions(24.0)),
@@ -190,7 +192,7 @@ def test_arcs_that_fly_together_are_those_that_fly_alone(degree, known, iss):
 
 
 def test_what_parts_an_arc_is_told_without_further_arcs(flight, known, monkeypatch):
-    part = Part(flight, known, known.estimates.iloc[1:3], replace(GRID, step=300.0))
+    part = TaskPart(flight, known, known.estimates.iloc[1:3], replace(GRID, step=300.0))
     whole, expected = part.arcs(24.0), part.columns(("l_arc_y", "v_arc_y"), arc=(24.0, 30.0))
     monkeypatch.setattr(other_windows, "nudged", None)
     found = part.columns(("l_arc_y",), arc=(24.0, 30.0))
@@ -214,7 +216,7 @@ def test_the_grid_is_regular_and_begins_after_the_estimate(table):
 
 
 def test_the_orbit_is_moved_by_what_the_model_says(table, flight, known):
-    rows = Part(flight, known, known.estimates.iloc[[1, 2]], GRID).columns(LAW.variables, arc=Taught.arc)
+    rows = TaskPart(flight, known, known.estimates.iloc[[1, 2]], GRID).columns(LAW.variables, arc=Taught.arc)
     said = LAW.predict(rows[list(LAW.variables)].to_numpy())
     states = table[STATE].to_numpy()
     moved = in_rsw(table[[f"{name}_predicted" for name in STATE]].to_numpy() - states, states)

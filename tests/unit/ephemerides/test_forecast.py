@@ -13,7 +13,7 @@ from opml.environment import knowledge
 from opml.environment.knowledge import Issues
 from opml.ephemerides import forecast
 from opml.ephemerides.ephemeris_task import Grid, Task
-from opml.ephemerides.known_tables import Known
+from opml.ephemerides.known_tables import KnownTables
 from opml.interop import oem
 from opml.tables import (
     PARAMETER_COVARIANCES,
@@ -52,7 +52,7 @@ def known(iss):
     at = dict(zip(STATE, np.tile(initial_state(iss, model.gm), (2, 1)).T, strict=True))
     fit = dict.fromkeys(PARAMETER_COVARIANCES, 0.0) | {f"cov_{a}_{a}": sigma[a] ** 2 for a in PARAMETERS}
     estimates = pd.DataFrame({"track": range(2), "t": TIMES, "converged": True, **at, "cd": 2.2, **fit})
-    return Known(estimates, pd.DataFrame({"cd_inside": [True, True]}), 12.0, model.gm)
+    return KnownTables(estimates, pd.DataFrame({"cd_inside": [True, True]}), 12.0, model.gm)
 
 
 @pytest.fixture(scope="module")

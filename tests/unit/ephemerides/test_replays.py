@@ -16,7 +16,7 @@ from opml.catalog.predict.spread import Weathers
 from opml.catalog.simulate import tracking, truth
 from opml.ephemerides import corrected, replays
 from opml.ephemerides.ephemeris_task import Task
-from opml.ephemerides.known_tables import Known
+from opml.ephemerides.known_tables import KnownTables
 from opml.ephemerides.task_part import Grid
 from opml.interop import oem
 from opml.learning.data import dataset
@@ -53,7 +53,7 @@ def tables(truth_model, assumed_model, iss, earth_orientation, three_stations):
     options = {"gm": assumed_model.gm, "cleaning": Cleaning()}
     rows = dataset.build(estimates, predictions, tracks, **options)
     at = dataset.of_estimates(estimates, predictions, tracks, **options)
-    known = Known(estimates, at, 12.0, assumed_model.gm)
+    known = KnownTables(estimates, at, 12.0, assumed_model.gm)
     return {"known": known, "predictions": predictions, "rows": rows}
 
 
@@ -163,9 +163,9 @@ def test_learners_share_their_arcs_and_keep_their_tables(flight, tables, table, 
         flown.append(pairs["i"].nunique())
         return fly_pairs(flight, pairs, *arguments, **options)
 
-    fly_pairs = Flight.fly_pairs
+    fly_pairs = Flight.propagate_pairs
     series = [series_of(flight, tables, learner) for learner in settings]
-    monkeypatch.setattr(Flight, "fly_pairs", counted)
+    monkeypatch.setattr(Flight, "propagate_pairs", counted)
     together = replays.build(flight, known, series, max_days=1.0)
     for one, other in zip(together, alone, strict=True):
         pd.testing.assert_frame_equal(one, other, check_exact=True)

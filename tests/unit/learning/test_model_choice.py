@@ -85,7 +85,7 @@ def test_mornings_hold_the_same_predictions_of_every_model(replayed, errors):
     assert pairs[0] == pairs[1] == pairs[2]
     assert min(replayed.choices) == 5.0 * DAY
     assert replayed.earlier == (errors["t_i"] < 5.0 * DAY).sum()
-    assert len(replayed.flown) == len(pairs[0])
+    assert len(replayed.selected) == len(pairs[0])
     flown = [one.chosen for one in replayed.choices.values()]
     assert flown[0] == "running"
     assert flown[-1] == "law"
@@ -111,7 +111,7 @@ def test_the_truth_judges_mornings_but_chooses_none(replayed):
             np.testing.assert_allclose(table[column], before[column] + shift, atol=1e-9)
         assert (table[DOUBT] == 0.0).all(axis=None)
         assert list(table.columns) == list(before.columns)
-    flown = judged.flown.set_index(["i", "j"])["e_y"] - replayed.flown.set_index(["i", "j"])["e_y"]
+    flown = judged.selected.set_index(["i", "j"])["e_y"] - replayed.selected.set_index(["i", "j"])["e_y"]
     np.testing.assert_allclose(flown.dropna(), 100.0)
     assert flown.isna().sum() == 1
 
@@ -139,7 +139,7 @@ def test_the_report_leads_with_what_was_flown(replayed):
     )
     best, least = mornings.best_model(replayed, ["law"])
     assert best == "running"
-    gained = round(skill(replayed.flown["e_y"].abs().sum(), least))
+    gained = round(skill(replayed.selected["e_y"].abs().sum(), least))
     assert 0 < gained < 40
     assert f"have a skill of {gained} % relative to `running`" in text
     assert "| selected each day |" in text
@@ -164,7 +164,7 @@ def test_rows_that_a_burn_spoilt_choose_nothing_once_it_is_known(errors):
     assert choose({"running": errors, "law": law}, ["law"], now=NOW, seed=1).chosen == "running"
     assert choose({"running": errors, "law": burned_law}, ["law"], now=NOW, seed=1).chosen == "law"
     found = Mornings.from_replays({"running": errors, "law": burned_law}, ["law"], seed=1)
-    rows = int(np.isfinite(found.flown["burn_known"]).sum())
+    rows = int(np.isfinite(found.selected["burn_known"]).sum())
     assert rows > 0
     text = document.markdown(mornings.section({("lares", "eglin"): found}, [1, 7], ["law"]))
     assert f"{rows} predictions crossed a burn" in text

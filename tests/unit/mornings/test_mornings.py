@@ -19,7 +19,7 @@ from opml.catalog.predict.spread import Weathers
 from opml.catalog.simulate import tracking, truth
 from opml.dynamics.shared_blocks import SharedBlocks
 from opml.ephemerides.along_track_shift import corrected
-from opml.ephemerides.known_tables import Known
+from opml.ephemerides.known_tables import KnownTables
 from opml.interop import oem
 from opml.interop.object_ids import ObjectId
 from opml.learning.models import learners
@@ -282,7 +282,9 @@ def test_a_burn_that_nobody_named_is_found_and_windows_begin_anew_behind_it(
     later = orbit["t"].to_numpy() >= burn
     state = orbit.loc[later, STATE].to_numpy()[0].copy()
     state[3:] += 0.5 * state[3:] / np.linalg.norm(state[3:])
-    path = flight.fly(orbit["t"][later], state[None], cd=iss.cd, first=[0], last=[later.sum() - 1]).path(0)
+    path = flight.propagate(
+        orbit["t"][later], state[None], cd=iss.cd, first=[0], last=[later.sum() - 1]
+    ).path(0)
     orbit.loc[later, STATE] = np.vstack([state, path])
     orientation, stations = watched.model.orientation, watched.stations
     measured = tracking.simulate(orbit, orientation, stations, rso="iss", seed=1)
@@ -351,7 +353,7 @@ def beside(objects, folder, until):
     blocks, store = SharedBlocks(), Store(folder, "0", objects)
     under_way = []
     for name, (one, rso) in objects.items():
-        flight = replace(one.model.fits, rso=rso, propagate=blocks.propagate)
+        flight = replace(one.model.fits, rso=rso, propagator=blocks.propagate)
         model = replace(one.model, fits=flight, predictions=flight, flattened=flight)
         under_way.append(begin(store, name, replace(one, model=model), until))
 
@@ -469,7 +471,7 @@ def test_an_estimate_long_after_the_one_before_is_not_flown_to():
     t = DAY * np.array([0.0, 1.0, 9.0])
     columns = {"t_b": [np.nan, *t[:2]], "b": [-1, 4, 5], "converged": True, "cd_inside": True}
     at_estimates = pd.DataFrame(columns, index=pd.Index([4, 5, 6], name="track"))
-    known = Known(pd.DataFrame({"track": [4, 5, 6], "t": t}), at_estimates, 12.0, 4e14)
+    known = KnownTables(pd.DataFrame({"track": [4, 5, 6], "t": t}), at_estimates, 12.0, 4e14)
     assert candidates._from_previous(known, longest=7.0 * DAY)[["i", "j"]].to_numpy().tolist() == [[4, 5]]
     assert candidates._from_previous(known, longest=8.0 * DAY)["j"].tolist() == [5, 6]
 

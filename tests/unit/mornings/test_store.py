@@ -11,7 +11,7 @@ from opml.base.errors import InputError
 from opml.mornings.calendar import HORIZON
 from opml.mornings.days import failed
 from opml.mornings.kept import batch_day
-from opml.mornings.kept.batch_day import PATHS, Finished
+from opml.mornings.kept.batch_day import PATHS, FinishedMorning
 from opml.mornings.kept.store import Store
 from opml.mornings.records import Paths, Records
 from opml.tables import SCHEMAS, paths_schema
@@ -34,7 +34,7 @@ def finished(name, value, *, models=("fit96",), day=DAY, **optional):
     paths = [Paths(filled(paths_schema(models), 3, value))] if models else []
     judged = tables["judged"].assign(**optional)
     records = Records(tables["kept_estimates"], judged, tables["issued"], paths)
-    return Finished(records, failed(name, day, "good", "why"), "digest", {"eglin": "here"})
+    return FinishedMorning(records, failed(name, day, "good", "why"), "digest", {"eglin": "here"})
 
 
 def write(folder, made, *, batch="0", day=DAY):

@@ -70,8 +70,8 @@ def test_the_answer_is_the_model_its_errors_and_what_the_others_would_have_left(
 def test_errors_are_those_of_the_model_that_is_named():
     """What another model left on mornings when the past chose that says nothing of this one."""
     found = mornings_of(running=1.0, fit48=2.0)
-    flown = found.flown.assign(e_y=1e6)
-    changed = dataclasses.replace(found, flown=flown)
+    flown = found.selected.assign(e_y=1e6)
+    changed = dataclasses.replace(found, selected=flown)
     assert (
         answered(changed).split(".** ")[1].split(", median")[0]
         == (answered(found).split(".** ")[1].split(", median")[0])

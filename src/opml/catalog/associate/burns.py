@@ -16,7 +16,7 @@ import numpy as np
 
 from opml.catalog.associate.innovations import ReferenceOrbit
 from opml.catalog.fit.estimation import Run
-from opml.catalog.fit.neighbour_arcs import NUDGES, fly_beside
+from opml.catalog.fit.neighbour_arcs import NUDGES, propagate_beside
 from opml.orbits.elements import rsw_rotation
 
 STEP = 20.0  # time between the epochs at which orbits are compared with each other [s]
@@ -44,7 +44,7 @@ def burn_between(
     scale: factor on the standard deviations of both
     """
     t = np.linspace(*span, max(2, int((span[1] - span[0]) / STEP)))
-    old, new = _flown(run, before, t), _flown(run, after, t[::-1])
+    old, new = _propagated(run, before, t), _propagated(run, after, t[::-1])
     if old is None or new is None:
         return None
     apart = new[0][::-1] - old[0]
@@ -61,10 +61,10 @@ def burn_between(
     return Burn(float(t[k]), axes @ change[k], sigma, float(np.sqrt(square[k] / 3.0)))
 
 
-def _flown(run: Run, orbit: ReferenceOrbit, t: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
+def _propagated(run: Run, orbit: ReferenceOrbit, t: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
     """Return states (n, 6) of an orbit at times (n,) [s] and their covariances (n, 6, 6); None if lost."""
     epochs = np.append(run.measured.epochs[orbit.at], t)
-    states, status = fly_beside(run.flight, epochs, orbit.parameters)
+    states, status = propagate_beside(run.flight, epochs, orbit.parameters)
     if status:
         return None
     partials = ((states[1:, 1:] - states[0, 1:]) / NUDGES[:, None, None]).transpose(1, 2, 0)

@@ -18,7 +18,7 @@ from opml.catalog.fit.apriori import covariance_root, with_apriori_cd
 from opml.catalog.fit.estimate import Estimate
 from opml.catalog.fit.estimation import Run
 from opml.catalog.fit.least_squares import Evaluation
-from opml.catalog.fit.neighbour_arcs import fly_around
+from opml.catalog.fit.neighbour_arcs import propagate_around
 from opml.tables import PARAMETERS
 
 _CD = PARAMETERS.index("cd")
@@ -68,7 +68,7 @@ def farthest(run: Run, orbit: ReferenceOrbit, track: int) -> float:
     """Return the largest innovation of a track [1], predicted from an orbit before; infinite if lost."""
     alone = run.measured.track(track)
     window = replace(alone, first=min(orbit.at, alone.first), at=orbit.at)
-    [around], [status] = fly_around(run.flight, run.measured.epochs, [window], orbit.parameters[None])
+    [around], [status] = propagate_around(run.flight, run.measured.epochs, [window], orbit.parameters[None])
     if status:
         return np.inf
     evaluation = run.measured.evaluation(window, around.states, light_time=run.settings.light_time)
@@ -77,7 +77,7 @@ def farthest(run: Run, orbit: ReferenceOrbit, track: int) -> float:
 
 
 @dataclass
-class Usual:
+class UsualInnovation:
     """How far tracks of an object are from their predictions."""
 
     past: list[float] = field(default_factory=list)  # largest innovations of the object's own tracks

@@ -21,7 +21,7 @@ import pandas as pd
 
 from opml.base.constants import HOUR
 from opml.catalog.associate.burns import Burn, burn_between
-from opml.catalog.associate.innovations import CD_SPREAD, ReferenceOrbit, Usual, farthest
+from opml.catalog.associate.innovations import CD_SPREAD, ReferenceOrbit, UsualInnovation, farthest
 from opml.catalog.fit import biases, estimation
 from opml.catalog.fit.estimate import Estimate
 from opml.catalog.fit.estimation import Run
@@ -67,7 +67,7 @@ class Watch:
         self._known: list[ReferenceOrbit] = []
         self._usable: StartParameters | None = None
         self._spare: StartParameters | None = None
-        self._usual = Usual(), Usual()
+        self._usual = UsualInnovation(), UsualInnovation()
         self._sizes: list[float] = []
 
     def take(self, track: int) -> tuple[Estimate, Burn | None]:

@@ -3,8 +3,8 @@
 At the start of each track, all measurements of that track and of those that began in the window before it
 are fitted under the assumed model (paper, sec. Estimation Models). A window may reach beyond the track, too:
 such an estimate is smoothed and known later, which serves labels. The partial derivatives come from
-neighbouring arcs: the nominal arc and seven that differ in one parameter fly as eight lanes of an ensemble,
-so no variational equations are needed.
+neighbouring arcs: the nominal arc and seven that differ in one parameter propagate as eight lanes of an
+ensemble, so no variational equations are needed.
 """
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
@@ -23,7 +23,7 @@ from opml.catalog.fit.estimation_settings import Estimation
 from opml.catalog.fit.iterations import Iterations
 from opml.catalog.fit.least_squares import Evaluation, Fit, Method
 from opml.catalog.fit.measurements import Measurements, Window
-from opml.catalog.fit.neighbour_arcs import fly_around, fly_parameters
+from opml.catalog.fit.neighbour_arcs import propagate_around, propagate_parameters
 from opml.catalog.fit.outliers import fit_without_outliers
 from opml.catalog.fit.starts import Solution, Starts, solutions
 from opml.catalog.flight import Flight
@@ -85,10 +85,10 @@ class Run:
         pair = np.stack([start, start + np.eye(7)[CD]])
         epochs = np.array([begin, begin + self._window])
         near = self.flight.for_neighbours()  # drag is the same under all harmonics
-        flown = fly_parameters(near, epochs, pair, np.zeros(2, int), np.ones(2, int)).states[:, :3]
+        propagated = propagate_parameters(near, epochs, pair, np.zeros(2, int), np.ones(2, int)).states[:, :3]
         free = np.ones(7, bool)
         # An arc that comes down on the way has no displacement, and feels drag all the more.
-        free[CD] = not np.linalg.norm(flown[1] - flown[0]) < self.settings.least_drag_m
+        free[CD] = not np.linalg.norm(propagated[1] - propagated[0]) < self.settings.least_drag_m
         return free
 
     def window(self, track: int, *, without: Collection[int] = ()) -> Window:
@@ -180,7 +180,7 @@ class Run:
         """Return the states (8, epochs, 6) of the best of each estimate and its neighbours."""
         windows, best = [one.window for one in estimates], np.array([one.fit.best for one in estimates])
         trials = best.reshape(-1, len(PARAMETERS))
-        arounds, _ = fly_around(self.flight, self.measured.epochs, windows, trials)
+        arounds, _ = propagate_around(self.flight, self.measured.epochs, windows, trials)
         return [around.states for around in arounds]
 
     @property

@@ -12,7 +12,7 @@ import numpy as np
 
 from opml.catalog.fit.least_squares import Evaluation, Fit
 from opml.catalog.fit.measurements import Window
-from opml.catalog.fit.neighbour_arcs import Around, fly_around, fly_near
+from opml.catalog.fit.neighbour_arcs import NeighbourArcs, propagate_around, propagate_near
 from opml.catalog.flight import Flight
 from opml.dynamics.ensemble import REASONS
 
@@ -40,7 +40,7 @@ class Iterations:
 
     def run(self, fits: Sequence[Fit], *, most: int) -> None:
         """Iterate the fits until they end, or after so many iterations."""
-        known: dict[int, _Flown] = {}
+        known: dict[int, _Propagated] = {}
         for _ in range(most):
             trials = {k: fit.trial for k, fit in enumerate(fits) if _is_running(fit)}
             if not trials:
@@ -50,25 +50,29 @@ class Iterations:
                 fits[k].take(evaluation)
             # What was tried alone, and came out far from what is known, is propagated again with all of it.
             far = {k: trial for k, trial in trials.items() if k not in near}
-            for k, around, lost in self._flown(far):
+            for k, around, lost in self._propagated(far):
                 if lost:
                     fits[k].reject(f"start arc {REASONS[lost]}")
                 else:
-                    known[k] = _Flown(around, self.evaluation(k, around.states))
+                    known[k] = _Propagated(around, self.evaluation(k, around.states))
                     fits[k].take(known[k].evaluation)
 
-    def _flown(self, trials: Mapping[int, np.ndarray]) -> Iterator[tuple[int, Around, int]]:
+    def _propagated(self, trials: Mapping[int, np.ndarray]) -> Iterator[tuple[int, NeighbourArcs, int]]:
         """Yield the arcs around trials, by the numbers of their fits, and their status."""
         if trials:
             windows, parameters = [self.windows[k] for k in trials], np.array(list(trials.values()))
-            yield from zip(trials, *fly_around(self.flight, self.epochs, windows, parameters), strict=True)
+            yield from zip(
+                trials, *propagate_around(self.flight, self.epochs, windows, parameters), strict=True
+            )
 
-    def _near(self, trials: Mapping[int, np.ndarray], known: Mapping[int, "_Flown"]) -> dict[int, Evaluation]:
+    def _near(
+        self, trials: Mapping[int, np.ndarray], known: Mapping[int, "_Propagated"]
+    ) -> dict[int, Evaluation]:
         """Return the evaluations of those trials that are near what was propagated for the same fits."""
         if not trials or self.flight.for_neighbours() is self.flight:
             return {}
         windows, parameters = [self.windows[k] for k in trials], np.array(list(trials.values()))
-        paths, _ = fly_near(self.flight, self.epochs, windows, parameters)
+        paths, _ = propagate_near(self.flight, self.epochs, windows, parameters)
         found = {
             k: self.evaluation(k, known[k].around.moved(path)) for k, path in zip(trials, paths, strict=True)
         }
@@ -76,10 +80,10 @@ class Iterations:
 
 
 @dataclass(frozen=True)
-class _Flown:
+class _Propagated:
     """A trial of a fit that was propagated with all of the field, and its evaluation."""
 
-    around: Around
+    around: NeighbourArcs
     evaluation: Evaluation
 
     def is_near(self, other: Evaluation) -> bool:

@@ -18,7 +18,7 @@ from opml.catalog.fit.least_squares import Evaluation
 from opml.catalog.fit.measurements import Measurements, Rows, Window
 from opml.catalog.fit.range_corrections import bent, mapped, tide, vapour_pressure, zenith_delay
 from opml.catalog.fit.sightings import Measured
-from opml.catalog.simulate.observing import Stands, horizon, observe, retarded
+from opml.catalog.simulate.observing import StationStates, horizon, observe, retarded
 from opml.dynamics.frames import gcrf_to_itrf
 
 _WGS84 = 1
@@ -107,7 +107,7 @@ class LaserRanges(Measured):
         position, there_and_back = ranges[_STATION].to_numpy(), np.ones(len(t), bool)
         longitude, latitude, height = erfa.gc2gd(_WGS84, position)
         axes = np.array([horizon(lon, lat) for lon, lat in zip(longitude, latitude, strict=True)])
-        self.stands = Stands.of_places(t, position, axes, earth_orientation, two_way=there_and_back)
+        self.stands = StationStates.of_places(t, position, axes, earth_orientation, two_way=there_and_back)
         self.names, self.stations = ["range"], ranges["station"].to_numpy()
         self.values, self.sigmas = ranges[["range"]].to_numpy(), ranges[["sigma_range"]].to_numpy()
         self.counting = np.isfinite(self.values)

@@ -19,31 +19,34 @@ _NEIGHBOURS = np.vstack([np.zeros(7), np.diag(NUDGES)])
 """The arcs of one evaluation, as differences from the nominal arc, which is the first."""
 
 
-def fly_parameters(
+def propagate_parameters(
     flight: Flight, epochs: np.ndarray, parameters: np.ndarray, first: np.ndarray, last: np.ndarray
 ) -> Arcs:
     """Propagate arcs from parameters (arcs, 7) at epochs[first] to epochs[last]."""
-    return flight.fly(epochs, parameters[:, :6], cd=parameters[:, _CD], first=first, last=last)
+    return flight.propagate(epochs, parameters[:, :6], cd=parameters[:, _CD], first=first, last=last)
 
 
-def fly_beside(flight: Flight, epochs: np.ndarray, parameters: np.ndarray) -> tuple[np.ndarray, int]:
-    """Return (states of an arc and its neighbours, their worst status), as `fly_around`, forward in time.
+def propagate_beside(flight: Flight, epochs: np.ndarray, parameters: np.ndarray) -> tuple[np.ndarray, int]:
+    """Return (states of an arc and its neighbours, their worst status), as `propagate_around`, forward in
+    time.
 
     parameters: (7,) at the first epoch
     epochs: (n,) at which the states (8, n, 6) are wanted [s]
     """
     near = flight.for_neighbours()
-    states, status = _fly_forward(near, epochs, parameters + _NEIGHBOURS)
+    states, status = _propagate_forward(near, epochs, parameters + _NEIGHBOURS)
     if near is flight:
         return states, status
-    [whole], lost = _fly_forward(flight, epochs, parameters[None])
+    [whole], lost = _propagate_forward(flight, epochs, parameters[None])
     return _all_beside(whole, states), max(status, lost)
 
 
-def _fly_forward(flight: Flight, epochs: np.ndarray, parameters: np.ndarray) -> tuple[np.ndarray, int]:
+def _propagate_forward(flight: Flight, epochs: np.ndarray, parameters: np.ndarray) -> tuple[np.ndarray, int]:
     """Return (states (arcs, n, 6), worst status) of arcs from parameters (arcs, 7) through all epochs."""
     count = len(parameters)
-    arcs = fly_parameters(flight, epochs, parameters, np.zeros(count, int), np.full(count, len(epochs) - 1))
+    arcs = propagate_parameters(
+        flight, epochs, parameters, np.zeros(count, int), np.full(count, len(epochs) - 1)
+    )
     later = arcs.states.reshape(count, len(epochs) - 1, 6)
     return np.concatenate([parameters[:, None, :6], later], axis=1), int(arcs.status.max())
 
@@ -54,11 +57,11 @@ def _all_beside(path: np.ndarray, arcs: np.ndarray) -> np.ndarray:
 
 
 @dataclass(frozen=True)
-class Around:
+class NeighbourArcs:
     """The arcs of a trial and its neighbours, through the epochs of a window."""
 
     states: np.ndarray  # (8, epochs, 6) GCRF [m, m/s], those of the trial first
-    near: np.ndarray  # (epochs, 6) the trial's own under the part of the field that neighbours fly under
+    near: np.ndarray  # (epochs, 6) the trial's own under the neighbours' part of the field
 
     def moved(self, near: np.ndarray) -> np.ndarray:
         """Return the states (8, epochs, 6) of another trial near by; near: as that of this one."""
@@ -67,9 +70,9 @@ class Around:
         return self.states + (beside(path, self.near, near) - path)
 
 
-def fly_around(
+def propagate_around(
     flight: Flight, epochs: np.ndarray, windows: Sequence[Window], trials: np.ndarray
-) -> tuple[list[Around], np.ndarray]:
+) -> tuple[list[NeighbourArcs], np.ndarray]:
     """Return (arcs of each trial (n, 7) of a window and its neighbours, their worst status).
 
     The status is an index into REASONS.
@@ -80,27 +83,29 @@ def fly_around(
     near = flight.for_neighbours()
     count = len(_NEIGHBOURS)
     lanes = (trials[:, None] + _NEIGHBOURS).reshape(-1, 7)
-    paths, status = _fly_windows(near, epochs, [window for window in windows for _ in range(count)], lanes)
+    paths, status = _propagate_windows(
+        near, epochs, [window for window in windows for _ in range(count)], lanes
+    )
     states = [np.stack(paths[k : k + count]) for k in range(0, len(paths), count)]
     worst = status.reshape(-1, count).max(axis=1)
-    arounds = [Around(arcs, arcs[0]) for arcs in states]
+    arounds = [NeighbourArcs(arcs, arcs[0]) for arcs in states]
     if near is flight:
         return arounds, worst
-    whole, lost = _fly_windows(flight, epochs, windows, trials)
+    whole, lost = _propagate_windows(flight, epochs, windows, trials)
     moved = [
         replace(one, states=_all_beside(path, one.states)) for one, path in zip(arounds, whole, strict=True)
     ]
     return moved, np.maximum(worst, lost)
 
 
-def fly_near(
+def propagate_near(
     flight: Flight, epochs: np.ndarray, windows: Sequence[Window], trials: np.ndarray
 ) -> tuple[list[np.ndarray], np.ndarray]:
-    """Return (states (epochs, 6), status) of each trial alone, as `Around.near`."""
-    return _fly_windows(flight.for_neighbours(), epochs, windows, trials)
+    """Return (states (epochs, 6), status) of each trial alone, as `NeighbourArcs.near`."""
+    return _propagate_windows(flight.for_neighbours(), epochs, windows, trials)
 
 
-def _fly_windows(
+def _propagate_windows(
     flight: Flight, epochs: np.ndarray, windows: Sequence[Window], parameters: np.ndarray
 ) -> tuple[list[np.ndarray], np.ndarray]:
     """Return (states (epochs, 6) of each window, status) of arcs from parameters (n, 7)."""
@@ -109,8 +114,8 @@ def _fly_windows(
     )
     # An estimate is within its window: arcs go from it to both ends, backwards along epochs in reverse.
     newest = len(epochs) - 1
-    forward = fly_parameters(flight, epochs, parameters, at, last)
-    backward = fly_parameters(flight, epochs[::-1], parameters, newest - at, newest - first)
+    forward = propagate_parameters(flight, epochs, parameters, at, last)
+    backward = propagate_parameters(flight, epochs[::-1], parameters, newest - at, newest - first)
     paths = [
         np.vstack([backward.path(k)[::-1], parameters[k : k + 1, :6], forward.path(k)])
         for k in range(len(parameters))

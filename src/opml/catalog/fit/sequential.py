@@ -36,7 +36,7 @@ from opml.base.errors import InputError
 from opml.catalog.fit.apriori import SCALES, covariance_root, with_apriori_cd
 from opml.catalog.fit.least_squares import Evaluation
 from opml.catalog.fit.measurements import Measurements
-from opml.catalog.fit.neighbour_arcs import NUDGES, fly_beside
+from opml.catalog.fit.neighbour_arcs import NUDGES, propagate_beside
 from opml.catalog.flight import Flight
 from opml.dynamics.ensemble import REASONS
 from opml.orbits.elements import rsw_rotation
@@ -84,7 +84,7 @@ class Leg:
     to_seen: np.ndarray  # (epochs, 6, 6) their derivatives by the state at the track's start
 
     @classmethod
-    def fly(cls, flight: Flight, parameters: np.ndarray, begin: float, seen: np.ndarray) -> Self:
+    def propagate(cls, flight: Flight, parameters: np.ndarray, begin: float, seen: np.ndarray) -> Self:
         """Return the leg from parameters (7,) at `begin` [s] to the epochs `seen` (n,) of the next track.
 
         It is propagated with what is known when that track begins. Raises LostError where it comes down
@@ -92,7 +92,7 @@ class Leg:
         """
         grid = np.linspace(begin, seen[0], math.ceil((seen[0] - begin) / STEP) + 1)
         known = flight.under(flight.model.known_at(float(seen[0])))
-        states, status = fly_beside(known, np.append(grid, seen[1:]), parameters)
+        states, status = propagate_beside(known, np.append(grid, seen[1:]), parameters)
         if status:
             raise LostError(REASONS[status])
         # By the parameters at the beginning, which a step keeps Cd of and moves the state.
@@ -122,7 +122,7 @@ def _divided(later: np.ndarray, earlier: np.ndarray) -> np.ndarray:
 
 
 @dataclass(frozen=True)
-class Meeting:
+class FilterState:
     """A state and Cd after the measurements of a track."""
 
     mean: np.ndarray  # (7,)
@@ -132,7 +132,7 @@ class Meeting:
     passes: int  # how often the measurements were met
 
 
-def meet(evaluate: Callable[[np.ndarray], Evaluation], mean: np.ndarray, root: np.ndarray) -> Meeting:
+def meet(evaluate: Callable[[np.ndarray], Evaluation], mean: np.ndarray, root: np.ndarray) -> FilterState:
     """Return what measurements make of a mean (7,) and the root (7, 7) of its covariance.
 
     evaluate: residuals and partial derivatives at parameters (7,); called again where they bend
@@ -151,7 +151,7 @@ def meet(evaluate: Callable[[np.ndarray], Evaluation], mean: np.ndarray, root: n
     chi2 = float(np.sum((pulled - partials @ u) ** 2) + u @ u)
     # ln det of the innovations' covariance, I + (J root)(J root)^T, is that of N: the sum of 2 ln diag(low).
     evidence = -0.5 * chi2 - float(np.sum(np.log(np.diag(low))))
-    return Meeting(mean + root @ u, np.linalg.solve(low, root.T).T, chi2, evidence, passes)
+    return FilterState(mean + root @ u, np.linalg.solve(low, root.T).T, chi2, evidence, passes)
 
 
 @dataclass(frozen=True)
@@ -159,7 +159,7 @@ class Filters:
     """Filters of one bank at the start of a track."""
 
     t: float  # [s]
-    meetings: Sequence[Meeting]  # of the last track, by filter
+    meetings: Sequence[FilterState]  # of the last track, by filter
     scores: np.ndarray  # (filters,) ln likelihood of all innovations so far, but for a constant
     tracks: int  # number of those in the estimates
     measurements: int  # likewise
@@ -167,14 +167,14 @@ class Filters:
     @classmethod
     def begin(cls, estimate: pd.Series, size: int) -> Self:
         """Return a number of filters that begin at a row of `estimates`."""
-        meeting = Meeting(
+        meeting = FilterState(
             estimate[PARAMETERS].to_numpy(float), covariance_root(_covariance(estimate)), np.nan, np.nan, 0
         )
         count, measurements = int(estimate["tracks_used"]), int(estimate["measurements_used"])
         return cls(float(estimate["t"]), [meeting] * size, np.zeros(size), count, measurements)
 
     @property
-    def likeliest(self) -> Meeting:
+    def likeliest(self) -> FilterState:
         """That of the filter whose innovations were the likeliest so far."""
         return self.meetings[int(np.argmax(self.scores))]
 
@@ -192,7 +192,7 @@ class Filtering:
         """Return the filters at the next track, with its measurements. Raises LostError."""
         window = self.measured.track(track)
         seen = self.measured.epochs[window.first : window.last + 1]
-        leg = Leg.fly(self.flight, filters.likeliest.mean, filters.t, seen)
+        leg = Leg.propagate(self.flight, filters.likeliest.mean, filters.t, seen)
 
         def evaluate(parameters: np.ndarray) -> Evaluation:
             path = leg.seen + leg.to_seen @ (parameters[:_CD] - leg.path[-1])

@@ -9,7 +9,15 @@ import pandas as pd
 from opml.catalog.fit.least_squares import Evaluation
 from opml.catalog.fit.measurements import Measurements, Rows, Window
 from opml.catalog.fit.neighbour_arcs import NUDGES
-from opml.catalog.simulate.observing import ANGLES, OBSERVABLES, Stands, difference, place, predicted, sigmas
+from opml.catalog.simulate.observing import (
+    ANGLES,
+    OBSERVABLES,
+    StationStates,
+    difference,
+    place,
+    predicted,
+    sigmas,
+)
 from opml.orbits.sheets import Station
 
 
@@ -25,7 +33,7 @@ class Measured(Measurements):
         self.stations = tracking["station"].to_numpy()
         station_of_row = np.array([order[name] for name in self.stations])
         two_way = tracking["two_way"].to_numpy() if "two_way" in tracking else None
-        self.stands = Stands.at(t, stations, station_of_row, earth_orientation, two_way=two_way)
+        self.stands = StationStates.at(t, stations, station_of_row, earth_orientation, two_way=two_way)
         given = [name for name in OBSERVABLES if name in tracking]
         values = tracking[given].to_numpy()
         spread = np.array([sigmas(station, given) for station in stations])[station_of_row]

@@ -8,7 +8,7 @@ import pandas as pd
 
 from opml.catalog.fit.apriori import CD, LINEAR, SCALES
 from opml.catalog.fit.measurements import Measurements, Window
-from opml.catalog.fit.neighbour_arcs import fly_parameters
+from opml.catalog.fit.neighbour_arcs import propagate_parameters
 from opml.catalog.flight import Flight
 from opml.tables import PARAMETER_COVARIANCES, PARAMETERS, symmetric_matrices
 
@@ -77,7 +77,7 @@ class Starts:
     def propagate(self, begin: int, parameters: np.ndarray, at: np.ndarray) -> np.ndarray:
         """Return parameters (7,) at an epoch `begin` carried to epochs `at`: (n, 7), lost ones not finite."""
         epochs = self.measured.epochs[np.append(begin, at)]
-        arcs = fly_parameters(self.flight, epochs, parameters[None], np.array([0]), np.array([len(at)]))
+        arcs = propagate_parameters(self.flight, epochs, parameters[None], np.array([0]), np.array([len(at)]))
         return np.column_stack([arcs.path(0), np.full(len(at), parameters[CD])])
 
     def is_usable(self, solution: Solution) -> bool:

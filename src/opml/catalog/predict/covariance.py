@@ -37,8 +37,8 @@ def propagated(flight: Flight, estimates: pd.DataFrame, predictions: pd.DataFram
     change = np.empty((len(predictions), len(STATE), len(PARAMETERS)))
     for k, nudge in enumerate(np.diag(NUDGES)):
         states, cd = started[STATE].to_numpy() + nudge[:6], started["cd"].to_numpy() + nudge[6]
-        flown = neighbours.part(k, len(PARAMETERS)).fly(states, cd)
-        change[:, :, k] = in_rsw(flown - predicted, predicted) / NUDGES[k]
+        propagated = neighbours.part(k, len(PARAMETERS)).propagate(states, cd)
+        change[:, :, k] = in_rsw(propagated - predicted, predicted) / NUDGES[k]
     fitted = symmetric_matrices(started, PARAMETER_COVARIANCES)[arc]
     formal: np.ndarray = change @ fitted @ change.transpose(0, 2, 1)
     return 0.5 * (formal + formal.transpose(0, 2, 1))

@@ -29,19 +29,19 @@ class Neighbours:
         if near is flight:
             return cls(flight, predictions, None)
         states, cd = started[STATE].to_numpy(), started["cd"].to_numpy()
-        origin, _ = near.without_progress().fly_pairs(predictions, states, cd=cd)
+        origin, _ = near.without_progress().propagate_pairs(predictions, states, cd=cd)
         return cls(near, predictions, origin)
 
     def part(self, number: int, parts: int) -> Self:
         """Return the same with the progress of one of several equal parts."""
         return replace(self, flight=self.flight.part(number, parts))
 
-    def fly(self, states: np.ndarray, cd: np.ndarray) -> np.ndarray:
+    def propagate(self, states: np.ndarray, cd: np.ndarray) -> np.ndarray:
         """Return the states (n, 6) in GCRF [m, m/s] of neighbours at t_j.
 
         cd: (arcs,)
         """
-        flown, _ = self.flight.fly_pairs(self.predictions, states, cd=cd)
+        propagated, _ = self.flight.propagate_pairs(self.predictions, states, cd=cd)
         if self.origin is None:
-            return flown
-        return beside(self.predictions[STATE].to_numpy(float), self.origin, flown)
+            return propagated
+        return beside(self.predictions[STATE].to_numpy(float), self.origin, propagated)

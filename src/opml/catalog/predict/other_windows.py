@@ -115,8 +115,10 @@ def build_held(
         arc_estimates, np.unique(predictions["i"]), apriori=flight.rso.cd, memory_days=memory_days
     )
     # Cd as held may be far from the estimate's own, so these arcs need the whole field.
-    flown, _ = flight.fly_pairs(predictions, departing[STATE].to_numpy(), cd=departing["cd"].to_numpy())
-    return held_beside(predictions, _flown(predictions, flown), arc_estimates=arc_estimates)
+    propagated, _ = flight.propagate_pairs(
+        predictions, departing[STATE].to_numpy(), cd=departing["cd"].to_numpy()
+    )
+    return held_beside(predictions, _propagated(predictions, propagated), arc_estimates=arc_estimates)
 
 
 def with_held_cd(
@@ -158,8 +160,8 @@ def nudged_beside(flight: Flight, estimates: pd.DataFrame, predictions: pd.DataF
     started = estimates.iloc[first]
     departing = nudged(started)
     neighbours = Neighbours.beside(flight, predictions, started)
-    flown = neighbours.fly(departing[STATE].to_numpy(), departing["cd"].to_numpy())
-    return _flown(predictions, flown)
+    propagated = neighbours.propagate(departing[STATE].to_numpy(), departing["cd"].to_numpy())
+    return _propagated(predictions, propagated)
 
 
 def nudged(estimates: pd.DataFrame) -> pd.DataFrame:
@@ -168,7 +170,7 @@ def nudged(estimates: pd.DataFrame) -> pd.DataFrame:
     return estimates.assign(**dict(zip(STATE, moved.T, strict=True)), cd=estimates["cd"] + CD_NUDGE)
 
 
-def _flown(predictions: pd.DataFrame, states: np.ndarray) -> pd.DataFrame:
+def _propagated(predictions: pd.DataFrame, states: np.ndarray) -> pd.DataFrame:
     """Return states (n, 6) at the pairs of predictions as a table.
 
     Differences are taken of columns of tables, as sums of another layout in memory round differently.

@@ -55,7 +55,7 @@ def predict(flight: Flight, estimates: pd.DataFrame, *, arrivals: pd.Series, max
 def predict_pairs(flight: Flight, estimates: pd.DataFrame, pairs: pd.DataFrame) -> pd.DataFrame:
     """Return what `predict` does, of pairs: i, j, t_i and t_j in the order of i."""
     started = estimates.set_index("track").loc[np.unique(pairs["i"])]
-    states, status = flight.fly_pairs(pairs, started[STATE].to_numpy(), cd=started["cd"].to_numpy())
+    states, status = flight.propagate_pairs(pairs, started[STATE].to_numpy(), cd=started["cd"].to_numpy())
     reason = np.where(np.isfinite(states[:, 0]), "", np.array(REASONS, object)[status])
     return pairs.assign(**dict(zip(STATE, states.T, strict=True)), reason=reason)
 

@@ -34,11 +34,13 @@ def sensitivities(
     table = {"i": predictions["i"], "j": predictions["j"], "cd_mean": mean[arc]}
     neighbours = Neighbours.beside(flight, predictions, started)
     for turn, (name, (states, cd)) in enumerate(_nudged(started).items()):
-        change = (1.0 / CD_NUDGE) * in_rsw(neighbours.part(turn, 3).fly(states, cd) - predicted, predicted)
+        change = (1.0 / CD_NUDGE) * in_rsw(
+            neighbours.part(turn, 3).propagate(states, cd) - predicted, predicted
+        )
         table |= {f"{name}_{axis}": change[:, k] for k, axis in enumerate(STATE)}
     # The running mean may be far from the estimate's own Cd, so these arcs need the whole field.
-    flown, _ = flight.part(2, 3).fly_pairs(predictions, started[STATE].to_numpy(), cd=mean)
-    change = -in_rsw(flown - predicted, predicted)
+    propagated, _ = flight.part(2, 3).propagate_pairs(predictions, started[STATE].to_numpy(), cd=mean)
+    change = -in_rsw(propagated - predicted, predicted)
     return pd.DataFrame(table | {f"r_{axis}": change[:, k] for k, axis in enumerate(STATE)})
 
 

@@ -1,8 +1,8 @@
 """How far drag and the weather ahead may take predictions: the `spread` table.
 
-From each estimate arcs fly with a tenth more drag, and under many futures of the space weather. What parts
-them from the prediction is known at t_i. Drag alone parts them, so the Earth's flattening is all the gravity
-they need; and their Cd is the mean of its past, as one short fit may say nothing about it.
+From each estimate arcs are propagated with a tenth more drag, and under many futures of the space weather.
+What parts them from the prediction is known at t_i. Drag alone parts them, so the Earth's flattening is all
+the gravity they need; and their Cd is the mean of its past, as one short fit may say nothing about it.
 """
 
 from collections.abc import Sequence
@@ -73,13 +73,13 @@ def build(
     outlook = np.array([expected, expected, *futures])
     drag = np.ones(len(outlook))
     drag[1] += TENTH
-    flown, _ = coarse.fly_pairs(
+    propagated, _ = coarse.propagate_pairs(
         pairs,
         np.tile(started[STATE].to_numpy(), (len(outlook), 1)),
         cd=np.outer(drag, cd).ravel(),
         outlook=outlook.ravel(),
     )
-    predicted, *others = flown.reshape(len(outlook), len(pairs), len(STATE))
+    predicted, *others = propagated.reshape(len(outlook), len(pairs), len(STATE))
     away = np.array(others)[:, :, :3] - predicted[:, :3]
     more, *ahead = np.einsum("nij,knj->kni", rsw_rotation(predicted), away)
     square = np.sum([shift**2 for shift in ahead], axis=0) if ahead else np.zeros(more.shape)

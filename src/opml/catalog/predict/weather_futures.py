@@ -47,7 +47,7 @@ def sample(
         random = derive(seed, "ensembles", flight.rso.name, str(member))
         drawn = mean + np.einsum("nij,nj->ni", root, random.normal(size=mean.shape))
         ahead = flight.under(with_outlooks(flight.model, future)).part(turn, len(members))
-        states, _ = ahead.fly_pairs(predictions, drawn[:, :6], cd=drawn[:, 6])
+        states, _ = ahead.propagate_pairs(predictions, drawn[:, :6], cd=drawn[:, 6])
         shift = in_rsw(states - predicted, predicted)[:, :3]
         parts.append(
             predictions[["i", "j"]].assign(member=member, d_x=shift[:, 0], d_y=shift[:, 1], d_z=shift[:, 2])

@@ -67,7 +67,7 @@ def difference(one: np.ndarray, other: np.ndarray, names: Sequence[str]) -> np.n
 
 
 @dataclass(frozen=True)
-class Stands:
+class StationStates:
     """Where stations stand at the times of n measurements, in the axes of ITRF at each time."""
 
     position: np.ndarray  # (n, 3) in ITRF [m]
@@ -158,7 +158,7 @@ def predicted(
     names: Sequence[str],
     positions: np.ndarray,
     velocities: np.ndarray,
-    stands: Stands,
+    stands: StationStates,
     *,
     light_time: bool = False,
 ) -> np.ndarray:
@@ -192,7 +192,7 @@ def _go_there_and_back(
     found: dict[str, np.ndarray],
     positions: np.ndarray,
     velocities: np.ndarray,
-    stands: Stands,
+    stands: StationStates,
     travel: np.ndarray,
 ) -> None:
     """Replace ranges and rates, where the light went up too, by the mean of both ways.

@@ -12,7 +12,7 @@ from opml.base.errors import InputError
 from opml.base.seeds import derive
 from opml.catalog.simulate.observing import (
     QUANTITIES,
-    Stands,
+    StationStates,
     measured_by,
     observe,
     predicted,
@@ -54,7 +54,7 @@ def simulate(
         if station.max_sun_elevation is not None:
             sun = -np.einsum("nij,nj->ni", to_itrf, erfa.epv00(*epochs.tdb(epoch, t))[0]["p"])
             seen &= _is_lit(station, positions, sun)
-        stands = Stands.at(t[seen], [station], np.zeros(seen.sum(), int), earth_orientation)
+        stands = StationStates.at(t[seen], [station], np.zeros(seen.sum(), int), earth_orientation)
         true = predicted(measured_by(station), positions[seen], velocities[seen], stands)
         part = _measured(station, true, derive(seed, "noise", rso, station.name))
         parts.append(part.assign(epoch=np.flatnonzero(seen), t=t[seen], order=k))

@@ -62,10 +62,10 @@ def simulate_together(
     )
     for k, rso in enumerate(rsos):
         if reason := REASONS[arcs.status[k]]:
-            flown = np.isfinite(arcs.path(k)[:, 0]).sum() * t[1] / DAY
+            propagated = np.isfinite(arcs.path(k)[:, 0]).sum() * t[1] / DAY
             raise InputError(
                 f"{rso.name}: expected an orbit that lasts {t[-1] / DAY:g} days, "
-                f"but it {reason} after {flown:.2f} days"
+                f"but it {reason} after {propagated:.2f} days"
             )
     states = (np.vstack([start, arcs.path(k)]) for k, start in enumerate(starts))
     return [pd.DataFrame({"t": t, **dict(zip(STATE, path.T, strict=True))}) for path in states]

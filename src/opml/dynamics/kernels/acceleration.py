@@ -22,7 +22,7 @@ def acceleration(x, y, z, vx, vy, vz, ballistic, reflection, kind, model, values
     x to vz: position [m] and velocity [m/s] in GCRF
     ballistic: Cd times area over mass [m2/kg]
     reflection: Cr times area over mass [m2/kg]
-    kind: of the model's activity that an arc flies under
+    kind: of the model's activity that an arc is propagated under
     values, factors: from `surroundings.look_up` at the same time
     """
     r = values[ROTATION : ROTATION + 9]

@@ -59,7 +59,7 @@ def workspace(model: ForceModel) -> Workspace:
 def advance(
     model, times, wanted, state, coefficients, join, leave, offsets, out, status, tolerance, min_step, work
 ):
-    """Fly the lanes of a block along the grid, each from where it joins to where it leaves.
+    """Propagate the lanes of a block along the grid, each from where it joins to where it leaves.
 
     times: (n,) of the grid [s], ascending or descending
     wanted: (n,) whether to put out the states at each time
@@ -74,13 +74,13 @@ def advance(
     work: memory for one block
     """
     values, factors, scratch, new, slopes = work.values, work.factors, work.scratch, work.new, work.slopes
-    # The part of the grid on which any lane flies.
+    # The part of the grid on which any lane propagates.
     begin, end = join[0], leave[0]
     for lane in range(WIDTH):
         begin, end = min(begin, join[lane]), max(end, leave[lane])
     for g in range(begin, end):
         t, h = times[g], times[g + 1] - times[g]
-        # Arrivals: the lanes that fly this step, as bits, and whether one of them joins here.
+        # Arrivals: the lanes that are propagated this step, as bits, and whether one of them joins here.
         active = 0
         joining = False
         for lane in range(WIDTH):

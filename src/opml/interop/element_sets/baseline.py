@@ -20,12 +20,12 @@ def build(predictions: pd.DataFrame, sets: pd.DataFrame, *, epoch: str, name: st
     [m, m/s], NaN where there is no such set or SGP4 fails.
     """
     predicted = np.ascontiguousarray(predictions[STATE])
-    flown = np.full_like(predicted, np.nan)
+    propagated = np.full_like(predicted, np.nan)
     newest = np.searchsorted(sets["t"].to_numpy(), predictions["t_i"].to_numpy(), side="right") - 1
     for row in np.unique(newest[newest >= 0]):
         pairs = np.flatnonzero(newest == row)
-        flown[pairs] = states_of(sets.iloc[row], epoch=epoch, t=predictions["t_j"].to_numpy()[pairs])
-    differences = in_rsw(predicted - flown, predicted)
+        propagated[pairs] = states_of(sets.iloc[row], epoch=epoch, t=predictions["t_j"].to_numpy()[pairs])
+    differences = in_rsw(predicted - propagated, predicted)
     names = [f"{name}_{axis}" for axis in STATE]
     return predictions[["i", "j"]].assign(**dict(zip(names, differences.T, strict=True)))
 

@@ -80,10 +80,10 @@ def _nearest(start: np.ndarray, misses: Callable[[np.ndarray], np.ndarray]) -> n
 
 def _misses(parameters: np.ndarray, time: str, since: np.ndarray, positions: np.ndarray) -> np.ndarray:
     """Return the distances (n, 3) [km] of SGP4 from positions (n, 3) at times (n,) [s] from a UTC text on."""
-    flying = _satellite(parameters, time)
-    days = flying.jdsatepochF + since / DAY
-    errors, flown, _ = flying.sgp4_array(np.full(len(since), flying.jdsatepoch), days)
-    return np.where(errors[:, None] == 0, flown - positions, _LOST)
+    propagating = _satellite(parameters, time)
+    days = propagating.jdsatepochF + since / DAY
+    errors, propagated, _ = propagating.sgp4_array(np.full(len(since), propagating.jdsatepoch), days)
+    return np.where(errors[:, None] == 0, propagated - positions, _LOST)
 
 
 def _satellite(parameters: np.ndarray, epoch: str) -> Satrec:
@@ -115,8 +115,8 @@ def residual(satellite: Satrec, ephemeris: Segment, *, epoch: str) -> str:
     Raises InputError where SGP4 fails before the end of the ephemeris.
     """
     t = ephemeris.t
-    flown = mean_elements.states(satellite, epoch=epoch, t=t)
-    distances = np.linalg.norm(flown[:, :3] - ephemeris.states[:, :3], axis=1)
+    propagated = mean_elements.states(satellite, epoch=epoch, t=t)
+    distances = np.linalg.norm(propagated[:, :3] - ephemeris.states[:, :3], axis=1)
     if not np.isfinite(distances).all():
         raise InputError(
             f"mean elements: expected an orbit for {t[-1] - t[0]:.0f} s, got one that ends by SGP4"

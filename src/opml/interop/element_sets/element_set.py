@@ -82,7 +82,7 @@ def changed(satellite: Satrec, motion: float, bstar: float) -> Satrec:
     return _initialised(days, [motion, satellite.ecco, *angles, bstar])
 
 
-def fly(satellite: Satrec, minutes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def propagate(satellite: Satrec, minutes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return positions [km] and velocities [km/s] (n, 3) in TEME after times (n,) [min], else NaN."""
     whole = np.full(len(minutes), satellite.jdsatepoch)
     errors, positions, velocities = satellite.sgp4_array(

@@ -117,7 +117,7 @@ def state(satellite: Satrec, *, epoch: str) -> np.ndarray:
 
     Raises InputError where SGP4 fails (decayed, elements out of range).
     """
-    errors, found = _fly([satellite], epoch, [np.zeros(1)])
+    errors, found = _propagate([satellite], epoch, [np.zeros(1)])
     if errors[0]:
         raise InputError(f"mean elements: expected an orbit at {epoch}, got {SGP4_ERRORS[int(errors[0])]}")
     return np.asarray(found[0])
@@ -130,7 +130,7 @@ def states(satellite: Satrec, *, epoch: str, t: np.ndarray) -> np.ndarray:
 
 def states_of_each(satellites: Sequence[Satrec], *, epoch: str, t: Iterable[np.ndarray]) -> np.ndarray:
     """Return what `states` does of several sets below each other, each at times (n,) of its own."""
-    errors, found = _fly(satellites, epoch, t)
+    errors, found = _propagate(satellites, epoch, t)
     return np.where(errors[:, None] == 0, found, np.nan)
 
 
@@ -143,14 +143,16 @@ def apart(earlier: Sequence[Satrec], later: Sequence[Satrec], *, epoch: str, t: 
     return in_rsw(others - states, states).reshape(*t.shape, 6)
 
 
-def _fly(satellites: Sequence[Satrec], epoch: str, t: Iterable[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+def _propagate(
+    satellites: Sequence[Satrec], epoch: str, t: Iterable[np.ndarray]
+) -> tuple[np.ndarray, np.ndarray]:
     """Return SGP4's errors (n,) and states (n, 6) after SI seconds, leap seconds among them."""
     times, starts = [*t], seconds_since(epoch, satellites)
-    flown = [
+    propagated = [
         one.sgp4_array(np.full(len(at), one.jdsatepoch), one.jdsatepochF + (at - start) / DAY)
         for one, at, start in zip(satellites, times, starts.tolist(), strict=True)
     ]
-    errors, *vectors = map(np.concatenate, zip(*flown, strict=True))
+    errors, *vectors = map(np.concatenate, zip(*propagated, strict=True))
     turns = teme_to_gcrf(epoch, np.concatenate(times))
     turned = [np.einsum("nij,nj->ni", turns, each) for each in vectors]
     return errors, 1e3 * np.concatenate(turned, axis=1)

@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 from sgp4.api import Satrec
 
-from opml.interop.element_sets.element_set import fly, kick, mean_height
+from opml.interop.element_sets.element_set import kick, mean_height, propagate
 from opml.orbits.density_error import DensityErrors, drag_sensitivities
 from opml.orbits.elements import bent_rsw
 from opml.orbits.rsw_covariance import rates, rsw_covariances
@@ -63,8 +63,8 @@ def expected(satellite: Satrec, days: np.ndarray) -> np.ndarray:
 
 def drag_displacement(satellite: Satrec, days: np.ndarray) -> np.ndarray:
     """Return how far a set's drag carries an object along its track by SGP4 (n,) [m]; 0 where that fails."""
-    flown, kicked = (sgp4_states(one, days) for one in (satellite, kick(satellite, _STEP)))
-    return np.asarray(np.nan_to_num(bent_rsw(kicked[:, :3], flown)[:, 1] / _STEP))
+    propagated, kicked = (sgp4_states(one, days) for one in (satellite, kick(satellite, _STEP)))
+    return np.asarray(np.nan_to_num(bent_rsw(kicked[:, :3], propagated)[:, 1] / _STEP))
 
 
 def covariances(sigmas: np.ndarray, states: np.ndarray) -> np.ndarray:
@@ -93,7 +93,7 @@ def density_errors(
 
 def sgp4_states(satellite: Satrec, days: np.ndarray) -> np.ndarray:
     """Return SGP4's states (n, 6) in TEME [m, m/s] after times (n,), positions NaN where it fails."""
-    return np.asarray(1e3 * np.hstack(fly(satellite, _MINUTES * days)))
+    return np.asarray(1e3 * np.hstack(propagate(satellite, _MINUTES * days)))
 
 
 def _numbers(satellite: Satrec) -> np.ndarray:

@@ -1,9 +1,9 @@
-"""The choice of the model to fly next, by replays that are over.
+"""The choice of the model to use next, by replays that are over.
 
 Among the models that learn nothing, the one that left the least is chosen. Newer errors weigh more, and those
-of each day of duration weigh alike. A model that learned is flown only where the past shows with confidence
-that it leaves less, in that measure and in metres. A bootstrap over blocks of the days on which predictions
-ended tells the confidence.
+of each day of duration weigh alike. A model that learned is selected only where the past shows with
+confidence that it leaves less, in that measure and in metres. A bootstrap over blocks of the days on which
+predictions ended tells the confidence.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -36,7 +36,7 @@ _COMPARED = ["i", "j", "t_j", "duration", "e_y"]  # columns of what is compared
 class Choice:
     """The model of a morning, and the comparison that it follows from."""
 
-    chosen: str  # the model to fly
+    chosen: str  # the model to use
     plain: str  # the best model that learned nothing
     law: str | None = None  # the best model that learned, None where none was replayed for long enough
     ratio: float = float("nan")  # error that the law left in the past, divided by that of the plain model
@@ -44,7 +44,7 @@ class Choice:
 
 
 def choose(replays: Mapping[str, pd.DataFrame], laws: Sequence[str], *, now: float, seed: int) -> Choice:
-    """Choose the model to fly from `now` [s] on, by the rows of `replay` tables that are known by then.
+    """Choose the model to use from `now` [s] on, by the rows of `replay` tables that are known by then.
 
     replays: by model
     laws: models that learned
@@ -120,7 +120,7 @@ class _Past:
         return max(ratios, key=lambda ratio: ratio[1])
 
 
-CHOSEN = "selected each day"  # what the models that were flown are called beside the others
+CHOSEN = "selected each day"  # what the models that were selected are called beside the others
 
 
 @dataclass(frozen=True)
@@ -128,9 +128,9 @@ class Mornings:
     """Replays of several models on the same predictions, and of those that the past would have chosen."""
 
     tables: Mapping[str, pd.DataFrame]  # `replay` rows of each model, of the same pairs in the same order
-    flown: pd.DataFrame  # rows of the models that were chosen
+    selected: pd.DataFrame  # rows of the models that were chosen
     choices: Mapping[float, Choice]  # by morning [s]
-    earlier: int  # predictions from before all models could be flown, which count nowhere
+    earlier: int  # predictions from before all models could be selected, which count nowhere
 
     @property
     def last_choice(self) -> str:
@@ -165,8 +165,8 @@ class Mornings:
         }
         longest = max(replays.values(), key=len)
         chosen = ((now, tables[choice.chosen]) for now, choice in choices.items())
-        flown = pd.concat([table[table["morning"] == now] for now, table in chosen], ignore_index=True)
-        return cls(tables, flown, choices, int((longest["morning"] < min(choices)).sum()))
+        selected = pd.concat([table[table["morning"] == now] for now, table in chosen], ignore_index=True)
+        return cls(tables, selected, choices, int((longest["morning"] < min(choices)).sum()))
 
     def against_truth(self, truth: pd.DataFrame, labelled: pd.DataFrame) -> Self:
         """Return the same mornings, and choices, with errors against the truth in the place of labels.
@@ -180,7 +180,7 @@ class Mornings:
         errors = [table.set_index(["i", "j"])[list(COMPONENTS)] for table in (truth, labelled)]
         shifts = (errors[0] - errors[1]).dropna()
         tables = {name: _moved(table, shifts) for name, table in self.tables.items()}
-        return replace(self, tables=tables, flown=_moved(self.flown, shifts))
+        return replace(self, tables=tables, selected=_moved(self.selected, shifts))
 
 
 def _moved(replay: pd.DataFrame, shifts: pd.DataFrame) -> pd.DataFrame:

@@ -2,7 +2,7 @@
 
 kept_estimates.parquet   estimates that were made, over all windows
 judged.parquet           how far ephemerides of earlier mornings were off these, model by model
-issued.parquet           the models that were flown and their sizes of errors
+issued.parquet           the models that were selected and their sizes of errors
 paths.parquet            ephemerides of all models, as long as later mornings may judge them
 outcomes.json.gz         what became of each object
 done.json                the objects whose mornings are over; written last
@@ -36,7 +36,7 @@ _ABSENT: dict[str, Any] = {"bool": False, "int64": 0, "float64": np.nan, "string
 
 
 @dataclass(frozen=True)
-class Mark:
+class MorningMark:
     """How a morning of an object was made."""
 
     settings: str  # their digest
@@ -46,7 +46,7 @@ class Mark:
 
 
 @dataclass(frozen=True)
-class Finished:
+class FinishedMorning:
     """A morning of an object that is over; settings, stations: as those of its mark."""
 
     records: Records
@@ -55,7 +55,7 @@ class Finished:
     stations: Mapping[str, str]
 
     @property
-    def mark(self) -> Mark:
+    def mark(self) -> MorningMark:
         """How it was made."""
         optional = [
             column.name
@@ -64,7 +64,7 @@ class Finished:
             if column.name in table
         ]
         models = [model for paths in self.records.paths for model in paths.models]
-        return Mark(self.settings, self.stations, optional, models)
+        return MorningMark(self.settings, self.stations, optional, models)
 
 
 class BatchDay:
@@ -76,12 +76,12 @@ class BatchDay:
         self._tables: dict[str, ObjectRows] = {}
 
     @cached_property
-    def marks(self) -> dict[str, Mark]:
+    def marks(self) -> dict[str, MorningMark]:
         """The objects whose mornings are over, and how these were made."""
         path = self.folder / _DONE
         with suppress(FileNotFoundError, NotADirectoryError):
             try:
-                return {name: Mark(**one) for name, one in json.loads(path.read_text()).items()}
+                return {name: MorningMark(**one) for name, one in json.loads(path.read_text()).items()}
             except (ValueError, TypeError, AttributeError):
                 raise InputError(f"{path}: expected what opml wrote, got other text") from None
         return {}
@@ -102,20 +102,20 @@ class BatchDay:
     def paths(self, name: str) -> list[Paths]:
         """Return the ephemerides of an object, if any are there."""
         models = self.marks[name].models
-        if not models or self._flown is None:
+        if not models or self._selected is None:
             return []
-        rows = self._flown.rows(name)
+        rows = self._selected.rows(name)
         return [Paths(rows[paths_schema(models).names])] if len(rows) else []
 
     @cached_property
-    def _flown(self) -> "ObjectRows | None":
+    def _selected(self) -> "ObjectRows | None":
         """The ephemerides, if any are there."""
         file = self.folder / PATHS
         if not file.exists():
             return None
         return self._read(PATHS, paths_schema(read_metadata(file)["models"]))
 
-    def write(self, made: Mapping[str, Finished], *, metadata: Mapping[str, Any]) -> None:
+    def write(self, made: Mapping[str, FinishedMorning], *, metadata: Mapping[str, Any]) -> None:
         """Write mornings of objects beside those that are there; metadata: of the tables."""
         marks = dict(sorted((self.marks | {name: one.mark for name, one in made.items()}).items()))
         for table, schema in ((table, SCHEMAS[table]) for table in Records.TABLES):
@@ -125,11 +125,11 @@ class BatchDay:
             }
             self._write(f"{table}.parquet", rows, schema, metadata)
         paths = {name: made[name].records.paths if name in made else self.paths(name) for name in marks}
-        if flown := {name: one.table for name, found in paths.items() for one in found}:
-            models = list(dict.fromkeys(model for name in flown for model in marks[name].models))
+        if selected := {name: one.table for name, found in paths.items() for one in found}:
+            models = list(dict.fromkeys(model for name in selected for model in marks[name].models))
             of_none, of_all = paths_schema([]), paths_schema(models)
             schema = replace(of_none, optional=of_all.columns[len(of_none.columns) :])
-            self._write(PATHS, flown, schema, {**metadata, "models": models})
+            self._write(PATHS, selected, schema, {**metadata, "models": models})
         told = [made[name].outcome if name in made else self.outcomes[name] for name in marks]
         outcomes.write(self.folder / _OUTCOMES, told)
         with replacing(self.folder / _DONE) as temporary:

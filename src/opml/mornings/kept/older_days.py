@@ -5,7 +5,7 @@ from pathlib import Path
 
 from opml.base.files import FilePath
 from opml.mornings import outcomes
-from opml.mornings.kept.batch_day import PATHS, BatchDay, Finished
+from opml.mornings.kept.batch_day import PATHS, BatchDay, FinishedMorning
 from opml.mornings.records import Paths, Records
 from opml.tables import paths_schema, read_metadata, read_table
 
@@ -29,10 +29,12 @@ def convert(days: FilePath) -> None:
             path.unlink()
 
 
-def _finished(folder: Path) -> Finished:
+def _finished(folder: Path) -> FinishedMorning:
     made, paths = read_metadata(folder / "issued.parquet"), folder / PATHS
     estimates, judged, issued = (read_table(folder / f"{name}.parquet", name) for name in Records.TABLES)
-    flown = [Paths(read_table(paths, paths_schema(read_metadata(paths)["models"])))] if paths.exists() else []
-    records = Records(estimates, judged, issued, flown)
+    selected = (
+        [Paths(read_table(paths, paths_schema(read_metadata(paths)["models"])))] if paths.exists() else []
+    )
+    records = Records(estimates, judged, issued, selected)
     outcome = outcomes.NOTHING | json.loads((folder / _DONE).read_text(encoding="utf-8"))
-    return Finished(records, outcome, made["settings"], made.get("stations", {}))
+    return FinishedMorning(records, outcome, made["settings"], made.get("stations", {}))

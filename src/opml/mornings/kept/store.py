@@ -12,7 +12,7 @@ from typing import Any
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.mornings.calendar import HORIZON
-from opml.mornings.kept.batch_day import PATHS, BatchDay, Finished, ObjectRows, joined
+from opml.mornings.kept.batch_day import PATHS, BatchDay, FinishedMorning, ObjectRows, joined
 from opml.mornings.records import Records
 from opml.tables import SCHEMAS
 
@@ -110,7 +110,7 @@ class Store:
             self._past[table, days] = ObjectRows.of(rows, schema)
         return self._past[table, days]
 
-    def write(self, day: date, made: Mapping[str, Finished], *, metadata: Mapping[str, Any]) -> None:
+    def write(self, day: date, made: Mapping[str, FinishedMorning], *, metadata: Mapping[str, Any]) -> None:
         """Write mornings of a day that are over; metadata: of the tables."""
         BatchDay(self._days / day.isoformat() / self._own).write(made, metadata=metadata)
         self._places.pop(day, None)

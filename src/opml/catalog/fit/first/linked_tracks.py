@@ -27,7 +27,7 @@ from opml.catalog.fit.first.track_fits import (
     start_estimate_there,
 )
 from opml.catalog.fit.measurements import Window
-from opml.catalog.fit.neighbour_arcs import fly_parameters
+from opml.catalog.fit.neighbour_arcs import propagate_parameters
 
 FEWEST = 3  # measurements of a track that an orbit is looked for from
 SHORTEST = 30.0  # shortest track that an orbit is looked for from [s]
@@ -147,10 +147,10 @@ def _fitted(run: Run, estimates: Sequence[Estimate]) -> list[Estimate]:
 def _starts(run: Run, last: Estimate, window: Window) -> np.ndarray:
     """Return parameters (n, 7) at a window's epoch, of the orbits of the line that pass its track nearest."""
     line, sides = axis_line(last.fit, run.flight.model.gm), np.array([[-1.0], [1.0]])
-    one, other = _flown(run, last.window, last.fit.best + sides * line, window)[:, :3]
+    one, other = _propagated(run, last.window, last.fit.best + sides * line, window)[:, :3]
     wide = np.nan_to_num(_WIDTH * np.linalg.norm(other - one) / _SPACING, nan=_MOST)
     parts = np.linspace(-_WIDTH, _WIDTH, 2 * int(min(wide, _MOST) / 2) + 1) if wide >= 2.0 else np.zeros(1)
-    ends = _flown(run, last.window, last.fit.best + parts[:, None] * line, window)
+    ends = _propagated(run, last.window, last.fit.best + parts[:, None] * line, window)
     row = np.full(len(ends), run.measured.row_at[window.track])
     misses = run.measured.misses(row, ends[:, :3])
     beside = np.pad(np.where(np.isfinite(misses), misses, np.inf), 1, constant_values=np.inf)
@@ -158,10 +158,10 @@ def _starts(run: Run, last: Estimate, window: Window) -> np.ndarray:
     return ends[nearest[np.argsort(misses[nearest])][:_TRIALS]]
 
 
-def _flown(run: Run, begin: Window, parameters: np.ndarray, end: Window) -> np.ndarray:
+def _propagated(run: Run, begin: Window, parameters: np.ndarray, end: Window) -> np.ndarray:
     """Return parameters (n, 7) at the epoch of a window propagated to that of another, NaN where lost."""
     epochs, count = run.measured.epochs[[begin.at, end.at]], len(parameters)
-    arcs = fly_parameters(run.flight, epochs, parameters, np.zeros(count, int), np.ones(count, int))
+    arcs = propagate_parameters(run.flight, epochs, parameters, np.zeros(count, int), np.ones(count, int))
     return np.column_stack([np.vstack([arcs.path(k) for k in range(count)]), parameters[:, 6]])
 
 

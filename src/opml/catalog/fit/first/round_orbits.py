@@ -1,7 +1,7 @@
 """Orbits near a circle: where lines of sight, which give no distance, start from.
 
 Two lines of sight and the time between them give a circular orbit: its radius is where the angle between the
-points that it has on both lines is the one that it flies in that time. Most orbits are near a circle, and a
+points that it has on both lines is the one that it covers in that time. Most orbits are near a circle, and a
 short track says little else about their shape. So fits to such tracks take the eccentricity for 0, give or
 take a standard deviation, until the measurements know better.
 Source: Milani & Gronchi 2010, Theory of Orbit Determination, ch. 8 (what a short track leaves open) and 10

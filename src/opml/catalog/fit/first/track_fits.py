@@ -9,7 +9,7 @@ from opml.catalog.fit.estimate import Estimate
 from opml.catalog.fit.estimation import Run
 from opml.catalog.fit.least_squares import Fit
 from opml.catalog.fit.measurements import Measurements, Window
-from opml.catalog.fit.neighbour_arcs import fly_parameters
+from opml.catalog.fit.neighbour_arcs import propagate_parameters
 from opml.catalog.flight import Flight
 from opml.tables import PARAMETERS
 
@@ -78,6 +78,8 @@ def everywhere(flight: Flight, times: np.ndarray, t: float, parameters: np.ndarr
     for side in (np.flatnonzero(times > t), np.flatnonzero(times < t)[::-1]):
         if side.size:
             epochs = np.append(t, times[side])
-            arcs = fly_parameters(flight, epochs, parameters[None], np.array([0]), np.array([side.size]))
+            arcs = propagate_parameters(
+                flight, epochs, parameters[None], np.array([0]), np.array([side.size])
+            )
             states[side] = arcs.path(0)
     return states
