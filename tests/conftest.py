@@ -4,6 +4,11 @@ No test may change in place what tests share: `unchanged.py` sees to it; `case_n
 """
 
 import os
+import signal
+
+# A shell ignores interrupts for what it starts in the background, and so would all that the tests start.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 # As in a job; there are as many processes of tests as cores, and threads that wait for a core keep it busy.
 os.environ["OMP_NUM_THREADS"] = "1"  # read where numpy and scikit-learn are loaded

@@ -65,11 +65,6 @@ def operator(tmp_path_factory):
     return folder
 
 
-def _heed_interrupts():
-    """Shells have what runs in the background ignore them."""
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
-
-
 @pytest.mark.dag
 @pytest.mark.parametrize("seconds", [2.0, 5.0, 9.0])
 def test_an_interrupt_is_told_in_one_line(operator, seconds):
@@ -77,8 +72,7 @@ def test_an_interrupt_is_told_in_one_line(operator, seconds):
     line = [sys.executable, "-m", "opml", "day", "--configfile", "mine.yaml", "--date", "2016-09-29"]
     environment = os.environ | {"PYTHONPATH": str(ROOT / "src")}
     streams = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
-    own = {"process_group": 0, "preexec_fn": _heed_interrupts}
-    with subprocess.Popen(line, cwd=operator, env=environment, **own, **streams) as run:
+    with subprocess.Popen(line, cwd=operator, env=environment, process_group=0, **streams) as run:
         with pytest.raises(subprocess.TimeoutExpired):
             run.wait(seconds)
         os.killpg(run.pid, signal.SIGINT)
