@@ -26,9 +26,7 @@ MANUAL = Path(__file__).parents[1] / "manual" / "docs"  # folder of the document
 PACKAGED = PROJECT / "config" / "config.yaml"  # settings of a run that come with the package
 
 _GZIPPED = b"\x1f\x8b"
-_MOST_PACKED = (
-    200  # times that numbers as text are longer than their gzip at most; blank lines are 1000 times
-)
+_MOST_PACKED = 200  # times that numbers as text are longer than their gzip at most; blank lines: 1000 times
 _SMALL = 2**20  # bytes that any file may have
 
 

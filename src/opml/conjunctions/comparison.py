@@ -1,7 +1,9 @@
 """Two orbits compared with each other: how far apart in RSW, time by time, and how much a covariance holds.
 
-table = comparison.compare(known_orbits.read(["mine.oem"]), known_orbits.read(["truth.sp3"]))
-print(comparison.summary(table))
+    table = comparison.compare(known_orbits.read(["mine.oem"]), known_orbits.read(["truth.sp3"]))
+    print(comparison.summary(table))
+
+Orbits are those of `known_orbits`.
 """
 
 import logging

@@ -8,8 +8,7 @@ alone in smaller ones; an arc that decays or loses its numbers is retired with i
 arc's result depends on the others.
 
 Where the force model has outlooks, each arc is propagated under the newest at its first epoch, so that no arc
-knows what was measured later. Arcs under several outlooks propagate together: they differ in the density
-alone.
+knows what was measured later. Arcs under several outlooks share blocks: only their density differs.
 """
 
 from collections.abc import Callable, Iterator

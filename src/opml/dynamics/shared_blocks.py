@@ -1,5 +1,4 @@
-"""Arcs of several callers in the same blocks: objects that are propagated a few arcs each leave no lanes
-empty.
+"""Arcs of several callers in the same blocks, so that objects with a few arcs each leave no lanes empty.
 
 Each caller runs in a thread of its own, one at a time. One that asks for arcs waits until all others have
 asked for theirs or ended; then all arcs of a kind propagate together. They are propagated on a raster of
@@ -116,8 +115,7 @@ class SharedBlocks:
     def _propagate_when_all_wait(self) -> None:
         """Propagate arcs of one kind, when there is no caller that does not wait for its own.
 
-        It is the kind of the arcs that begin first: who is behind catches up, and then more propagate
-        together.
+        It is the kind of the arcs that begin first: who is behind catches up, and then more go together.
         """
         if not self._waiting or len(self._waiting) < self._under_way:
             return
@@ -173,8 +171,7 @@ def _raster(requests: Sequence[_Request]) -> np.ndarray:
 def _own(arcs: Arcs, begin: int, request: _Request) -> Arcs:
     """Return a request's own arcs, from the one at `begin` on, at the request's own epochs."""
     first, last = (np.asarray(ends) for ends in (request.departures.first, request.departures.last))
-    # Arcs were propagated at all epochs of the raster; a request has its own, so many multiples after its
-    # start.
+    # Arcs were propagated at all epochs of the raster; a request has its own, counted from its start.
     count = last - first
     start = np.concatenate([[0], np.cumsum(count)])
     arc = np.repeat(np.arange(len(first)), count)

@@ -73,8 +73,7 @@ def errors(evaluations: Mapping[str, pd.DataFrame], *, component: str, note: str
 
 
 def residuals(mornings: Mornings, *, laws: Collection[str], note: str = "") -> Figure:
-    """Draw sizes of e_y [m] by duration [d]: without correction, as selected, and as each model would leave
-    it.
+    """Draw sizes of e_y [m] by duration [d]: without correction, as selected, and by each model.
 
     Errors without correction and errors of what was selected have bands of 50 and 90 %; models have medians.
     Named are the model chosen last, the best without learning, the best that learned, and the paper's.

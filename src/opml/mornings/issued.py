@@ -69,8 +69,7 @@ def row(
     *,
     burn: Manoeuvre | None = None,
 ) -> pd.DataFrame:
-    """Return the row of a morning whose ephemerides start from an estimate; without a past no model is
-    selected.
+    """Return the row of a morning whose ephemerides start from an estimate; no model without a past.
 
     burn: that the morning found
     """

@@ -34,13 +34,11 @@ def groups(study: Study, rsos: Iterable[str], *, results: Path) -> list[tuple[st
     """Return the simulated RSOs of each group of two or more.
 
     rsos: names that the study may propagate
-    results: folder of the truths that exist, in `truth`, and of who were propagated together, in
-        `truth_groups`
+    results: folder of the truths that exist, in `truth`, and of their groups, in `truth_groups`
 
     A job's truths are made anew together, with all that follows from them. So an RSO with a truth stays with
-    the RSOs it propagated with, and an RSO that is new to the study propagates with others that are new. The
-    order is the RSOs' own, whichever group is finished first: a job on another machine finds its rule by its
-    number.
+    its own group, and an RSO that is new to the study is grouped with others that are new. The order is the
+    RSOs' own, whichever group is finished first: a job on another machine finds its rule by its number.
     """
     rsos = _simulated_rsos(study, rsos)
     finished = list(_finished_groups(study, rsos, results))

@@ -27,8 +27,7 @@ def propagate_parameters(
 
 
 def propagate_beside(flight: Flight, epochs: np.ndarray, parameters: np.ndarray) -> tuple[np.ndarray, int]:
-    """Return (states of an arc and its neighbours, their worst status), as `propagate_around`, forward in
-    time.
+    """Return (states of an arc and its neighbours, worst status), as `propagate_around`, forward in time.
 
     parameters: (7,) at the first epoch
     epochs: (n,) at which the states (8, n, 6) are wanted [s]
