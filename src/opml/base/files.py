@@ -60,7 +60,7 @@ def suffix_of(path: FilePath, allowed: Collection[str]) -> str:
 
 
 def check_apart(written: Iterable[FilePath], read: Iterable[FilePath]) -> None:
-    """Raise InputError where a file would be written twice, over one that is read or a folder, or could not."""
+    """Raise InputError where a file would be written twice, over a folder or what is read, or not at all."""
     taken = {Path(path).resolve() for path in read}
     for path in written:
         if Path(path).is_dir():
@@ -72,9 +72,8 @@ def check_apart(written: Iterable[FilePath], read: Iterable[FilePath]) -> None:
         try:
             tempfile.TemporaryFile(dir=folder).close()
         except OSError as error:
-            raise InputError(
-                f"{path}: expected a folder that can be written to, got {folder}: {os.strerror(error.errno or 0)}"
-            ) from None
+            got = f"{folder}: {os.strerror(error.errno or 0)}"
+            raise InputError(f"{path}: expected a folder that can be written to, got {got}") from None
 
 
 @contextmanager
