@@ -89,8 +89,8 @@ def run(call: Call) -> int:
             older_days.convert(Path(settings.results, "days"))
             for folder in folders:
                 _forget_failed(folder)
-        if number := mornings_ahead(call.day, asked):
-            print(f"opml: {beforehand(number, asked)}", file=sys.stderr, flush=True)
+    if number := mornings_ahead(call.day, asked):
+        print(f"opml: {beforehand(number, asked)}", file=sys.stderr, flush=True)
     # The last day brings all others up to date, whose pages then only have to be written.
     for pages in [folders[-1:], folders[:-1]]:
         if pages and _snakemake(call, [str(folder / "day.html") for folder in pages]):
