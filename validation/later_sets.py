@@ -17,7 +17,7 @@ from sgp4.api import Satrec
 from opml.base import epochs
 from opml.base.constants import DAY
 from opml.conjunctions import known_orbits
-from opml.conjunctions.trajectories import EPOCH
+from opml.conjunctions.approaches import EPOCH
 from opml.element_sets import catalogue, density, improve, model, pairs
 from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day
 from opml.element_sets.training import HOUR_OF_MORNING

@@ -139,7 +139,7 @@ def _add_screen(parser: argparse.ArgumentParser) -> None:
 def _screen(options: argparse.Namespace) -> None:
     from opml import tables
     from opml.conjunctions import as_text, cdm, from_files
-    from opml.conjunctions.trajectories import EPOCH
+    from opml.conjunctions.approaches import EPOCH
 
     limits = {name: getattr(options, name) for name in ("within", "radius", "days")}
     found = from_files.conjunctions([options.ours, *options.others], **limits)

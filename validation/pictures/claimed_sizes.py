@@ -17,8 +17,8 @@ from matplotlib.ticker import FuncFormatter
 
 from opml.base.constants import DAY, EARTH_GM, WGS84_A
 from opml.conjunctions import cdm
+from opml.conjunctions.approaches import EPOCH
 from opml.conjunctions.conjunction import Participant
-from opml.conjunctions.trajectories import EPOCH
 from opml.figures import style
 from opml.figures.ticks import metres
 from opml.interop.element_sets import usual_errors

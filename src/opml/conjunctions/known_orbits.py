@@ -20,8 +20,8 @@ from opml.base import epochs
 from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.files import FilePath
-from opml.conjunctions.approaches import FEWEST, LONGEST_STEP, Path, velocities_of
-from opml.conjunctions.trajectories import EPOCH, covariances_at
+from opml.conjunctions.approaches import EPOCH, FEWEST, LONGEST_STEP, Path, velocities_of
+from opml.conjunctions.trajectories import covariances_at
 from opml.environment import earth_orientation, nodes
 from opml.interop import ccsds, fixes_csv, object_ids, oem
 from opml.interop.curves.orbit_curve import rotate_to_gcrf

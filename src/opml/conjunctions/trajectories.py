@@ -11,7 +11,7 @@ from opml.base.constants import DAY, WGS84_A
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.conjunctions import approaches
-from opml.conjunctions.approaches import Path
+from opml.conjunctions.approaches import EPOCH, Path
 from opml.conjunctions.sieve import STEEP, Looks, Sgp4Orbit, Span
 from opml.interop.element_sets import histories, mean_elements, usual_errors
 from opml.interop.element_sets.mean_elements import MOST_DAYS
@@ -19,8 +19,6 @@ from opml.interop.object_ids import ObjectId
 from opml.interop.oem import Segment
 from opml.orbits.density_error import DensityErrors
 from opml.orbits.elements import rsw_rotation
-
-EPOCH = "2000-01-01T12:00:00"  # UTC text from which times of files count [s], to a microsecond
 
 COVARIANCE_HELD = 600.0
 """Time for which a covariance holds before the first and beyond the last that is known [s]."""

@@ -186,8 +186,8 @@ def predict(
     catalogue: files and folders of other objects' sets, with which the corrector compares
     trained: a model of `opml train`; None: that of the package
 
-    Raises InputError for unreadable files, an object that is not there, days out of range and weather that
-    ends too early.
+    Raises InputError for unreadable files, an object that is not there, or decays before the end, days out of
+    range and weather that ends too early.
     """
     if not 0.0 < days <= LEADS[-1]:
         raise InputError(f"predict: expected more than 0 and at most {LEADS[-1]} days, got {days:g}")
@@ -214,7 +214,7 @@ def predict(
     measured = _measured(errors, _usual(published, how["age"]))
     thrusts = thrusting(public) if how["height"] < LOW else 0
     sizes = _sizes(how, past, measured, _after_storm(known.weather.kp, how["height"]))
-    return Prediction(
+    made = Prediction(
         identity,
         date,
         days,
@@ -228,6 +228,8 @@ def predict(
         burns,
         thrusts,
     )
+    made.states(made.t)  # no errors are told of what decays before
+    return made
 
 
 def _past_of(number: int, better: Improved) -> pd.DataFrame:

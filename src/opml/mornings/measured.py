@@ -28,7 +28,7 @@ from opml.orbits.sheets import Rso, Station
 class MeasurementSource:
     """Where the measurements of an object are.
 
-    taking: how fixes or mean elements are taken; of fixes also the satellite, where files have several
+    taking: how fixes or mean elements are taken; of fixes and tracks also the satellite, of several
     read_sets: `histories.read`, or what reads files once for all objects in them
     """
 
@@ -74,7 +74,8 @@ def read(
     """
     known = manoeuvres.at_times(source.manoeuvres, epoch=span.epoch)
     if source.kind == "tracks":
-        found = tdm.measurements(source.files, epoch=span.epoch)
+        satellite = source.taking.get("satellite")
+        found = tdm.measurements(source.files, epoch=span.epoch, wanted=satellite)
         tracking = measured_tracks.tracks(found[found["t"] >= since], stations)
         started = [first_state.identity(source.start)] if source.start else []
         return ObjectMeasurements(tracking, known, first_told([*started, tdm.identity(found)]))

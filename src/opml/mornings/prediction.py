@@ -253,11 +253,7 @@ def _text(epoch: str, t: float) -> str:
 def _span(request: Request) -> tuple[float, float]:
     """Return when the first and the last was measured [s since _ANY]."""
     if request.kind == "tracks":
-        found = tdm.measurements(request.files, epoch=_ANY)
-        tracked = tdm.identity(found)
-        if request.object is not None and not tracked.is_called(request.object):
-            got = f"expected tracks of {request.object}, got those of {tracked.identifier or tracked}"
-            raise InputError(f"{request.files[0]}: {got}")
+        found = tdm.measurements(request.files, epoch=_ANY, wanted=request.object)
         return float(found["t"].min()), float(found["t"].max())
     return points_from_files.reach(OrbitFiles(request.files, _ANY, np.inf, request.object))
 

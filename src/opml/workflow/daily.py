@@ -6,7 +6,7 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, date, datetime, timedelta
 from pathlib import Path
@@ -14,6 +14,7 @@ from pathlib import Path
 from opml.base import epochs
 from opml.base.errors import InputError
 from opml.base.progress import counted
+from opml.catalog.kinds import ELEMENTS
 from opml.mornings import outcomes
 from opml.mornings.kept import older_days
 from opml.mornings.kept.store import Store
@@ -31,8 +32,9 @@ _PROJECT = "config/config.yaml"
 
 _NAMED = 5  # objects at most
 
-_SECONDS = 0.8
-"""What a morning of one object takes of a core: mean of 40 by their public sets, six models."""
+_START, _BY_SETS, _MEASURED, _WINDOW = 20.0, 0.8, 3.0, 0.9
+"""What mornings take of a core [s]: before the first; each of an object by its sets, mean of 40; each of one
+by points, as of Swarm A, and for each window of the models' fits."""
 
 _TABLES, _MESSAGE, _EPHEMERIDES = 0.006, 1.7, 0.33  # what it leaves [MB]
 _STAY = 14  # mornings that ephemerides stay
@@ -89,8 +91,8 @@ def run(call: Call) -> int:
             older_days.convert(Path(settings.results, "days"))
             for folder in folders:
                 _forget_failed(folder)
-        if number := mornings_ahead(call.day, asked):
-            print(f"opml: {beforehand(number, asked)}", file=sys.stderr, flush=True)
+    if any((ahead := mornings_ahead(call.day, asked)).values()):
+        print(f"opml: {beforehand(ahead, asked)}", file=sys.stderr, flush=True)
     # The last day brings all others up to date, whose pages then only have to be written.
     for pages in [folders[-1:], folders[:-1]]:
         if pages and _snakemake(call, [str(folder / "day.html") for folder in pages]):
@@ -102,22 +104,27 @@ def run(call: Call) -> int:
     return OBJECTS_FAILED if page["verdicts"].get(outcomes.FAILED) else ALL_RUN
 
 
-def mornings_ahead(day: date, settings: Settings) -> int:
-    """Return how many mornings of objects are to be run up to a date, at most: tracks may begin later."""
+def mornings_ahead(day: date, settings: Settings) -> dict[str, int]:
+    """Return how many mornings of each object are to be run up to a date, at most: tracks may begin later."""
     store = Store(Path(settings.values["results"], "days"), "0", settings.measured)
     before = date.fromisoformat(settings.values["epoch"][:10]) - timedelta(days=1)
-    return sum((day - (dates[-1] if dates else before)).days for dates in store.done(day).values())
+    return {rso: (day - (dates[-1] if dates else before)).days for rso, dates in store.done(day).items()}
 
 
-def beforehand(number: int, settings: Settings) -> str:
-    """Return in words what so many mornings of objects take."""
-    objects, day = len(settings.measured), settings.run.day
+def beforehand(ahead: Mapping[str, int], settings: Settings) -> str:
+    """Return in words what mornings take, of which there are so many of each object."""
+    objects, number, day = len(settings.measured), sum(ahead.values()), settings.run.day
+    models = [settings.values["learners"][name] for name in ([] if day is None else day.models)]
+    measured = _MEASURED + _WINDOW * len({model.get("window_hours") for model in models})
+    seconds = _START + sum(
+        count * (_BY_SETS if settings.kind_of(rso) is ELEMENTS else measured) for rso, count in ahead.items()
+    )
     share = 1.0 if day is None or day.messages is None else len(day.messages) / objects
     stay = min(number, _STAY * objects)
     megabytes = number * (_TABLES + share * _MESSAGE) + stay * _EPHEMERIDES
     return (
         f"{counted(objects, 'object')}, at most {counted(number, 'morning')}: "
-        f"about {math.ceil(number * _SECONDS / 60.0)} min of one core, "
+        f"about {math.ceil(seconds / 60.0)} min of one core, "
         f"{math.ceil(megabytes)} MB in {settings.values['results']}"
     )
 

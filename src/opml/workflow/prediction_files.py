@@ -11,7 +11,7 @@ from opml.base.files import FilePath, replacing, suffix_of
 from opml.element_sets.passes import Place, passes
 from opml.element_sets.prediction import Prediction
 from opml.interop import czml
-from opml.interop.element_sets import element_fits, omm, rewriting, tle
+from opml.interop.element_sets import omm, rewriting, tle
 from opml.interop.predicted_orbit import PredictedOrbit
 from opml.tables import write_as
 
@@ -46,6 +46,8 @@ def _set(path: FilePath, prediction: PredictedOrbit, _: Sequence[Place]) -> None
 
 def _fitted_set(path: FilePath, prediction: PredictedOrbit) -> None:
     """Write the set by which SGP4 comes nearest to a prediction."""
+    from opml.interop.element_sets import element_fits  # SciPy's optimizers: a quarter of a second
+
     ephemeris, epoch, identity = prediction.segment(), prediction.date, prediction.identity
     satellite = element_fits.fit_ephemeris(ephemeris, epoch=epoch)
     if Path(path).suffix.lower() == ".tle":

@@ -54,6 +54,17 @@ def test_segments_may_be_without_an_id(message):
     assert set(back["track_id"]) == {""}
 
 
+def test_messages_in_a_row_are_read_and_one_object_of_several_is_chosen(table, message):
+    ours = message.read_text()
+    message.write_text(ours + ours.replace("= iss", "= 1998-067A"))
+    for wanted in ("iss", "1998-067a"):
+        found = tdm.measurements([message], epoch=EPOCH, wanted=wanted)
+        assert (len(found), set(found["rso"].str.lower())) == (len(table), {wanted})
+    with pytest.raises(InputError, match=r"iss.tdm: expected tracks of mir, got those of iss, 1998-067A"):
+        tdm.measurements([message], epoch=EPOCH, wanted="mir")
+    assert "expected tracks of iss, as in" in refusal(read, message)
+
+
 @pytest.mark.parametrize(("old", "new", "line"), refusals("tdm"))
 def test_what_is_malformed_is_named_by_file_and_line(message, old, new, line):
     assert refusal(read, edited(message, old, new)).startswith(f"{message}: {line}")

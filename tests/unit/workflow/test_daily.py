@@ -13,6 +13,7 @@ from support import refusal
 
 from opml import cli
 from opml.base.errors import InputError
+from opml.catalog.kinds import ELEMENTS, FIXES
 from opml.workflow import daily, lock
 from opml.workflow.daily import Call, beforehand, check_dates, mornings_ahead
 
@@ -53,19 +54,32 @@ def test_a_run_ends():
 
 
 def test_what_is_ahead_is_told(tmp_path):
+    learners = {
+        "fit24": {"window_hours": 24},
+        "running24": {"window_hours": 24},
+        "fit48": {"window_hours": 48},
+    }
     settings = SimpleNamespace(
-        values={"results": str(tmp_path), "epoch": EPOCH}, measured={"first": ["a"], "second": ["b"]}
+        values={"results": str(tmp_path), "epoch": EPOCH, "learners": learners},
+        measured={"first": ["a"], "second": ["b"]},
+        kind_of={"first": ELEMENTS, "second": FIXES}.get,
     )
     done = tmp_path / "days" / "2016-10-02" / "batch_0"
     done.mkdir(parents=True)
     mark = {"settings": "", "stations": {}, "optional": [], "models": []}
     (done / "done.json").write_text(json.dumps({"second": mark}))
-    assert mornings_ahead(TODAY, settings) == 6 + 1
+    ahead = mornings_ahead(TODAY, settings)
+    assert ahead == {"first": 6, "second": 1}
     for messages, megabytes in ((None, 15), (["first"], 9), ([], 3)):
-        settings.run = SimpleNamespace(day=SimpleNamespace(messages=messages))
-        assert beforehand(7, settings) == (
+        settings.run = SimpleNamespace(day=SimpleNamespace(messages=messages, models=["fit24"]))
+        assert beforehand(ahead, settings) == (
             f"2 objects, at most 7 mornings: about 1 min of one core, {megabytes} MB in {tmp_path}"
         )
+    for models, minutes in (["fit24"], 7), (["fit24", "running24"], 7), (["fit24", "fit48"], 9):
+        settings.run.day.models = models
+        told = beforehand({"first": 0, "second": 100}, settings)
+        assert f"100 mornings: about {minutes} min of one core" in told
+    assert "about 2 min of" in beforehand({"first": 100, "second": 0}, settings)
 
 
 def test_a_workflow_that_fails_without_a_word_is_told(monkeypatch, capsys):
