@@ -4,9 +4,9 @@ import numpy as np
 from fits import estimates_on, on_orbit
 
 from opml.base.constants import DAY
-from opml.catalog.flight import Flight
 from opml.catalog.predict import prediction
 from opml.catalog.predict.covariance import of_positions, propagated
+from opml.catalog.propagator import Propagator
 from opml.orbits.elements import in_rsw
 from opml.tables import POSITION_COVARIANCES, SCHEMAS, STATE, symmetric_matrices
 
@@ -27,15 +27,15 @@ def test_carried_covariances_are_those_of_many_arcs(assumed_model, iss):
     fit = covariance_of_a_fit()
     states = on_orbit(TIMES, assumed_model.gm)
     table = estimates_on(TIMES, states, covariance=fit, cd=2.2)
-    flight = Flight(assumed_model, iss)
-    pairs = prediction.predict_all(flight, table[["t", *STATE]], table, max_days=2.0)
-    carried = propagated(flight, table, pairs)
+    propagator = Propagator(assumed_model, iss)
+    pairs = prediction.predict_all(propagator, table[["t", *STATE]], table, max_days=2.0)
+    carried = propagated(propagator, table, pairs)
     found = of_positions(pairs, carried)
     assert list(found.columns) == SCHEMAS["covariances"].names
     assert found[["i", "j"]].to_numpy().tolist() == [[10, 11], [10, 12], [11, 12]]
 
     draws = np.random.default_rng(1).multivariate_normal(np.zeros(7), fit, DRAWS)
-    arcs = flight.propagate(
+    arcs = propagator.propagate(
         TIMES,
         table.loc[0, STATE].to_numpy(float) + draws[:, :6],
         cd=2.2 + draws[:, 6],

@@ -8,7 +8,7 @@ from support import refusal
 
 from opml.base.errors import InputError
 from opml.learning.models import gaussian_kernel, kernel_scale, learners, svr
-from opml.learning.models.inputs import Training
+from opml.learning.models.training_inputs import Training
 
 VARIABLES = ("duration", "d_a", "cd_b", "constant")
 SETTINGS = {"kind": "svr", "kernel_scale": "sigest", "c": 1.0, "epsilon": 0.1, "tol": 1e-3}
