@@ -18,7 +18,7 @@ from opml.mornings.issued import SelectedModel
 from opml.mornings.outcomes import DO_NOT_USE, UNPROVEN
 from opml.mornings.records import Paths, Records
 from opml.mornings.verdicts import Verdict
-from opml.mornings.watched import Watched
+from opml.mornings.watched_object import Watched
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import SCHEMAS
 

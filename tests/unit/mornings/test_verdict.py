@@ -16,8 +16,8 @@ from opml.learning.judge.error_sizes import Sizes
 from opml.mornings import days, issued
 from opml.mornings.outcomes import DO_NOT_USE, GOOD, UNPROVEN, WIDE
 from opml.mornings.records import Records
-from opml.mornings.verdicts import Verdict, medians_beside_sgp4, verdict
-from opml.mornings.watched import Sgp4
+from opml.mornings.verdicts import Verdict, medians_with_sgp4, verdict
+from opml.mornings.watched_object import Sgp4
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import SIGMA_STATE, STATE
 
@@ -154,14 +154,14 @@ def test_scores_are_by_day_of_duration():
 def test_medians_of_sgp4_are_of_the_same_epochs_by_day_ahead():
     past = judged(sigma=100.0)
     sgp4 = past.assign(model="sgp4", e_y=-3.0 * past["e_y"], sigma_y=np.nan).iloc[1:]
-    found = medians_beside_sgp4(pd.concat([past, sgp4]))
+    found = medians_with_sgp4(pd.concat([past, sgp4]))
     both = past.iloc[1:].groupby(np.ceil(past["duration"] / DAY))["e_y"].apply(lambda e: e.abs().median())
     assert [one["day"] for one in found] == both.index.tolist()
     assert [one["flown_m"] for one in found] == both.round(1).tolist()
     assert [one["sgp4_m"] for one in found] == pytest.approx((3.0 * both).tolist(), abs=0.06)
     mornings = past.iloc[1:].groupby(np.ceil(past["duration"] / DAY))["morning"].nunique()
     assert [one["mornings"] for one in found] == mornings.tolist()
-    assert medians_beside_sgp4(past) == []
+    assert medians_with_sgp4(past) == []
 
 
 def test_a_path_corrected_by_sgp4_is_where_sgp4_is():
