@@ -142,9 +142,9 @@ def test_every_conjunction_of_cara_is_counted_once():
     inside, all_of_them = re.search(
         r"Of (\d+) conjunctions of NASA's CARA (\d+) are within", sentences("docs/conjunctions")
     ).groups()[::-1]
-    assert int(inside) + len(re.findall(r"one is 2 % low|one 12 % high", page("docs/conjunctions"))) == int(
-        all_of_them
-    )
+    assert int(inside) + len(
+        re.findall(r"one is 2 % low|one 12 % high", sentences("docs/conjunctions"))
+    ) == int(all_of_them)
     assert f"the probabilities of {all_of_them} real conjunctions" in sentences("docs/conjunctions")
 
 
