@@ -114,7 +114,7 @@ def mornings_ahead(day: date, settings: Settings) -> dict[str, int]:
 def beforehand(ahead: Mapping[str, int], settings: Settings) -> str:
     """Return in words what mornings take, of which there are so many of each object."""
     objects, number, day = len(settings.measured), sum(ahead.values()), settings.run.day
-    models = [settings.values["learners"][name] for name in ([] if day is None else day.models)]
+    models = [settings.values["learners"][name] for name in settings.morning_models]
     measured = _MEASURED + _WINDOW * len({model.get("window_hours") for model in models})
     seconds = _START + sum(
         count * (_BY_SETS if settings.kind_of(rso) is ELEMENTS else measured) for rso, count in ahead.items()
