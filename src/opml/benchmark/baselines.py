@@ -71,19 +71,6 @@ def _by_past(morning: Morning, correction: pd.Series) -> pd.DataFrame:
     return pd.DataFrame({"correction": correction, "sigma": rows["lead"].map(size) * rows["scale"]})
 
 
-def _published(morning: Morning) -> pd.DataFrame:
-    return _by_past(morning, 0.0 * morning.rows["density"])
-
-
-def _scaled(morning: Morning) -> pd.DataFrame:
-    return _by_past(morning, morning.rows["density"])
-
-
-def _chosen(morning: Morning) -> pd.DataFrame:
-    """Correct as `opml improve` does: by what left least of an object's own predictions."""
-    return _by_weight(morning, _candidates(morning))
-
-
 def _taught(morning: Morning) -> pd.DataFrame:
     """Correct by the model alone, by the populations that left least of an object's own predictions."""
     tried = _candidates(morning).items()
@@ -141,9 +128,10 @@ def _learned(learner: Regression) -> Correction:
 
 
 CORRECTIONS: Mapping[str, Correction] = {
-    "sgp4": _published,
-    "density": _scaled,
-    "improve": _chosen,
+    "sgp4": lambda morning: _by_past(morning, 0.0 * morning.rows["density"]),
+    "density": lambda morning: _by_past(morning, morning.rows["density"]),
+    # As `opml improve` does: by what left least of an object's own predictions.
+    "improve": lambda morning: _by_weight(morning, _candidates(morning)),
     "learned": _taught,
     "svr": _learned(_support_vectors),
     "trees": _learned(_trees),

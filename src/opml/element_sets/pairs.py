@@ -12,7 +12,7 @@ import pandas as pd
 
 from opml.element_sets.catalogue import ElementCatalogue
 from opml.interop.element_sets.element_set import kick, propagate
-from opml.tables.element_tables import IMPROVED_LEADS
+from opml.tables import IMPROVED_LEADS
 
 LEADS = IMPROVED_LEADS  # days from the morning to what is predicted
 BACK = 5  # sets before the newest one that it is compared with

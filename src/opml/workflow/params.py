@@ -341,12 +341,13 @@ class Params:
     @property
     def catalogue_seasons(self) -> dict[str, Any]:
         """Dates of all of a catalogue's tests, who taught, and what figures call them."""
-        tests = self.plan.settings.catalogue.tests if self.plan.settings.catalogue else {}
+        asked = self.plan.settings.catalogue
+        tests = asked.tests if asked else {}
         return {
             "epoch": self.run.epoch,
             "seasons_of_tests": {name: _seasons(test) for name, test in tests.items()},
             "teachers": {name: test.teachers for name, test in tests.items()},
-            "labels": {name: test.words for name, test in tests.items()},
+            "labels": {name: asked.words(name) for name in tests} if asked else {},
         }
 
     def catalogue_season(self, wildcards: Wildcards) -> dict[str, Any]:

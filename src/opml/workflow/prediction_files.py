@@ -37,10 +37,6 @@ def write(path: FilePath, prediction: PredictedOrbit, places: Sequence[Place]) -
     WRITERS[Path(path).suffix.lower()](path, prediction, places)
 
 
-def _oem(path: FilePath, prediction: PredictedOrbit, _: Sequence[Place]) -> None:
-    prediction.to_oem(path)
-
-
 def _set(path: FilePath, prediction: PredictedOrbit, _: Sequence[Place]) -> None:
     if not isinstance(prediction, Prediction):
         _fitted_set(path, prediction)
@@ -92,7 +88,7 @@ def _page(path: FilePath, prediction: PredictedOrbit, places: Sequence[Place]) -
 
 
 WRITERS: dict[str, Writer] = {
-    ".oem": _oem,
+    ".oem": lambda path, prediction, _: prediction.to_oem(path),
     ".tle": _set,
     ".kvn": _set,
     ".xml": _set,

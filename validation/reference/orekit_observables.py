@@ -1,6 +1,6 @@
 """Have Orekit measure states, with light time and without noise:
 
-    PYTHONPATH=tests python tests/reference/orekit_observables.py <Orekit's data>
+    PYTHONPATH=tests python -m validation.reference.orekit_observables <Orekit's data>
 
 Every kind of measurement by the paper's stations, of its RSOs and one of a day's period, each a few hours
 apart on its Kepler orbit. Needs the extra `verify`.
@@ -12,13 +12,13 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from excerpt import HERE
 from support import kepler_orbit
 
 from opml.base.constants import EARTH_GM
 from opml.orbits.sheets import read_rsos, read_stations
 from opml.tables import STATE
 from validation import orekit
+from validation.case import ROOT, TABLES
 from validation.orekit import org
 
 EPOCH = "2016-09-28T12:09:45"
@@ -62,7 +62,7 @@ def values(models, ground, state):
 
 def main(data):
     orekit.start(orekit.Data.find(data))
-    models, config = orekit.Orekit(EPOCH), HERE.parents[1] / "config"
+    models, config = orekit.Orekit(EPOCH), ROOT / "config"
     stations = read_stations(config / "stations.tsv")
     grounds = {
         name: org.orekit.estimation.measurements.GroundStation(models.topocentric(station))
@@ -74,7 +74,7 @@ def main(data):
             state = models.spacecraft(row["t"], np.array([row[name] for name in STATE]), EARTH_GM)
             for name, ground in grounds.items():
                 rows.append(row | {"station": name} | values(models, ground, state))
-    with (HERE / "orekit_observables.csv").open("w", encoding="utf-8") as file:
+    with (TABLES / "orekit_observables.csv").open("w", encoding="utf-8") as file:
         file.write("# States, and what stations receive of them; written by orekit_observables.py.\n")
         file.write(f"# Orekit {orekit.version()}, t [s] from {EPOCH} UTC, SI units, radians, GCRF.\n")
         pd.DataFrame(rows).to_csv(file, index=False)

@@ -1,6 +1,6 @@
 """Have Orekit write two days of tracks as a TDM:
 
-    python tests/reference/orekit_tdm.py <Orekit's larger tables> <Orekit's data>
+    python -m validation.reference.orekit_tdm <Orekit's larger tables> <Orekit's data>
 
 Azimuth, elevation, range and range rate that Orekit computes from its own orbit of the paper's RSO, for the
 paper's stations, with their noise; and the orbit at the measured times. Needs the extra `verify`.
@@ -11,11 +11,12 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from excerpt import HERE, STATE
 
 from opml.orbits.sheets import read_stations
 from validation import orekit
+from validation.case import ROOT, TABLES
 from validation.orekit import java, org
+from validation.reference.excerpt import STATE
 
 EPOCH = "2016-09-28T12:09:45"
 PATHS = {"eglin": (1, 2, 1), "clear": (1, 2), "kaena": (2, 1)}
@@ -88,10 +89,10 @@ def main(tables, data):
     orekit.start(orekit.Data.find(data))
     models, tdm = orekit.Orekit(EPOCH), org.orekit.files.ccsds.ndm.tdm
     orbit = pd.read_parquet(tables / "iss_truth_2d_60s.parquet").rename(columns={"t_s": "t"} | STATE)
-    stations = read_stations(HERE.parents[1] / "config" / "stations.tsv")
+    stations = read_stations(ROOT / "config" / "stations.tsv")
     whole, times = message(models, tdm, orbit[["t", *STATE.values()]], stations)
-    save(whole, HERE / "orekit.tdm")
-    with (HERE / "orekit_tdm_orbit.csv").open("w", encoding="utf-8") as file:
+    save(whole, TABLES / "orekit.tdm")
+    with (TABLES / "orekit_tdm_orbit.csv").open("w", encoding="utf-8") as file:
         file.write("# The true orbit at the times of orekit.tdm, GCRF; written by orekit_tdm.py.\n")
         file.write(f"# Orekit 13.1.9, the paper's case. t [s] from {EPOCH} UTC, SI units.\n")
         orbit[orbit["t"].isin(times)].to_csv(file, index=False)

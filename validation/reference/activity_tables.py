@@ -1,6 +1,6 @@
 """Write the package's two tables of solar activity afresh from downloads.
 
-    python tests/reference/activity_tables.py <SW-All.csv> <MSAFE bulletin>...
+    python -m validation.reference.activity_tables <SW-All.csv> <MSAFE bulletin>...
 
 The first is CelesTrak's file in CSSI's format, gzipped or not; all bulletins there are follow, in any order.
 src/opml/data/README.md says which files the tables were last made of.

@@ -1,7 +1,7 @@
 """Tracks of weeks for a whole operator's chain, and what came of it, both by Orekit:
 
-    python tests/reference/orekit_operator.py write <Orekit's larger tables> <Orekit's data> <folder>
-    python tests/reference/orekit_operator.py open <corrected.oem> <Orekit's data> <folder>
+    python -m validation.reference.orekit_operator write <Orekit's larger tables> <Orekit's data> <folder>
+    python -m validation.reference.orekit_operator open <corrected.oem> <Orekit's data> <folder>
 
 `write` flies Orekit's orbit of the paper's RSO on to 35 days and leaves it in the folder (`orbit.parquet`),
 with the tracks of its first 28 days (`iss.tdm`: three stations, every minute, with their noise). `open` reads
@@ -13,9 +13,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
-import orekit_tdm
 import pandas as pd
-from excerpt import STATE
 
 from opml.base.constants import DAY
 from opml.orbits.elements import in_rsw
@@ -23,6 +21,8 @@ from opml.orbits.sheets import read_stations
 from validation import orekit
 from validation.case import ROOT, Case
 from validation.orekit import org
+from validation.reference import orekit_tdm
+from validation.reference.excerpt import STATE
 
 ORBIT_DAYS, TRACK_DAYS, STEP = 35.0, 28.0, 60.0
 MARKS = (0.25, 1.0, 2.0, 3.0, 5.0, 7.0)

@@ -1,6 +1,6 @@
 """Have Orekit tell what air does to ranges and elevations at the paper's stations:
 
-    python tests/reference/orekit_air.py <Orekit's data>
+    python -m validation.reference.orekit_air <Orekit's data>
 
 Delays are Saastamoinen's to the zenith, in a standard atmosphere, by Niell's mapping functions; refraction is
 Saemundsson's for light and that of ITU-R P.834 for radio waves. Needs the extra `verify`.
@@ -12,11 +12,11 @@ from pathlib import Path
 import jpype
 import numpy as np
 import pandas as pd
-from excerpt import HERE
 
 from opml.catalog.fit.air import standard
 from opml.orbits.sheets import read_stations
 from validation import orekit
+from validation.case import ROOT, TABLES
 from validation.orekit import org
 
 EPOCH = "2016-09-28T12:09:45"
@@ -56,10 +56,10 @@ def main(data):
     models = orekit.Orekit(EPOCH)
     rows = [
         {"station": station.name, "elevation": elevation} | values(models, station, elevation)
-        for station in read_stations(HERE.parents[1] / "config" / "stations.tsv").values()
+        for station in read_stations(ROOT / "config" / "stations.tsv").values()
         for elevation in np.radians(ELEVATIONS)
     ]
-    with (HERE / "orekit_air.csv").open("w", encoding="utf-8") as file:
+    with (TABLES / "orekit_air.csv").open("w", encoding="utf-8") as file:
         file.write("# What air does to ranges and elevations; written by orekit_air.py.\n")
         file.write(f"# Orekit {orekit.version()}, SI units, radians.\n")
         pd.DataFrame(rows).to_csv(file, index=False)

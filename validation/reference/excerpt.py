@@ -1,6 +1,6 @@
-"""Cut the excerpts of Orekit's tables that the tests read: `python tests/reference/excerpt.py <folder>`.
+"""Cut the excerpts of Orekit's tables that the tests read: `python -m validation.reference.excerpt <folder>`.
 
-The full tables, with what they were made of, are described in the README beside them; the columns here
+The full tables, with what they were made of, are described in the README of tests/reference; the columns here
 have the project's names and SI units. Run by hand when those tables change.
 """
 
@@ -9,7 +9,8 @@ from pathlib import Path
 
 import pandas as pd
 
-HERE = Path(__file__).parent
+from validation.case import TABLES
+
 SOURCE = "Orekit 13.1.9, the paper's case; cut by excerpt.py. t [s] from 2016-09-28T12:09:45 UTC, SI units."
 STATE = {f"{axis}_m": axis for axis in "xyz"} | {f"v{axis}_mps": f"v{axis}" for axis in "xyz"}
 BODIES = ("Sun", "Moon", "Mercury", "Venus", "Mars", "Jupiter", "Saturn", "Uranus", "Neptune", "Pluto")
@@ -69,7 +70,7 @@ def trajectory(tables):
 
 def main(tables):
     for cut in (points, shadow, tracks, measurements, trajectory):
-        with (HERE / f"orekit_{cut.__name__}.csv").open("w", encoding="utf-8", newline="\n") as file:
+        with (TABLES / f"orekit_{cut.__name__}.csv").open("w", encoding="utf-8", newline="\n") as file:
             file.write(f"# {cut.__doc__}\n# {SOURCE}\n")
             cut(tables).to_csv(file, index=False, lineterminator="\n")
 
