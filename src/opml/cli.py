@@ -238,7 +238,7 @@ _PREDICTED = "what is written, each by its suffix: .oem, .tle, .kvn, .xml, .csv,
 
 def _predict(options: argparse.Namespace) -> None:
     from opml.element_sets import passes
-    from opml.interop.measured_files import is_measured
+    from opml.interop.points_from_files import is_measured
     from opml.interop.predicted_orbit import UNKNOWABLE
     from opml.workflow import prediction_files
 
