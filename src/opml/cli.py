@@ -141,6 +141,8 @@ def _screen(options: argparse.Namespace) -> None:
     from opml.conjunctions import as_text, cdm, from_files
     from opml.conjunctions.approaches import EPOCH
 
+    if options.messages:
+        check_apart([os.path.join(options.messages, "*.cdm")], [])
     limits = {name: getattr(options, name) for name in ("within", "radius", "days")}
     found = from_files.conjunctions([options.ours, *options.others], **limits)
     if options.messages:
@@ -408,6 +410,7 @@ def _score(options: argparse.Namespace) -> None:
 
     for path in options.output:
         suffix_of(path, benchmark.SUFFIXES)
+    check_apart(options.output, [options.answers])
     score = benchmark.score(options.task, options.answers, options.truth)
     for path in options.output:
         benchmark.write(path, score)
