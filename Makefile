@@ -31,7 +31,7 @@ endif
 .PHONY: all check test coverage faults draws lint docs pictures wheel crate validate weather bench clean
 
 all: $(INSTALLED)
-	$(BIN)/snakemake -j2 results/figs/partition_curve.pdf
+	$(BIN)/snakemake -j2 --set-threads estimation=2 prediction=2 -- results/figs/partition_curve.pdf
 
 # A process a core, the longest tests first; those of a module stay together, as they share what they make.
 PYTEST := $(BIN)/python -m pytest --numprocesses auto --dist loadfile --no-loadscope-reorder
@@ -102,13 +102,13 @@ $(VENV)/.verify: $(INSTALLED) requirements-verify.lock
 	touch $@
 
 # Modules are compiled at the end, on all cores, as far as they can be; pip would compile on one, which takes as
-# long as all the rest.
+# long as all the rest. Kernels are compiled beside them, as the first job would do while all others wait.
 $(INSTALLED): requirements.lock pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(None if sys.version_info >= (3, 11) else "opml needs Python 3.11 or later")'
 	$(MAKE_VENV) $(VENV)
 	$(INSTALL) --no-deps --requirement requirements.lock
 	$(INSTALL) --no-deps --no-build-isolation --editable .
-	-$(BIN)/python -m compileall -q -j 0 -x /tests/ $(VENV)/lib src
+	-$(BIN)/python -m opml.workflow.compile_kernels & $(BIN)/python -m compileall -q -j 0 -x /tests/ $(VENV)/lib src; wait
 	$(BIN)/python -c "from opml.study.settings import editor_schema; editor_schema.write('.')"
 	touch $@
 

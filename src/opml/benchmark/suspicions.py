@@ -23,7 +23,7 @@ _GROWS = 1.2  # times the error of the shortest lead, as errors at the longest a
 _MANY = 100  # answers to a lead, of which a tenth may say something
 
 
-def told(task: BenchmarkTask, answers: Answers, errors: pd.DataFrame, truth: np.ndarray) -> list[str]:
+def sentences(task: BenchmarkTask, answers: Answers, errors: pd.DataFrame, truth: np.ndarray) -> list[str]:
     """Return what is to be told of answers, a sentence each.
 
     errors: of `scores.errors`

@@ -16,8 +16,9 @@ _, _entry = decorators(nogil=True, error_model="numpy")
 def gcrf_to_itrf(earth_orientation: pd.DataFrame, t: np.ndarray) -> np.ndarray:
     """Return rotation matrices (n, 3, 3) at times t (n,) [s], from the Earth orientation table."""
     nodes = earth_orientation["t"].to_numpy()
-    orientation = np.ascontiguousarray(earth_orientation[ORIENTATION].to_numpy(float))
-    return _rotations(np.asarray(t, float), nodes[0], nodes[1] - nodes[0], orientation)
+    # Copies, whose type does not depend on where an array is from: the kernel is compiled once.
+    orientation = np.array(earth_orientation[ORIENTATION], float, order="C")
+    return _rotations(np.array(t, float), nodes[0], nodes[1] - nodes[0], orientation)
 
 
 def spin(earth_orientation: pd.DataFrame) -> np.ndarray:
