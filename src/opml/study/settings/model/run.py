@@ -202,7 +202,7 @@ class Uncertainty(Section):
     """How far corrected orbits may be off."""
 
     every_hours: Positive = setting(
-        "mornings that are over are run again from the first estimate of every so many hours",
+        "hours between the estimates from which past mornings are replayed",
         unit="h",
         see="uncertainty.md",
     )
@@ -252,7 +252,7 @@ class RunAlone(Section):
     seed: RandomSeeds = setting("where random numbers begin")
     epoch: Epoch = setting("epoch of the RSOs' elements and start of the run")
     duration_days: Positive = setting("how long the truth is propagated", unit="days")
-    environment: EnvironmentSettings = setting("what Earth, Sun and Moon do, and what is known of it")
+    environment: EnvironmentSettings = setting("Earth, Sun, Moon, weather, and what is known of them")
     forecasts: dict[Name, AnyForecast] = setting(
         "a way to say the weather of the days ahead: its `kind`, and that kind's own settings",
         see="weather.md#methods",
