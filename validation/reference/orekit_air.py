@@ -13,7 +13,7 @@ import jpype
 import numpy as np
 import pandas as pd
 
-from opml.catalog.fit.air import standard
+from opml.catalog.fit.refraction import standard
 from opml.orbits.sheets import read_stations
 from validation import orekit
 from validation.case import ROOT, TABLES

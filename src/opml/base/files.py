@@ -59,7 +59,7 @@ def suffix_of(path: FilePath, allowed: Collection[str]) -> str:
     return suffix
 
 
-def check_apart(written: Iterable[FilePath], read: Iterable[FilePath]) -> None:
+def check_distinct_files(written: Iterable[FilePath], read: Iterable[FilePath]) -> None:
     """Raise InputError where a file would be written twice, over a folder or what is read, or not at all."""
     taken = {Path(path).resolve() for path in read}
     for path in written:

@@ -14,8 +14,8 @@ import pandas as pd
 from opml.base.constants import DAY
 from opml.naming import Experiment
 from opml.report import texts
-from opml.report.claims import Claim, judge_claim
 from opml.report.document import Block
+from opml.report.paper_claims import Claim, judge_claim
 from opml.report.results import NO_VALUE, Results, extent_cell, percent
 
 EXPLAINED = 0.5  # share of a difference that a run must remove to count as its likeliest cause

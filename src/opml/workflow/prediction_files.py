@@ -8,8 +8,8 @@ from typing import Any
 
 from opml.base.errors import InputError
 from opml.base.files import FilePath, replacing, suffix_of
-from opml.element_sets.passes import Place, passes
 from opml.element_sets.prediction import Prediction
+from opml.element_sets.station_passes import Place, passes
 from opml.interop import czml
 from opml.interop.element_sets import omm, rewriting, tle
 from opml.interop.predicted_orbit import PredictedOrbit
@@ -68,9 +68,9 @@ def _czml(path: FilePath, prediction: PredictedOrbit, _: Sequence[Place]) -> Non
 
 
 def _page(path: FilePath, prediction: PredictedOrbit, places: Sequence[Place]) -> None:
-    from opml.figures import predicted as figures
+    from opml.figures import prediction_figures as figures
     from opml.figures.style import save_png
-    from opml.report import predicted as report
+    from opml.report import prediction_page as report
     from opml.report.document import Picture, html_page
 
     drawn = {

@@ -12,7 +12,7 @@ from support import EPOCH, edited, refusal, refusals
 
 from opml.base.constants import DAY
 from opml.base.errors import InputError
-from opml.catalog.flight import Flight
+from opml.catalog.propagator import Propagator
 from opml.catalog.simulate import truth
 from opml.interop import ccsds, oem
 from opml.orbits.density_error import DensityErrors
@@ -24,7 +24,7 @@ DOUBLES = st.floats(allow_nan=False, allow_infinity=False, min_value=-1e290, max
 @pytest.fixture(scope="module")
 def orbit(kepler_model, iss):
     """Ten minutes of the paper's RSO."""
-    return truth.simulate(Flight(kepler_model, iss), duration=600.0, step=20.0)
+    return truth.simulate(Propagator(kepler_model, iss), duration=600.0, step=20.0)
 
 
 @pytest.fixture

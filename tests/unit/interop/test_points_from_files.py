@@ -68,7 +68,7 @@ def csv(path, t, states, *, frame="itrf", scale="utc", unit="m", velocities=Fals
 def test_what_files_tell_beside_points(tmp_path, t, states):
     orbit = flagged(sp3(tmp_path / "orbit.sp3", t, states), 23 + 3, "M", 78)
     files = [orbit, cpf(tmp_path / "orbit.cpf", t, states), csv(tmp_path / "orbit.csv", t, states)]
-    told = [points_from_files.beside(OrbitFiles([path], EPOCH, DAY)) for path in files]
+    told = [points_from_files.identity_and_burns(OrbitFiles([path], EPOCH, DAY)) for path in files]
     assert told[0] == (ObjectId("L47"), [Manoeuvre(30.0, known=30.0)])
     assert told[1:] == [(ObjectId("larets", number=27944), []), (UNKNOWN, [])]
 

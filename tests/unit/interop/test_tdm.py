@@ -9,7 +9,7 @@ import pytest
 from support import EPOCH, edited, refusal, refusals
 
 from opml.base.errors import InputError
-from opml.catalog.flight import Flight
+from opml.catalog.propagator import Propagator
 from opml.catalog.simulate import tracking, truth
 from opml.interop import ccsds, tdm
 
@@ -17,7 +17,7 @@ from opml.interop import ccsds, tdm
 @pytest.fixture(scope="module")
 def table(kepler_model, iss, earth_orientation, three_stations):
     """Half a day of the paper's RSO over the paper's stations."""
-    orbit = truth.simulate(Flight(kepler_model, iss), duration=43200.0, step=20.0)
+    orbit = truth.simulate(Propagator(kepler_model, iss), duration=43200.0, step=20.0)
     return tracking.simulate(orbit, earth_orientation, three_stations, rso="iss", seed=42)
 
 

@@ -475,7 +475,7 @@ def test_laser_ranges_stand_where_tracks_do_and_bring_stations_of_their_own(tmp_
     settings = checked(with_ranges(tmp_path))
     assert settings.files_of(kinds.RANGES) == settings.measured == {"mine": [f"{tmp_path}/lageos.crd"]}
     sites = [f"{tmp_path}/{name}.snx" for name in ("coordinates", "eccentricities")]
-    assert settings.files_beside(kinds.RANGES) == {"mine": sites}
+    assert settings.companion_files(kinds.RANGES) == {"mine": sites}
     ranging = settings.taking(kinds.RANGES, "mine")
     assert (ranging.reflectors_m, ranging.sigma_m) == (0.25, 0.02)
     study = Study(replace(settings, values=settings.values | {"study": {"rsos": ["mine"]}}))

@@ -12,7 +12,7 @@ import pandas as pd
 
 from opml.base.constants import DAY, EARTH_GM, WGS84_A
 from opml.base.errors import InputError
-from opml.catalog.fit import air
+from opml.catalog.fit import refraction
 from opml.catalog.fit.first.three_positions import herrick_gibbs, smoothed, unturned
 from opml.catalog.simulate.observing import ANGLES, OBSERVABLES, QUANTITIES, measured_by, place, site
 from opml.orbits.sheets import LOWEST_PERIGEE, Station
@@ -136,10 +136,10 @@ def _by_air(rows: pd.DataFrame, station: Station) -> dict[str, np.ndarray]:
     by_air, elevation = {}, rows["elevation"].to_numpy()
     if station.refraction:
         is_radio = station.sigma_range is not None
-        by_air["elevation"] = air.bending(elevation, station.altitude, radio=is_radio)
+        by_air["elevation"] = refraction.bending(elevation, station.altitude, radio=is_radio)
     if station.troposphere:
         straight = elevation - by_air.get("elevation", 0.0)
-        late = air.delay(straight, station.latitude, station.altitude)
+        late = refraction.delay(straight, station.latitude, station.altitude)
         blind = rows[rows["range"].notna() & ~np.isfinite(late)]
         if not blind.empty:
             raise _wrong(blind, f"elevations with ranges, as {station.name} measures through air", "none")
