@@ -136,6 +136,12 @@ NO_TRUTH = "; NaN where there is no truth"
 PREDICTED = "RSW of the predicted state at t_j"
 
 
+def state_rows(table: pd.DataFrame) -> np.ndarray:
+    """Return the states (n, 6) of a table, row by row in memory."""
+    # One column after the other: pandas takes longer to look up a list of them.
+    return np.column_stack([table[name].to_numpy() for name in STATE])
+
+
 def symmetric_matrices(table: pd.DataFrame, columns: Sequence[str]) -> np.ndarray:
     """Return symmetric matrices (n, k, k) from the columns of their lower triangles, row by row."""
     row, column = np.tril_indices(int(np.sqrt(2 * len(columns))))
