@@ -22,7 +22,7 @@ from opml.base import epochs
 from opml.base.constants import DAY
 from opml.benchmark import tasks
 from opml.benchmark.answers import COVARIANCE, REQUIRED, about_file
-from opml.interop.element_sets import element_fits, mean_elements, usual_errors
+from opml.interop.element_sets import element_fits, mean_elements, sgp4_errors
 from opml.orbits.elements import rsw_rotation
 from opml.tables import STATE
 
@@ -67,26 +67,26 @@ class Morning:
     def fits(self, window, full, days=None):
         """Return flight, measurements and estimates, of the last days alone where these are named."""
         forces = FULL if full else opml.ASSUMED
-        flight = opml.Flight(opml.force_model(self.environment(), **forces), self.rso, threads=1)
+        propagator = opml.Propagator(opml.force_model(self.environment(), **forces), self.rso, threads=1)
         measured = opml.read_tracks(self.tracks, epoch=self.epoch, stations=self.stations)
         if days:
             measured = measured[measured["t"] > self.now - days * DAY].reset_index(drop=True)
             measured["track"] -= measured["track"].iloc[0]
-        starts = opml.first_orbit(flight, measured, self.environment(), self.stations)
+        starts = opml.first_orbit(propagator, measured, self.environment(), self.stations)
         estimates = opml.estimate(
-            flight, starts, measured, self.environment(), self.stations,
+            propagator, starts, measured, self.environment(), self.stations,
             settings={"window_hours": window, **ANY_CD},
         )  # fmt: skip
-        return flight, measured, estimates
+        return propagator, measured, estimates
 
 
-def ahead_of(flight, estimates, times):
+def ahead_of(propagator, estimates, times):
     """Return where the newest fit that lasts is at times [s], and the estimates with empty ones then."""
     track = estimates["track"].max() + 1 + np.arange(len(times))
     empty = estimates.iloc[[-1] * len(times)].assign(converged=False, track=track, t=times)
     for newest in estimates.index[estimates["converged"]][::-1]:
         started = pd.concat([estimates.loc[[newest]], empty], ignore_index=True)
-        flown = opml.predict_tracks(flight, None, started, max_days=AHEAD)
+        flown = opml.predict_tracks(propagator, None, started, max_days=AHEAD)
         flown = flown[flown["i"] == estimates["track"][newest]].reset_index(drop=True)
         if np.isfinite(flown[STATE]).all(axis=None):  # one track of one radar may have no drag at all
             break
@@ -105,9 +105,9 @@ def spread(left, duration, leads):
 
 def by_fit(morning, window, full, days=None, learner=None):
     """Return GCRF states and RSW sigmas at the times asked."""
-    flight, measured, estimates = morning.fits(window, full, days)
-    ahead, with_empty = ahead_of(flight, estimates, morning.asked)
-    past = opml.predict_tracks(flight, None, estimates)
+    propagator, measured, estimates = morning.fits(window, full, days)
+    ahead, with_empty = ahead_of(propagator, estimates, morning.asked)
+    past = opml.predict_tracks(propagator, None, estimates)
     cleaning = {**ANY_CD, "fence": None, "fence_days": None}
     catalogue = opml.Catalogue(estimates, past, measured, morning.environment(), cleaning)
     rows = opml.dataset(catalogue, labels=opml.label(past, estimates, measured))
@@ -145,20 +145,20 @@ def moved(states, arc):
 
 def by_set(morning):
     """Return the same of SGP4, from a set fitted to two days of the newest fit's ephemeris."""
-    flight, _, estimates = morning.fits(12, False, None)
+    propagator, _, estimates = morning.fits(12, False, None)
     grid = np.arange(0.0, 2 * DAY, 900.0)[1:]
     last = estimates["t"][estimates["converged"]].iloc[-1]
-    flown, _ = ahead_of(flight, estimates, last + grid)
+    flown, _ = ahead_of(propagator, estimates, last + grid)
     newest = estimates.set_index("track").loc[flown["i"].iloc[0]]
     if newest["t"] < last:
-        flown, _ = ahead_of(flight, estimates[estimates["t"] <= newest["t"]], newest["t"] + grid)
+        flown, _ = ahead_of(propagator, estimates[estimates["t"] <= newest["t"]], newest["t"] + grid)
     t = np.append(newest["t"], flown["t_j"])
     states = np.vstack([newest[STATE].to_numpy(dtype=float), flown[STATE].to_numpy()])
     positions, velocities = element_fits.in_teme(states, morning.epoch, t)
     known = np.concatenate([positions[0], velocities[0]])
     fitted = element_fits.fit(t, positions, at=t[0], known=known, epoch=morning.epoch)
     found = np.array([mean_elements.state(fitted, epoch=time) for time in morning.times])
-    return found, usual_errors.usual(fitted, (np.array(morning.asked) - t[0]) / DAY)
+    return found, sgp4_errors.usual_sigmas(fitted, (np.array(morning.asked) - t[0]) / DAY)
 
 
 def by_opml(morning):

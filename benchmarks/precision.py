@@ -8,7 +8,7 @@ import numpy as np
 
 from benchmarks import case, measure, turns
 from benchmarks.race import ARCS, CHECKED, OURS
-from benchmarks.turns import Flight
+from benchmarks.turns import Propagator
 
 ROUNDS = 3
 
@@ -79,15 +79,15 @@ def _lines(workers, arcs, progress):
     """Return each tool's line; the flights that are timed are those whose ends are checked."""
     samples = {name: arcs.sample(worker.about["sample"]) for name, worker in workers.items()}
     tight = {name: _tight(worker, samples[name], progress) for name, worker in workers.items()}
-    flights = {
-        (name, setting): Flight(worker, samples[name], setting)
+    propagators = {
+        (name, setting): Propagator(worker, samples[name], setting)
         for name, worker in workers.items()
         for setting in worker.about["settings"]
     }
     progress("warm-up")
-    for flight in flights.values():
-        replace(flight, arcs=flight.arcs.lasting(WARM_UP)).fly()
-    flown = turns.fly(flights, rounds=ROUNDS, progress=progress, longest=LONG)
+    for propagator in propagators.values():
+        replace(propagator, arcs=propagator.arcs.lasting(WARM_UP)).fly()
+    flown = turns.fly(propagators, rounds=ROUNDS, progress=progress, longest=LONG)
     return {
         name: Line(
             worker.about,
@@ -103,7 +103,7 @@ def _tight(worker, arcs, progress):
     """Fly the checked arcs at each of a tool's tight settings; return the states at their ends."""
     progress("{title}, {method}: tight settings".format_map(worker.about))
     checked = arcs.sample(min(CHECKED, len(arcs)))
-    return [Flight(worker, checked, setting).fly().result for setting in worker.about["tight"]]
+    return [Propagator(worker, checked, setting).fly().result for setting in worker.about["tight"]]
 
 
 def _point(setting, flown, truth):

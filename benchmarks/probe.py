@@ -30,7 +30,7 @@ def memory(count: int) -> dict[str, float]:
 
 def first_step(folder: str) -> dict[str, float]:
     """What a job does before it flies, from tables in `folder`, and one step."""
-    from opml.catalog.flight import Flight
+    from opml.catalog.propagator import Propagator
     from opml.catalog.simulate import truth
     from opml.dynamics import force_model
     from opml.dynamics.settings import ForceModelSettings
@@ -41,7 +41,7 @@ def first_step(folder: str) -> dict[str, float]:
     paths = {name: str(Path(folder) / f"{name}.parquet") for name in ENVIRONMENT}
     settings = ForceModelSettings(degree=40, order=40, third_bodies=["sun", "moon"])
     model = force_model.read(paths, epoch="2016-09-28T12:09:45", settings=settings)
-    truth.simulate(Flight(model, rso), duration=90.0, step=90.0)
+    truth.simulate(Propagator(model, rso), duration=90.0, step=90.0)
     return {}
 
 

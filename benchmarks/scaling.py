@@ -14,8 +14,8 @@ import numpy as np
 from benchmarks import case, measure
 from opml.base.constants import DAY
 from opml.base.seeds import derive
-from opml.catalog.fit import estimation, sightings, start_states
-from opml.catalog.flight import Flight
+from opml.catalog.fit import estimation, observations, start_states
+from opml.catalog.propagator import Propagator
 from opml.catalog.simulate import tracking, truth
 from opml.dynamics.ensemble import REASONS, Departures, propagate
 from opml.environment import celestial_bodies, gravity_field
@@ -115,7 +115,7 @@ def least_squares(progress: Callable[[str], None]) -> str:
     progress(f"truth of {days} days")
     begin = time.perf_counter()
     true = truth.simulate(
-        Flight(case.force_model("truth", days=days), rso, paper.integrator),
+        Propagator(case.force_model("truth", days=days), rso, paper.integrator),
         duration=paper.duration,
         step=paper.values["tracking"]["step_s"],
     )
@@ -125,9 +125,9 @@ def least_squares(progress: Callable[[str], None]) -> str:
     progress("least squares")
     begin = time.perf_counter()
     found = estimation.estimate_all(
-        Flight(case.force_model("assumed", days=days), rso, paper.integrator, threads=2),
+        Propagator(case.force_model("assumed", days=days), rso, paper.integrator, threads=2),
         start_states.perturbed(true, tracks, rso=rso.name, settings=paper.estimation, seed=seed),
-        sightings.Measured(tracks, orientation, stations),
+        observations.Measured(tracks, orientation, stations),
         settings=paper.estimation,
     )
     seconds = time.perf_counter() - begin

@@ -19,7 +19,7 @@ from opml.base.seeds import derive
 from opml.learning.data import splits
 from opml.learning.judge import metrics
 from opml.learning.models import kernel_scale, svr
-from opml.learning.models.inputs import Training, standardisation
+from opml.learning.models.training_inputs import Training, standardisation
 
 DATASET = Path(__file__).parents[1] / "results" / "dataset" / "iss" / "eglin-clear-kaena.parquet"
 ROUNDS = 3

@@ -17,7 +17,7 @@ Key = TypeVar("Key", bound=Hashable)
 
 
 @dataclass(frozen=True)
-class Flight:
+class Propagator:
     """Arcs that a tool flies at one of its settings."""
 
     worker: Worker
@@ -88,12 +88,16 @@ def take(
 
 
 def fly(
-    flights: Mapping[Key, Flight], *, rounds: int, progress: Callable[[str], None], longest: float = np.inf
+    propagators: Mapping[Key, Propagator],
+    *,
+    rounds: int,
+    progress: Callable[[str], None],
+    longest: float = np.inf,
 ) -> dict[Key, Flown]:
     """Fly all flights in turns, as `take`."""
-    calls = {key: flight.fly for key, flight in flights.items()}
+    calls = {key: propagator.fly for key, propagator in propagators.items()}
     taken = take(calls, rounds=rounds, progress=progress, longest=longest)
-    return {key: _flown(flights[key].arcs.arc_days, times) for key, times in taken.items()}
+    return {key: _flown(propagators[key].arcs.arc_days, times) for key, times in taken.items()}
 
 
 def _flown(arc_days, times):

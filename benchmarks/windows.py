@@ -13,8 +13,8 @@ from opml.base.seeds import derive
 from opml.catalog.fit.estimate import Estimate
 from opml.catalog.fit.estimation import Run
 from opml.catalog.fit.least_squares import Fit
-from opml.catalog.fit.sightings import Measured
-from opml.catalog.flight import Flight
+from opml.catalog.fit.observations import Measured
+from opml.catalog.propagator import Propagator
 from opml.catalog.simulate import tracking, truth
 from opml.dynamics.kernels.surroundings import ForceModel
 from opml.tables import STATE
@@ -67,8 +67,8 @@ def _simulated() -> tuple[pd.DataFrame, pd.DataFrame]:
     """Return true states of the RSO under the assumed model, and the tracks of it."""
     paper = case.paper()
     rso, step = paper.rsos["iss"], paper.values["tracking"]["step_s"]
-    flight = Flight(case.force_model("assumed"), rso, paper.integrator)
-    states = truth.simulate(flight, duration=case.DAYS * DAY, step=step)
+    propagator = Propagator(case.force_model("assumed"), rso, paper.integrator)
+    states = truth.simulate(propagator, duration=case.DAYS * DAY, step=step)
     stations, seed = list(paper.stations.values()), paper.values["seed"]["noise"]
     orientation = case.environment(2 * case.DAYS)["earth_orientation"]
     return states, tracking.simulate(states, orientation, stations, rso=rso.name, seed=seed)
@@ -90,7 +90,9 @@ def fit(model: ForceModel, windows: Windows, *, light_time: bool = False) -> lis
     run = _run(model, windows, light_time)
     method, length = run.method(np.ones(7, bool)), run.settings.after_hours * HOUR
     estimates = [
-        Estimate(run.measured.window(track, 0.0, length), Fit(np.append(start, run.flight.rso.cd), method))
+        Estimate(
+            run.measured.window(track, 0.0, length), Fit(np.append(start, run.propagator.rso.cd), method)
+        )
         for track, start in zip(windows.tracks, windows.starts, strict=True)
     ]
     run.fit(estimates)
@@ -102,7 +104,7 @@ def _run(model, windows, light_time):
     paper, orientation = case.paper(), case.environment(2 * case.DAYS)["earth_orientation"]
     return Run(
         Measured(windows.measured, orientation, list(paper.stations.values())),
-        Flight(model, paper.rsos["iss"], paper.integrator),
+        Propagator(model, paper.rsos["iss"], paper.integrator),
         windows.starts,
         paper.estimation.evolve(window_hours=0.0, after_hours=windows.hours, light_time=light_time),
     )

@@ -25,7 +25,7 @@ lend_cache()  # before the kernels look for theirs
 from support import ASSUMED_BODIES, environment, force_model, rsos, stations  # noqa: E402
 from unchanged import pytest_fixture_setup, shared_values_stay  # noqa: E402, F401
 
-from opml.catalog.flight import Flight  # noqa: E402
+from opml.catalog.propagator import Propagator  # noqa: E402
 
 # Drawn cases are the same in every run, but for `make draws`. A loaded machine may take its time over each.
 settings.register_profile("same", derandomize=True, deadline=None)
@@ -66,9 +66,9 @@ def iss():
 
 
 @pytest.fixture(scope="session")
-def flight(assumed_model, iss):
+def propagator(assumed_model, iss):
     """The paper's RSO under the assumed model."""
-    return Flight(assumed_model, iss)
+    return Propagator(assumed_model, iss)
 
 
 @pytest.fixture(scope="session")

@@ -2,17 +2,25 @@
 
 import numpy as np
 
-from opml.catalog.fit import estimation, sightings, start_states
+from opml.catalog.fit import estimation, observations, start_states
 from opml.tables import STATE
 
 
 def fitted(
-    flight, orbit, rows, earth_orientation, stations, settings, *, seed=42, estimate=estimation.estimate_all
+    propagator,
+    orbit,
+    rows,
+    earth_orientation,
+    stations,
+    settings,
+    *,
+    seed=42,
+    estimate=estimation.estimate_all,
 ):
     """The table of estimates of rows that stations measured of an orbit, and how far they are `off` [m]."""
-    starts = start_states.perturbed(orbit, rows, rso=flight.rso.name, settings=settings, seed=seed)
-    measured = sightings.Measured(rows, earth_orientation, stations)
-    found = estimate(flight, starts, measured, settings=settings)
+    starts = start_states.perturbed(orbit, rows, rso=propagator.rso.name, settings=settings, seed=seed)
+    measured = observations.Measured(rows, earth_orientation, stations)
+    found = estimate(propagator, starts, measured, settings=settings)
     return found.assign(off=distances(found, orbit))
 
 

@@ -18,7 +18,7 @@ from opml.base.constants import DAY
 from opml.base.seeds import derive
 from opml.conjunctions.collision_alarms import Screening, alarms_by_day
 from opml.element_sets import corrector
-from opml.interop.element_sets import usual_errors
+from opml.interop.element_sets import sgp4_errors
 from opml.orbits.rsw_covariance import half_width
 from opml.tables import read_table
 
@@ -43,7 +43,7 @@ def pairs(residuals: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame]]:
     judged = residuals[~taught].join(size, on=["band", "lead"])
     for name, error, sigma in (("SGP4", "error", "sgp4_sigma"), ("improved", "improved", "improved_sigma")):
         rows = judged.dropna(subset=[error, sigma])
-        days, law = rows["lead"].to_numpy(float), usual_errors.law()[rows["band"]]
+        days, law = rows["lead"].to_numpy(float), sgp4_errors.law()[rows["band"]]
         across = np.hypot(law[:, [0, 2], 0], days[:, None] * law[:, [0, 2], 1])
         drawn = across * derive(SEED, "alarms", name).standard_normal(across.shape)
         yield (
@@ -72,7 +72,7 @@ def table(residuals: pd.DataFrame) -> pd.DataFrame:
     rows = []
     for height, bands in HEIGHTS.items():
         for name, errors in pairs(residuals[residuals["band"].isin(bands)]):
-            shared = errors.assign(common=np.sqrt(usual_errors.COMMON) * errors["sigma_y"])
+            shared = errors.assign(common=np.sqrt(sgp4_errors.COMMON) * errors["sigma_y"])
             for case, told in ((f"{name}, independent", errors), (f"{name}, shared", shared)):
                 found = alarms_by_day(told, SCREENING, days=LEADS, seed=SEED)
                 rows.append(found.assign(height=height, case=case, flagged=100.0 * found["flagged"]))

@@ -9,8 +9,8 @@ import pandas as pd
 
 from opml.base.constants import DAY, HOUR
 from opml.base.seeds import derive
-from opml.catalog.fit import estimation, sightings, start_states
-from opml.catalog.flight import Flight
+from opml.catalog.fit import estimation, observations, start_states
+from opml.catalog.propagator import Propagator
 from opml.catalog.simulate import tracking
 from opml.catalog.simulate.truth import simulate
 from opml.dynamics.kernels.surroundings import ForceModel
@@ -44,8 +44,8 @@ def simulated(
     case: Case, truth: ForceModel, earth_orientation: pd.DataFrame, integrator: Integrator
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
     """The truth and tracking tables of RSO over DAYS, all stations."""
-    settings, flight = case.values, Flight(truth, case.rsos[RSO], integrator)
-    states = simulate(flight, duration=DAYS * DAY, step=settings["tracking"]["step_s"])
+    settings, propagator = case.values, Propagator(truth, case.rsos[RSO], integrator)
+    states = simulate(propagator, duration=DAYS * DAY, step=settings["tracking"]["step_s"])
     stations = list(case.stations.values())
     seed = settings["seed"]["noise"]
     return states, tracking.simulate(states, earth_orientation, stations, rso=RSO, seed=seed)
@@ -62,9 +62,9 @@ def opmls(
     """Return our estimates at the start of every track."""
     seed = case.values["seed"]["noise"]
     return estimation.estimate_all(
-        Flight(assumed, case.rsos[RSO], integrator),
+        Propagator(assumed, case.rsos[RSO], integrator),
         start_states.perturbed(truth, measured, rso=RSO, settings=case.estimation, seed=seed),
-        sightings.Measured(measured, earth_orientation, list(case.stations.values())),
+        observations.Measured(measured, earth_orientation, list(case.stations.values())),
         settings=case.estimation,
     )
 

@@ -16,7 +16,7 @@ from opml.base.constants import DAY
 from opml.base.files import FilePath, replacing
 from opml.base.yaml_files import read_yaml
 from opml.catalog.predict import weather_futures
-from opml.environment import knowledge, solar_activity
+from opml.environment import known_weather, solar_activity
 from opml.environment.forecasts import methods
 from opml.environment.forecasts.method import ForecastSettings, Future
 from opml.environment.space_weather import INTERVALS
@@ -47,7 +47,7 @@ def skill(first: str = _FIRST, last: str = _LAST) -> dict[str, np.ndarray]:
     `monthly` stands beside the methods. Density is the daily mean at 400 km, its error relative to the
     density by the measured activity.
     """
-    weather = knowledge.read(solar_activity.OBSERVED)
+    weather = known_weather.read(solar_activity.OBSERVED)
     begin, end = (int(sum(epochs.utc(text, 0.0)) - epochs.MJD_ZERO) for text in (first, last))
     days = np.arange(begin, end - _LEADS + 1)
     true = _figures(weather, days)
@@ -87,7 +87,7 @@ def spread(first: str = _FIRST, last: str = _LAST) -> dict[str, np.ndarray]:
     The drag that moves a prediction along its track is the sum of each day's density times the days that
     remain. `errors of a year` are those of the regression in the year before, which know nothing of the day.
     """
-    weather = knowledge.read(solar_activity.OBSERVED)
+    weather = known_weather.read(solar_activity.OBSERVED)
     begin, end = (int(sum(epochs.utc(text, 0.0)) - epochs.MJD_ZERO) for text in (first, last))
     days = np.arange(begin, end - _LEADS + 1, _EVERY)
     true = _drag(_figures(weather, days))

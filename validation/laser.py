@@ -39,13 +39,13 @@ LAGEOS = {"area_to_mass": 6.97e-4, "cd": 0.0, "cr": 1.13}
 OFFSET, SIGMA = 0.251, 0.02
 
 
-def flight(environment: opml.Environment) -> opml.Flight:
+def propagator(environment: opml.Environment) -> opml.Propagator:
     """Return LAGEOS-2 under the model that real satellites are flown under."""
     model = opml.force_model(
         environment, degree=DEGREE, order=DEGREE, third_bodies=BODIES, forces=["solid_tides", "relativity"]
     )
     unknown = dict.fromkeys(("a", "e", "i", "argp", "raan", "mean_anomaly"), np.nan)
-    return opml.Flight(
+    return opml.Propagator(
         model,
         Rso("lageos2", **unknown, **LAGEOS),
         opml.Integrator(position_tolerance_m=1e-4, max_step_s=75.0),
@@ -64,7 +64,7 @@ def fitted(run: Run, track: int, begin: float, end: float) -> Estimate:
     """Return the fit at the start of a pass to all that was measured from begin to end [d]."""
     at = run.measured.epochs[run.measured.at[track]]
     window = run.measured.window(track, at - begin * DAY, end * DAY - at)
-    start = np.append(run.starts.states[track], run.flight.rso.cd)
+    start = np.append(run.starts.states[track], run.propagator.rso.cd)
     estimate = Estimate(window, Fit(start, run.method(np.arange(7) < 6)))
     run.fit([estimate])
     return estimate
@@ -94,7 +94,7 @@ def by_station(run: Run, estimate: Estimate, stations: np.ndarray) -> pd.DataFra
 def fits(folder: Path) -> dict[str, Comparison]:
     """Return a fit to all that was measured, and one to the last hours, by their names."""
     environment = opml.make_environment(EPOCH, days=DAYS, degree=DEGREE)
-    lageos, path = flight(environment), predicted(folder)
+    lageos, path = propagator(environment), predicted(folder)
     ranges = opml.read_laser_ranges(
         folder / "lageos2_2016-02-14.crd.gz",
         environment=environment,

@@ -17,16 +17,16 @@ from sgp4.api import Satrec
 from opml.base import epochs
 from opml.base.constants import DAY
 from opml.conjunctions import known_orbits
-from opml.conjunctions.trajectories import EPOCH
-from opml.element_sets import catalogue, density, improve, model, pairs
+from opml.conjunctions.approaches import EPOCH
+from opml.element_sets import catalogue, density, improve, set_errors, trained_model
 from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day
 from opml.element_sets.training import HOUR_OF_MORNING
-from opml.environment import knowledge
+from opml.environment import known_weather
 from opml.environment.solar_activity import OBSERVED
 from opml.interop.element_sets import teme
 from opml.interop.element_sets.element_set import changed, propagate, seconds_since
 
-_WEATHER = density.clean(knowledge.read(OBSERVED))
+_WEATHER = density.clean(known_weather.read(OBSERVED))
 _REACH = 60.0
 """Days of sets before a morning that it is given."""
 
@@ -44,15 +44,15 @@ def _of_morning(
     near = sets.take(np.flatnonzero(sets.table["t"].between(morning - _REACH, morning + _REACH)))
     known = near.until(morning).daily()
     public = improve.PublicData(known, _WEATHER.keep_known(morning), f"{epochs.calendar(morning)}T06:00:00")
-    made = improve.improve(public, model.read()).table.set_index("number").loc[number]
+    made = improve.improve(public, trained_model.read()).table.set_index("number").loc[number]
     old = known.satellites[np.flatnonzero(known.table["number"] == number)[-1]]
     flown = {"sgp4": old, "improved": changed(old, made["motion"], made["bstar"])}
     own = near.daily().take(np.flatnonzero(near.daily().table["number"] == number))
-    for lead in pairs.LEADS:
+    for lead in set_errors.LEADS:
         away = (own.table["t"] - morning - lead).abs()
         judge = own.satellites[int(away.argmin())]
         truth = orbit.at(seconds_since(EPOCH, [judge]))
-        if away.min() <= pairs.REACH and np.isfinite(truth).all():
+        if away.min() <= set_errors.REACH and np.isfinite(truth).all():
             yield {"lead": lead, **_off(flown, judge, truth)}
 
 
@@ -64,10 +64,10 @@ def _off(flown: dict[str, Satrec], judge: Satrec, truth: np.ndarray) -> dict[str
     found = {}
     for name, one in flown.items():
         place, _ = propagate(one, (at - seconds_since(EPOCH, [one])) / 60.0)
-        found[f"{name} by the set"] = float(pairs.along_track(place, position, velocity)[0])
+        found[f"{name} by the set"] = float(set_errors.along_track(place, position, velocity)[0])
         true = 1e-3 * truth
         found[f"{name} by the orbit"] = float(
-            pairs.along_track(place @ to_gcrf.T, true[:, :3], true[:, 3:])[0]
+            set_errors.along_track(place @ to_gcrf.T, true[:, :3], true[:, 3:])[0]
         )
     return found
 

@@ -17,9 +17,9 @@ from scipy.optimize import minimize
 
 from opml.base.seeds import derive
 from opml.element_sets import catalogue, corrector
-from opml.element_sets.judge import log_score
-from opml.interop.element_sets import usual_errors
-from opml.interop.element_sets.usual_errors import AXES, HEIGHTS
+from opml.element_sets.corrector_scores import log_score
+from opml.interop.element_sets import sgp4_errors
+from opml.interop.element_sets.sgp4_errors import AXES, HEIGHTS
 from opml.orbits.elements import bent_rsw
 from opml.orbits.rsw_covariance import half_width
 
@@ -51,7 +51,7 @@ def errors(path: str) -> pd.DataFrame:
 
 def _errors_of_set(sets: catalogue.ElementCatalogue, k: int, number: np.ndarray, t: np.ndarray) -> list[list]:
     satellite = sets.satellites[k]
-    if not usual_errors.are_known(satellite) or satellite.bstar <= 0.0:
+    if not sgp4_errors.are_known(satellite) or satellite.bstar <= 0.0:
         return []
     later = np.arange(k + 1, np.searchsorted(number, number[k], side="right"))
     later = later[t[later] - t[k] <= _REACH]
@@ -59,10 +59,10 @@ def _errors_of_set(sets: catalogue.ElementCatalogue, k: int, number: np.ndarray,
         return []
     judges = later[np.unique(np.minimum(np.searchsorted(t[later], t[k] + LEADS), len(later) - 1))]
     days = t[judges] - t[k]
-    flown = usual_errors.sgp4_states(satellite, days)
-    truth = np.vstack([usual_errors.sgp4_states(sets.satellites[j], np.zeros(1)) for j in judges])
+    flown = sgp4_errors.sgp4_states(satellite, days)
+    truth = np.vstack([sgp4_errors.sgp4_states(sets.satellites[j], np.zeros(1)) for j in judges])
     band = int(np.searchsorted(HEIGHTS, sets.table["height"].iat[k], side="right")) - 1
-    drag = usual_errors.drag_displacement(satellite, days)
+    drag = sgp4_errors.drag_displacement(satellite, days)
     return [
         [number[k], int(t[k]), *row]
         for row in np.column_stack([days, np.full(len(days), band), drag, bent_rsw(flown[:, :3], truth)])

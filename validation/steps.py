@@ -6,9 +6,9 @@ import numpy as np
 import pandas as pd
 
 from opml.base.constants import DAY
-from opml.catalog.flight import Flight
 from opml.catalog.predict.prediction import predict_all
 from opml.catalog.predict.sensitivity import usable
+from opml.catalog.propagator import Propagator
 from opml.catalog.simulate.observing import QUANTITIES
 from opml.dynamics.kernels.surroundings import ForceModel
 from opml.dynamics.settings import Integrator
@@ -56,7 +56,7 @@ def _with_noise_of(noisy, measured):
 def _errors(case, assumed, truth, measured, earth_orientation, integrator):
     estimates = estimation.opmls(case, assumed, truth, measured, earth_orientation, integrator)
     kept = estimates[usable(estimates, case.estimation.cd_bounds)]
-    flight = Flight(assumed, case.rsos[estimation.RSO], integrator)
-    pairs = predict_all(flight, truth, kept, max_days=case.values["prediction"]["max_days"])
+    propagator = Propagator(assumed, case.rsos[estimation.RSO], integrator)
+    pairs = predict_all(propagator, truth, kept, max_days=case.values["prediction"]["max_days"])
     reached = pairs[pairs["reason"] == ""]
     return reached[["i", "j", "e_y"]].assign(days=(reached["t_j"] - reached["t_i"]) / DAY)

@@ -23,9 +23,9 @@ from opml.catalog.fit import fixes, laser_ranges, start_states
 from opml.catalog.fit import measured_tracks as from_measurements
 from opml.catalog.fit.estimation_settings import Estimation
 from opml.catalog.fit.first import first_orbit as first_orbits
-from opml.catalog.flight import Flight
-from opml.catalog.predict import labels, prediction, spread
-from opml.catalog.predict.spread import Weathers
+from opml.catalog.predict import labels, prediction, weather_spread
+from opml.catalog.predict.weather_spread import Weathers
+from opml.catalog.propagator import Propagator
 from opml.catalog.simulate import tracking, truth
 from opml.conjunctions import comparison, known_orbits
 from opml.conjunctions.known_orbits import KnownOrbit
@@ -63,7 +63,7 @@ from opml.study import prediction as measured_prediction
 from opml.study.settings import packaged
 from opml.tables import COMPONENTS, LEARNING_VARIABLES
 
-__all__ = ["Environment", "Flight", "InputError", "Integrator", "Prediction", "Rso", "Station"]
+__all__ = ["Environment", "InputError", "Integrator", "Prediction", "Propagator", "Rso", "Station"]
 
 TRUTH: Mapping[str, Any] = packaged.RUN["force_models"]["truth"]
 """The paper's truth model, as options of `force_model`."""
@@ -207,17 +207,17 @@ def read_elements(
     return mean_elements.rso(satellite, name=name, epoch=epoch, body=body)
 
 
-def propagate(flight: Flight, *, days: float, step: float = 20.0) -> pd.DataFrame:
+def propagate(propagator: Propagator, *, days: float, step: float = 20.0) -> pd.DataFrame:
     """Propagate an RSO from the epoch: the table `truth`, a GCRF state every `step` [s] for `days`.
 
-    flight: the RSO under the true model. Raises InputError where the RSO does not stay in orbit that long.
+    propagator: the RSO under the true model. Raises InputError where it does not stay in orbit that long.
     Source: sec. Truth Dynamic Models.
 
-    >>> truth = opml.propagate(opml.Flight(true_model, iss), days=2)
+    >>> truth = opml.propagate(opml.Propagator(true_model, iss), days=2)
     >>> len(truth)
     8641
     """
-    return truth.simulate(flight, duration=DAY * days, step=step)
+    return truth.simulate(propagator, duration=DAY * days, step=step)
 
 
 def track(
@@ -279,7 +279,7 @@ def read_fixes(
     >>> from opml.interop import oem
     >>> oem.write("iss.oem", oem.truth_segments(truth, rso="iss"), epoch=environment.epoch)
     >>> placed = opml.read_fixes("iss.oem", environment=environment, every=600.0)
-    >>> starts = opml.first_orbit(opml.Flight(assumed_model, iss), placed, environment, [])
+    >>> starts = opml.first_orbit(opml.Propagator(assumed_model, iss), placed, environment, [])
     >>> len(starts)
     49
     """
@@ -327,7 +327,7 @@ def read_laser_ranges(
 
 
 def first_orbit(
-    flight: Flight,
+    propagator: Propagator,
     tracks: pd.DataFrame,
     environment: Environment,
     stations: Sequence[Station],
@@ -336,26 +336,26 @@ def first_orbit(
 ) -> pd.DataFrame:
     """Find a first orbit without a truth: the table `starts`, a state at each track's start, for `estimate`.
 
-    flight: under the assumed model; start: an RSO whose elements at the epoch are carried to the tracks, such
-    as that of `read_elements`; where None, an orbit is determined from the tracks of the first day. Raises
-    InputError where no track gives an orbit, where tracks of angles fit none together, and where tracks are
-    far from the elements.
+    propagator: under the assumed model; start: an RSO whose elements at the epoch are carried to the tracks,
+    such as that of `read_elements`; where None, an orbit is determined from the tracks of the first day.
+    Raises InputError where no track gives an orbit, where tracks of angles fit none together, and where
+    tracks are far from the elements.
 
-    >>> flight = opml.Flight(assumed_model, iss)
-    >>> starts = opml.first_orbit(flight, measured, environment, stations)
+    >>> propagator = opml.Propagator(assumed_model, iss)
+    >>> starts = opml.first_orbit(propagator, measured, environment, stations)
     >>> len(starts)
     29
     """
     return first_orbits.starts(
-        flight,
+        propagator,
         fixes.measurements(tracks, environment.earth_orientation, stations),
-        known=first_orbits.of_sheet(start, flight.model.gm) if start else None,
+        known=first_orbits.of_sheet(start, propagator.model.gm) if start else None,
         settings=_estimation(None, "first_orbit"),
     )
 
 
 def estimate(
-    flight: Flight,
+    propagator: Propagator,
     truth: pd.DataFrame,
     tracks: pd.DataFrame,
     environment: Environment,
@@ -366,20 +366,20 @@ def estimate(
 ) -> pd.DataFrame:
     """Estimate state and drag coefficient at each track's start: the table `estimates`, one row per track.
 
-    flight: under the assumed model; truth: perturbed with `seed`, where a first fit starts, or the table
+    propagator: under the assumed model; truth: perturbed with `seed`, where a first fit starts, or the table
     `starts` of `first_orbit`, which is taken as it is; settings: those that differ from `ESTIMATION`. With
     after_hours, for labels, tracks that begin up to so long after an estimate are used, too, and nothing may
     be predicted from it. A fit that fails is a row with its reason. Raises InputError for an unknown setting.
     Source: sec. Estimation Models.
 
-    >>> estimates = opml.estimate(flight, truth, tracks, environment, stations)
+    >>> estimates = opml.estimate(propagator, truth, tracks, environment, stations)
     >>> bool(estimates["converged"].all())
     True
     """
     method = _estimation(settings, "estimate")
-    starts = start_states.build(truth, tracks, rso=flight.rso.name, settings=method, seed=seed)
+    starts = start_states.build(truth, tracks, rso=propagator.rso.name, settings=method, seed=seed)
     measured = fixes.measurements(tracks, environment.earth_orientation, stations)
-    return quarantine.estimate_all(flight, starts, measured, settings=method)
+    return quarantine.estimate_all(propagator, starts, measured, settings=method)
 
 
 def predict(
@@ -456,19 +456,19 @@ def compare(ours: KnownOrbit, other: KnownOrbit) -> pd.DataFrame:
 
 
 def predict_tracks(
-    flight: Flight, truth: pd.DataFrame | None, estimates: pd.DataFrame, *, max_days: float = 7.0
+    propagator: Propagator, truth: pd.DataFrame | None, estimates: pd.DataFrame, *, max_days: float = 7.0
 ) -> pd.DataFrame:
     """Predict from each estimate to every later track start: the table `predictions`, with the true errors.
 
-    flight: under the assumed model; truth: None where there is none, the true states and errors are NaN then;
+    propagator: under the assumed model; truth: None where there is none: no true states, errors are NaN;
     max_days: longest prediction. A pair that the arc does not reach has its reason.
     Source: sec. Orbit Prediction and Machine Learning Model of the Prediction Error.
 
-    >>> predictions = opml.predict_tracks(flight, truth, estimates)
+    >>> predictions = opml.predict_tracks(propagator, truth, estimates)
     >>> bool((predictions["t_j"] > predictions["t_i"]).all())
     True
     """
-    return prediction.predict_all(flight, truth, estimates, max_days=max_days)
+    return prediction.predict_all(propagator, truth, estimates, max_days=max_days)
 
 
 def label(
@@ -597,7 +597,7 @@ def lessons(
 
 
 def replay(
-    flight: Flight,
+    propagator: Propagator,
     lessons: Lessons,
     catalogue: Catalogue,
     *,
@@ -607,11 +607,11 @@ def replay(
 ) -> pd.DataFrame:
     """Run the mornings that are over again: the table `replay`, what each ephemeris was off by.
 
-    flight: under the assumed model; train_days: first and last day to train on, of which a learner sees half
-    before its first morning; every_hours: between the estimates that ephemerides start from. Raises
+    propagator: under the assumed model; train_days: first and last day to train on, half of them before the
+    first morning; every_hours: between the estimates that ephemerides start from. Raises
     InputError where nothing can be compared with.
 
-    >>> mornings = opml.replay(flight, daily, catalogue, train_days=(0, 1.5), every_hours=1)
+    >>> mornings = opml.replay(propagator, daily, catalogue, train_days=(0, 1.5), every_hours=1)
     >>> bool((mornings["t_i"] >= mornings["morning"]).all())
     True
     """
@@ -619,14 +619,16 @@ def replay(
     first_day = replays.first_day(lessons, known, train_days=train_days)
     starts = replays.morning_departures(known, every_hours=every_hours, first_day=first_day)
     predictions = catalogue.predictions
-    spread = _spreads(flight, catalogue)(predictions[predictions["i"].isin(starts["track"])])
+    spread = _spreads(propagator, catalogue)(predictions[predictions["i"].isin(starts["track"])])
     judge = replays.at_starts(replays.judge(lessons.dataset, predictions, None), starts, spread)
-    (table,) = replays.build(flight, known, [replays.ReplaySeries(lessons, starts, judge)], max_days=max_days)
+    (table,) = replays.build(
+        propagator, known, [replays.ReplaySeries(lessons, starts, judge)], max_days=max_days
+    )
     return table
 
 
 def ephemeris(
-    flight: Flight,
+    propagator: Propagator,
     lessons: Lessons,
     replay: pd.DataFrame,
     catalogue: Catalogue,
@@ -638,12 +640,12 @@ def ephemeris(
 ) -> pd.DataFrame:
     """Correct the newest prediction: the table `corrected`, states and covariances every `step` [s].
 
-    flight: under the assumed model; replay: of the same lessons, from which the covariances come; until_days:
+    propagator: under the assumed model; replay: of the same lessons, the covariances' source; until_days:
     up to when errors are known, the ephemeris starts from the newest estimate by then, or from it and `each`
     later one, trained anew each morning. It reaches max_days ahead, as far as the environment does. Raises
     InputError where nothing can be made.
 
-    >>> ahead = opml.ephemeris(flight, daily, mornings, catalogue, until_days=1.5)
+    >>> ahead = opml.ephemeris(propagator, daily, mornings, catalogue, until_days=1.5)
     >>> bool((ahead["t"].diff().dropna() == 60.0).all())
     True
     """
@@ -651,10 +653,10 @@ def ephemeris(
     starts = departures(known, known_until=until, each=each)
     end = float(catalogue.environment.earth_orientation["t"].iloc[-1]) - MARGIN_S
     return corrected.build(
-        Task(flight, known, starts, Grid(step, max_days, end)),
+        Task(propagator, known, starts, Grid(step, max_days, end)),
         lessons,
         replay,
-        spreads=_spreads(flight, catalogue),
+        spreads=_spreads(propagator, catalogue),
         first_morning=until,
     )
 
@@ -685,12 +687,12 @@ def _known(catalogue: Catalogue) -> KnownTables:
     return KnownTables(estimates, at, catalogue.window_hours, gm, bounds=cleaning.cd_bounds)
 
 
-def _spreads(flight: Flight, catalogue: Catalogue) -> corrected.Spreads:
+def _spreads(propagator: Propagator, catalogue: Catalogue) -> corrected.Spreads:
     """Return how far drag may take pairs of predictions; the weather ahead is taken for known."""
-    flattened = build(catalogue.environment, spread.FLATTENED)
+    flattened = build(catalogue.environment, weather_spread.FLATTENED)
     return partial(
-        spread.build,
-        flight.without_progress().under(flattened),
+        weather_spread.build,
+        propagator.without_progress().under(flattened),
         catalogue.estimates,
         weathers=Weathers.of(flattened, None),
     )

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 from opml import __version__
 from opml.base.errors import InputError
-from opml.base.files import check_apart, suffix_of
+from opml.base.files import check_distinct_files, suffix_of
 from opml.base.progress import clear, counted, on_stderr
 
 if TYPE_CHECKING:
@@ -139,7 +139,7 @@ def _add_screen(parser: argparse.ArgumentParser) -> None:
 def _screen(options: argparse.Namespace) -> None:
     from opml import tables
     from opml.conjunctions import as_text, cdm, from_files
-    from opml.conjunctions.trajectories import EPOCH
+    from opml.conjunctions.approaches import EPOCH
 
     limits = {name: getattr(options, name) for name in ("within", "radius", "days")}
     found = from_files.conjunctions([options.ours, *options.others], **limits)
@@ -169,7 +169,7 @@ def _compare(options: argparse.Namespace) -> None:
 
     if options.output:
         suffix_of(options.output, tables.TABLE_SUFFIXES)
-        check_apart([options.output], [options.ours, *options.other])
+        check_distinct_files([options.output], [options.ours, *options.other])
     ours = known_orbits.read([options.ours], options.object)
     table = comparison.compare(ours, known_orbits.read(options.other, options.other_object))
     if options.output:
@@ -197,7 +197,7 @@ def _add_improve(parser: argparse.ArgumentParser) -> None:
 
 
 def _improve(options: argparse.Namespace) -> None:
-    from opml.element_sets import improve, model
+    from opml.element_sets import improve, trained_model
 
     improve.check_written(
         options.output, options.table, [*options.sets, *filter(None, (options.weather, options.model))]
@@ -209,7 +209,7 @@ def _improve(options: argparse.Namespace) -> None:
         raise InputError(f"--latency: expected 0 hours or more, got {latency:g}")
     known = improve.read(options.sets, date=date, weather=options.weather, latency=latency / 24.0)
     with on_stderr() as progress:
-        better = improve.improve(known, model.read(options.model), progress=progress)
+        better = improve.improve(known, trained_model.read(options.model), progress=progress)
     missing = better.write(options.output)
     if options.table:
         better.write_table(options.table)
@@ -237,17 +237,17 @@ _PREDICTED = "what is written, each by its suffix: .oem, .tle, .kvn, .xml, .csv,
 
 
 def _predict(options: argparse.Namespace) -> None:
-    from opml.element_sets import passes
+    from opml.element_sets import station_passes
     from opml.interop.measured_files import is_measured
     from opml.interop.predicted_orbit import UNKNOWABLE
     from opml.workflow import prediction_files
 
     prediction_files.check(options.output)
-    check_apart(
+    check_distinct_files(
         options.output,
         [*options.files, *options.catalogue, options.radars, *filter(None, (options.weather, options.model))],
     )
-    places = [passes.place(text) for text in options.station]
+    places = [station_passes.place(text) for text in options.station]
     with on_stderr() as progress:
         made = (_fit if is_measured(options.files[0]) else _propagate_sets)(options, progress)
     for path in options.output:
@@ -293,18 +293,18 @@ def _add_train(parser: argparse.ArgumentParser) -> None:
 
 
 def _train(options: argparse.Namespace) -> None:
-    from opml.element_sets import model, training
+    from opml.element_sets import trained_model, training
 
     populations: dict[str, list[str]] = {}
     for one in options.sets:
         name, is_named, path = one.rpartition("=")
         populations.setdefault(name if is_named else "all", []).append(path)
-    suffix_of(options.output, [model.SUFFIX])
-    check_apart([options.output], [options.weather, *chain.from_iterable(populations.values())])
+    suffix_of(options.output, [trained_model.SUFFIX])
+    check_distinct_files([options.output], [options.weather, *chain.from_iterable(populations.values())])
     with on_stderr() as progress:
         asked = {"weather": options.weather, "date": options.date}
         trained = training.train(populations, **asked, progress=progress)
-    model.write(options.output, trained)
+    trained_model.write(options.output, trained)
     print(f"{options.output}: {', '.join(populations)}")
 
 
@@ -319,13 +319,13 @@ def _add_day(parser: argparse.ArgumentParser) -> None:
 
 
 def _day(options: argparse.Namespace) -> None:
-    from opml.workflow import daily
+    from opml.workflow import day_command
 
     day = options.date or datetime.now(UTC).date()
     if options.object is not None:
-        return daily.show(options.object, day, options.configfile)
-    call = daily.Call(day, options.since or day, options.configfile, _where(options), options.dry_run)
-    if code := daily.run(call):
+        return day_command.show(options.object, day, options.configfile)
+    call = day_command.Call(day, options.since or day, options.configfile, _where(options), options.dry_run)
+    if code := day_command.run(call):
         sys.exit(code)
 
 
@@ -361,10 +361,10 @@ def _add_task(parser: argparse.ArgumentParser) -> None:
 
 
 def _task(options: argparse.Namespace) -> None:
-    from opml.benchmark import freezing, recipes
+    from opml.benchmark import recipes, task_folders
 
-    folders = freezing.Folders.of(options.output)
-    weather = freezing.WeatherSources(options.weather, options.forecasts)
+    folders = task_folders.Folders.of(options.output)
+    weather = task_folders.WeatherSources(options.weather, options.forecasts)
     count = recipes.make(recipes.read(options.recipe), options.orbits, folders, weather)
     print(f"{options.output}: {count} questions; {folders.truth_in_words}")
 
@@ -375,9 +375,9 @@ def _add_truth(parser: argparse.ArgumentParser) -> None:
 
 
 def _truth(options: argparse.Namespace) -> None:
-    from opml.benchmark import freezing, recipes
+    from opml.benchmark import recipes, task_folders
 
-    folders = freezing.Folders.of(options.task)
+    folders = task_folders.Folders.of(options.task)
     print(f"{folders.truth}: the truth of {recipes.make_truth(folders, options.sets)} questions")
 
 

@@ -76,11 +76,11 @@ def arcs(count, *, t=0.0, days=1.0):
 
 
 def test_tools_fly_in_turns_and_slow_ones_once():
-    flights = {
-        "quick": turns.Flight(Fake(1.0, 2.0, 3.0), arcs(10), "90 s"),
-        "slow": turns.Flight(Fake(50.0), arcs(1), "90 s"),
+    propagators = {
+        "quick": turns.Propagator(Fake(1.0, 2.0, 3.0), arcs(10), "90 s"),
+        "slow": turns.Propagator(Fake(50.0), arcs(1), "90 s"),
     }
-    flown = turns.fly(flights, rounds=3, progress=str, longest=10.0)
+    flown = turns.fly(propagators, rounds=3, progress=str, longest=10.0)
     assert flown["quick"].cpu == flown["quick"].wall == [100.0, 200.0, 300.0]
     assert flown["slow"].cpu == [50_000.0]
     assert flown["slow"].states.shape == (1, 6)

@@ -211,6 +211,16 @@ def test_what_describes_the_package_names_what_is_there(path):
             assert hasattr(importlib.import_module(module), last), name
 
 
+def test_modules_that_the_architecture_spells_short_are_there():
+    page = (REPOSITORY / "docs" / "architecture.md").read_text(encoding="utf-8")
+    modules = {path.stem for path in (REPOSITORY / "src" / "opml").rglob("*.py")}
+    folders = {path.parent.name for path in (REPOSITORY / "src" / "opml").rglob("__init__.py")}
+    prose = "\n".join(line for line in page.splitlines() if not line.startswith("|"))
+    spelt = re.findall(r"`\.(\w+)`", page)
+    spelt += re.findall(r"(?<=[(, ])`([a-z]+_[a-z_]+|[a-z]\w+(?=`[,)]))`", prose)
+    assert set(spelt) - modules - folders - {"tracking"} == set()
+
+
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(REPOSITORY).as_posix())
 def test_lines_have_one_width(page):
     lines = page.read_text(encoding="utf-8").splitlines()

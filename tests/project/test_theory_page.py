@@ -12,7 +12,7 @@ from opml.base.yaml_files import read_yaml
 from opml.catalog.associate import innovations
 from opml.catalog.fit import apriori, sequential
 from opml.conjunctions import probability
-from opml.element_sets import corrector, features, ways
+from opml.element_sets import corrector, features, weighting
 from opml.learning.data import cleaning
 from opml.learning.judge import error_sizes, metrics, model_choice
 from opml.learning.models import kernel_scale, svr
@@ -90,7 +90,7 @@ def test_the_running_mean_has_the_memory_of_the_settings():
 
 
 def test_the_ways_of_an_object_are_those_of_the_code():
-    assert f"({ways.UNCHANGED}, {ways.DENSITY}, {ways.LEARNED})" in PLAIN
+    assert f"({weighting.UNCHANGED}, {weighting.DENSITY}, {weighting.LEARNED})" in PLAIN
 
 
 def test_the_terms_of_the_mechanism_are_counted():

@@ -11,7 +11,7 @@ import sinking_histories  # noqa: E402
 
 import opml  # noqa: E402
 from opml.benchmark import recipes  # noqa: E402
-from opml.benchmark.freezing import Folders, WeatherSources  # noqa: E402
+from opml.benchmark.task_folders import Folders, WeatherSources  # noqa: E402
 from opml.interop import oem  # noqa: E402
 
 PACKAGED = REPOSITORY / "src" / "opml" / "data" / "benchmark"
@@ -33,8 +33,8 @@ def make_tracks(folder):
     rsos = opml.read_rsos("config/rsos.tsv")
     with tempfile.TemporaryDirectory() as temporary:
         for name in ("iss", "larets"):
-            flight = opml.Flight(opml.force_model(environment, **opml.TRUTH), rsos[name])
-            truth = opml.propagate(flight, days=12, step=120.0)
+            propagator = opml.Propagator(opml.force_model(environment, **opml.TRUTH), rsos[name])
+            truth = opml.propagate(propagator, days=12, step=120.0)
             oem.write(
                 Path(temporary, f"{name}.oem"), oem.truth_segments(truth, rso=name), epoch=environment.epoch
             )

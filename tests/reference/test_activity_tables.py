@@ -1,10 +1,10 @@
-"""The package's tables of solar activity are what activity_tables.py makes of the downloads."""
+"""The package's tables of solar activity are what a program of validation makes of the downloads."""
 
 import pandas as pd
-from activity_tables import DAYS, msafe, observed
 from support import shared
 
 from opml.environment import solar_activity
+from validation.reference.activity_tables import DAYS, msafe, observed
 
 TITLE = "  TABLE 3 ESTIMATES OF 13-MONTH SMOOTH SOLAR ACTIVITY FOR\n\n"
 

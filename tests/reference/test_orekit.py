@@ -7,7 +7,7 @@ import pytest
 from support import ASSUMED_BODIES, EPOCH, EXCERPTS, environment, force_model, shared, stations
 
 from opml.base.constants import DAY
-from opml.catalog.flight import Flight
+from opml.catalog.propagator import Propagator
 from opml.catalog.simulate import tracking, truth
 from opml.catalog.simulate.observing import observe, site
 from opml.dynamics.ensemble import Departures, propagate
@@ -242,7 +242,7 @@ def test_the_orbit_begins_where_orekits_does(iss):
 
 
 def test_eglins_tracks_of_five_days(iss, earth_orientation):
-    orbit = truth.simulate(Flight(force_model(40), iss), duration=5.05 * DAY, step=20.0)
+    orbit = truth.simulate(Propagator(force_model(40), iss), duration=5.05 * DAY, step=20.0)
     found = tracking.simulate(orbit, earth_orientation, [stations()["eglin"]], rso="iss", seed=1)
     found = found.groupby("track")["t"].agg(["min", "max", "count"])
     expected = excerpt("tracks")
@@ -271,7 +271,7 @@ def test_measurements_of_the_first_day(iss, earth_orientation):
     expected = pd.read_parquet(shared("reference/measurements_1d_noisefree.parquet"))
     expected["station"] = expected["station"].str.lower()
     model = force_model(40, field=str(shared(EIGEN_6S)))
-    orbit = truth.simulate(Flight(model, iss), duration=DAY, step=20.0)
+    orbit = truth.simulate(Propagator(model, iss), duration=DAY, step=20.0)
     found = tracking.simulate(orbit, earth_orientation, list(stations().values()), rso="iss", seed=1)
     both = expected.merge(found, left_on=["t_s", "station"], right_on=["t", "station"], how="outer")
     assert both.notna().all(axis=None)

@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 from support import EXCERPTS
 
-from opml.catalog.fit import air
+from opml.catalog.fit import refraction
 
 
 @pytest.fixture(scope="module")
@@ -17,16 +17,18 @@ def bent(elevation, altitude, *, radio):
     """Bending at an elevation of the straight line."""
     seen = elevation
     for _ in range(20):
-        seen = elevation + air.bending(seen, altitude, radio=radio)
+        seen = elevation + refraction.bending(seen, altitude, radio=radio)
     return seen - elevation
 
 
 def test_delays_are_saastamoinens_by_niells_mapping_to_a_percent(orekits, three_stations):
     for station in three_stations:
         rows = orekits[orekits["station"] == station.name]
-        zenith = air.zenith_delay(air.standard(station.altitude), station.latitude, station.altitude)
+        zenith = refraction.zenith_delay(
+            refraction.standard(station.altitude), station.latitude, station.altitude
+        )
         assert zenith == pytest.approx(rows[["zenith_dry", "zenith_wet"]].iloc[0].sum(), abs=0.005)
-        found = air.delay(rows["elevation"].to_numpy(), station.latitude, station.altitude)
+        found = refraction.delay(rows["elevation"].to_numpy(), station.latitude, station.altitude)
         np.testing.assert_allclose(found, rows["delay"], rtol=0.01)
 
 

@@ -6,10 +6,10 @@ import pytest
 from support import ASSUMED_BODIES, EPOCH, ESTIMATION, EXCERPTS, force_model
 
 from opml.base.constants import DAY
-from opml.catalog.fit import estimation, measured_tracks, sightings
+from opml.catalog.fit import estimation, measured_tracks, observations
 from opml.catalog.fit.first import first_orbit
-from opml.catalog.flight import Flight
 from opml.catalog.predict import prediction
+from opml.catalog.propagator import Propagator
 from opml.interop import tdm
 from opml.tables import STATE
 
@@ -29,23 +29,23 @@ def tracking(three_stations):
 
 
 @pytest.fixture(scope="module")
-def flight(iss):
-    return Flight(force_model(20, ASSUMED_BODIES), iss)
+def propagator(iss):
+    return Propagator(force_model(20, ASSUMED_BODIES), iss)
 
 
 @pytest.fixture(scope="module")
 def measured(tracking, earth_orientation, three_stations):
-    return sightings.Measured(tracking, earth_orientation, three_stations)
+    return observations.Measured(tracking, earth_orientation, three_stations)
 
 
 @pytest.fixture(scope="module")
-def starts(flight, measured):
-    return first_orbit.determined(flight, measured, settings=ESTIMATION)
+def starts(propagator, measured):
+    return first_orbit.determined(propagator, measured, settings=ESTIMATION)
 
 
 @pytest.fixture(scope="module")
-def estimates(flight, starts, measured):
-    return estimation.estimate_all(flight, starts, measured, settings=ESTIMATION)
+def estimates(propagator, starts, measured):
+    return estimation.estimate_all(propagator, starts, measured, settings=ESTIMATION)
 
 
 def errors(table, orbit):
@@ -74,8 +74,8 @@ def test_estimates_are_where_orekit_has_the_rso(estimates, orbit):
     assert 0.8 < estimates["weighted_rms"][many].mean() < 1.2
 
 
-def test_predictions_need_no_truth(flight, estimates, orbit):
-    found = prediction.predict_all(flight, None, estimates, max_days=1.0)
+def test_predictions_need_no_truth(propagator, estimates, orbit):
+    found = prediction.predict_all(propagator, None, estimates, max_days=1.0)
     assert found.filter(like="_true").isna().all(axis=None)
     assert found.filter(regex="^e_").isna().all(axis=None)
     assert (found["reason"] == "").mean() > 0.9

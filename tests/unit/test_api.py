@@ -82,6 +82,12 @@ def test_the_import_alone_loads_nothing():
     assert subprocess.run([sys.executable, "-c", script]).returncode == 0
 
 
+def test_a_prediction_loads_no_optimizer():
+    modules = "opml.element_sets.prediction, opml.workflow.prediction_files"
+    script = f"import sys, {modules}; sys.exit('scipy.optimize' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", script]).returncode == 0
+
+
 def test_defaults_are_those_of_the_settings():
     cleaning = STUDY["cleaning"]
     limits = {key: cleaning[key] for key in ("cd_min", "cd_max")}

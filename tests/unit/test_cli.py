@@ -147,11 +147,9 @@ for word in ("twice", "twice", "once"):
 
 
 def test_a_page_that_is_not_there_is_told_in_one_line(capsys):
-    assert cli.main(["docs", "operation"]) == 1
-    error = capsys.readouterr().err
-    assert (
-        error == "opml: docs: expected a page such as operations or comparison or validation, got operation\n"
-    )
+    for name, near in (("operation", "operations"), ("Kp", "weather or physics")):
+        assert cli.main(["docs", name]) == 1
+        assert capsys.readouterr().err == f"opml: docs: expected a page such as {near}, got {name}\n"
 
 
 def test_the_page_of_a_command_is_told_by_its_name(capsys):

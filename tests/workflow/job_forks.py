@@ -12,7 +12,7 @@ from snakemake import cli
 from snakemake.benchmark import benchmarked
 from snakemake.script import PythonScript
 
-from opml.workflow import daily
+from opml.workflow import day_command
 
 
 def fork_scripts() -> None:
@@ -22,7 +22,7 @@ def fork_scripts() -> None:
 
 def fork_snakemake() -> None:
     """Have the `opml day` of this process start no Python for Snakemake, nor this one any for its scripts."""
-    daily._exit_code = _run_snakemake
+    day_command._exit_code = _run_snakemake
     fork_scripts()
 
 

@@ -19,14 +19,6 @@ import snakemake.storage
 from parsed_snakefiles import parse_once
 from support import force_model
 
-import opml.cli
-import opml.study.beyond
-import opml.study.checks
-import opml.study.own_study
-import opml.workflow.command_line
-import opml.workflow.inputs
-import opml.workflow.settings_in_tables
-import opml.workflow.starting  # noqa: F401
 from opml.base.provenance import script_digest
 from opml.dynamics.ensemble import Departures, propagate
 from opml.dynamics.settings import Integrator

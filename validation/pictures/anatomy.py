@@ -43,19 +43,19 @@ def parts() -> pd.DataFrame:
     monthly, observed = (
         opml.make_environment(EPOCH, days=DAYS, activity=activity) for activity in ("MSAFE", "OBSERVED")
     )
-    truth = opml.propagate(opml.Flight(opml.force_model(observed, **opml.TRUTH), iss), days=DAYS)
+    truth = opml.propagate(opml.Propagator(opml.force_model(observed, **opml.TRUTH), iss), days=DAYS)
     tracks = opml.track(truth, observed, stations, rso=iss)
-    flight = opml.Flight(opml.force_model(monthly, **opml.ASSUMED), iss)
-    fits = opml.estimate(flight, truth, tracks, monthly, stations)
+    propagator = opml.Propagator(opml.force_model(monthly, **opml.ASSUMED), iss)
+    fits = opml.estimate(propagator, truth, tracks, monthly, stations)
     fits = fits[fits["converged"]]
     exact = perfect(fits, truth, cd=iss.cd)
-    informed = opml.Flight(opml.force_model(observed, **opml.ASSUMED), iss)
+    informed = opml.Propagator(opml.force_model(observed, **opml.ASSUMED), iss)
     steps = [
         opml.predict_tracks(model, truth, estimates)
         for model, estimates in (
-            (flight, fits),
-            (flight, exact.assign(cd=fits["cd"])),
-            (flight, exact),
+            (propagator, fits),
+            (propagator, exact.assign(cd=fits["cd"])),
+            (propagator, exact),
             (informed, exact),
         )
     ]

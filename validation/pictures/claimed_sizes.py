@@ -17,11 +17,11 @@ from matplotlib.ticker import FuncFormatter
 
 from opml.base.constants import DAY, EARTH_GM, WGS84_A
 from opml.conjunctions import cdm
+from opml.conjunctions.approaches import EPOCH
 from opml.conjunctions.conjunction import Participant
-from opml.conjunctions.trajectories import EPOCH
 from opml.figures import style
 from opml.figures.ticks import metres
-from opml.interop.element_sets import usual_errors
+from opml.interop.element_sets import sgp4_errors
 from opml.interop.orbit_arcs import contents
 from validation.pictures import shrunk
 
@@ -63,11 +63,11 @@ def _usual(one: Participant, height: float, days: float, drag: float) -> float:
     """Return what sets at a height [m] usually err by along the track [m], NaN where that is unknown."""
     position, velocity = np.split(one.state, 2)
     axis = np.cross(velocity, np.cross(position, velocity)) / EARTH_GM - position / np.linalg.norm(position)
-    band = int(np.searchsorted(usual_errors.HEIGHTS, height, side="right")) - 1
-    if np.linalg.norm(axis) > _ROUND or not 0 <= band < len(usual_errors.HEIGHTS) - 1:
+    band = int(np.searchsorted(sgp4_errors.HEIGHTS, height, side="right")) - 1
+    if np.linalg.norm(axis) > _ROUND or not 0 <= band < len(sgp4_errors.HEIGHTS) - 1:
         return np.nan
-    parts = usual_errors.law()[band, 1] * [1.0, days, drag]
-    return float(np.linalg.norm([*parts, usual_errors.UNSEEN[1]]))
+    parts = sgp4_errors.law()[band, 1] * [1.0, days, drag]
+    return float(np.linalg.norm([*parts, sgp4_errors.UNSEEN[1]]))
 
 
 def claimed_sizes(objects: pd.DataFrame) -> Figure:

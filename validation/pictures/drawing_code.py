@@ -26,7 +26,7 @@ class ModuleNames:
 
 
 def digest(function: str) -> str:
-    """Return the digest of the code that a function draws with; function: `opml.figures.fan.fan_figure`."""
+    """Return the digest of the code that a function draws with, such as `opml.figures.orbit.orbit_3d`."""
     start = tuple(function.rsplit(".", 1))
     waiting, reached = [start], {}
     while waiting:

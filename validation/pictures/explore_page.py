@@ -13,10 +13,10 @@ from plotly.offline import get_plotlyjs
 
 from opml.base.errors import InputError
 from opml.base.files import replacing
-from opml.figures import explore
+from opml.figures import orbit_explorer
 from opml.figures.axis_labels import clauses
 from opml.figures.display_names import describe_run
-from opml.figures.ground import ObservedOrbit
+from opml.figures.ground_tracks import ObservedOrbit
 from opml.study.experiments import Study
 from opml.study.own_study import OwnStudy
 from opml.study.settings.merging import merged, with_sheets
@@ -41,7 +41,7 @@ def explore_page(results: Path) -> str:
         [settings.stations[name] for name in stations.split("-")],
     )
     models = results / "evaluation" / rso / stations / train
-    whole = explore.page(
+    whole = orbit_explorer.page(
         orbit,
         {name: read_table(models / name / f"e_y/{rso}/{test}.parquet", "evaluation") for name in LEARNERS},
         read_table(results / "dataset" / rso / f"{stations}.parquet", "dataset"),

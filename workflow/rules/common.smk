@@ -16,7 +16,7 @@ from opml.workflow.inputs import Inputs, at_window, checks, path_of, paths_of, t
 from opml.workflow.params import Params
 from opml.workflow.plan import Plan, end_plan
 from opml.workflow.settings_in_tables import compare_tables_with_settings
-from opml.workflow.starting import date_back_to_now, hold_results, lift_job_rate, project_settings
+from opml.workflow.before_first_job import date_back_to_now, hold_results, lift_job_rate, project_settings
 from opml.workflow.host import name_python
 
 name_python()

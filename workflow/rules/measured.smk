@@ -75,7 +75,7 @@ if PLAN.settings.files_of(kinds.RANGES):
     rule ranges_from_files:
         input:
             points=lambda wildcards: users(PLAN.settings.files_of(kinds.RANGES)[wildcards.rso]),
-            sites=lambda wildcards: users(PLAN.settings.files_beside(kinds.RANGES)[wildcards.rso]),
+            sites=lambda wildcards: users(PLAN.settings.companion_files(kinds.RANGES)[wildcards.rso]),
             earth_orientation=EARTH_ORIENTATION.table,
             ephemerides=EPHEMERIDES.table,
         output:
@@ -97,7 +97,7 @@ if PLAN.settings.files_of(kinds.RANGES):
                 **contents(
                     [
                         *PLAN.settings.files_of(kinds.RANGES)[wildcards.rso],
-                        *PLAN.settings.files_beside(kinds.RANGES)[wildcards.rso],
+                        *PLAN.settings.companion_files(kinds.RANGES)[wildcards.rso],
                     ]
                 ),
             },

@@ -1,7 +1,7 @@
 """Tabulate mean densities of the thermosphere since 2002 under measured weather."""
 
 from opml.base.section import JobSettings
-from opml.element_sets import held_out
+from opml.element_sets import corrector_trial
 from opml.tables import write_table
 from opml.workflow.jobs import job
 
@@ -12,5 +12,5 @@ class Settings(JobSettings):
 
 with job(snakemake) as metadata:
     settings = Settings(**snakemake.params.settings)
-    densities = held_out.densities(settings.weather)
-    write_table(snakemake.output[0], densities, held_out.DENSITIES, metadata=metadata)
+    densities = corrector_trial.densities(settings.weather)
+    write_table(snakemake.output[0], densities, corrector_trial.DENSITIES, metadata=metadata)

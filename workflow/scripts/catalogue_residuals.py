@@ -1,7 +1,7 @@
 """Train a corrector on half of the objects in a season, and judge it on the others in a later one."""
 
 from opml.base.section import JobSettings
-from opml.element_sets import held_out
+from opml.element_sets import corrector_trial
 from opml.tables import read_table, write_table
 from opml.workflow.jobs import job
 
@@ -16,10 +16,10 @@ class Settings(JobSettings):
 if __name__ == "__main__":
     with job(snakemake) as metadata:
         settings = Settings(**snakemake.params.settings)
-        residuals = held_out.residuals(
-            read_table(snakemake.input.rows, held_out.ROWS),
-            read_table(snakemake.input.teachers, held_out.ROWS),
-            held_out.Seasons.of_dates(**settings.seasons),
+        residuals = corrector_trial.residuals(
+            read_table(snakemake.input.rows, corrector_trial.ROWS),
+            read_table(snakemake.input.teachers, corrector_trial.ROWS),
+            corrector_trial.Seasons.of_dates(**settings.seasons),
             settings.learner,
             seed=settings.seed,
         )

@@ -1,7 +1,7 @@
 """Predict, by SGP4, the mornings of two seasons, and see what the corrector sees of each prediction."""
 
 from opml.base.section import JobSettings
-from opml.element_sets import held_out
+from opml.element_sets import corrector_trial
 from opml.tables import read_table, write_table
 from opml.workflow.jobs import job
 
@@ -14,11 +14,11 @@ class Settings(JobSettings):
 
 with job(snakemake) as metadata:
     settings, files = Settings(**snakemake.params.settings), snakemake.input
-    rows = held_out.rows(
+    rows = corrector_trial.rows(
         files.sets,
-        read_table(files.densities, held_out.DENSITIES),
-        held_out.Seasons.of_dates(**settings.seasons),
+        read_table(files.densities, corrector_trial.DENSITIES),
+        corrector_trial.Seasons.of_dates(**settings.seasons),
         weather=settings.weather,
         latency=settings.latency_hours / 24.0,
     )
-    write_table(snakemake.output[0], rows, held_out.ROWS, metadata=metadata)
+    write_table(snakemake.output[0], rows, corrector_trial.ROWS, metadata=metadata)

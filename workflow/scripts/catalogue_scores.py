@@ -3,7 +3,7 @@
 import pandas as pd
 
 from opml.base.section import JobSettings
-from opml.element_sets import judge
+from opml.element_sets import corrector_scores
 from opml.tables import write_table
 from opml.workflow.jobs import job, read_by_key
 
@@ -18,7 +18,7 @@ with job(snakemake) as metadata:
     tables = read_by_key(map(tuple, settings.trials), snakemake.input, "catalogue_residuals")
     scores = pd.concat(
         [
-            judge.scores(table, seed=settings.seed).assign(test=test, learner=learner)
+            corrector_scores.scores(table, seed=settings.seed).assign(test=test, learner=learner)
             for (test, learner), table in tables.items()
         ]
     )

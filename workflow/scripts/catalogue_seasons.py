@@ -2,7 +2,7 @@
 
 from opml.base.section import JobSettings
 from opml.figures import style
-from opml.figures.catalogue import shares
+from opml.figures.catalogue import residual_shares
 from opml.tables import read_table
 from opml.workflow.jobs import job
 
@@ -14,5 +14,5 @@ class Settings(JobSettings):
 with job(snakemake):
     settings = Settings(**snakemake.params.settings)
     scores = read_table(snakemake.input[0], "catalogue_scores")
-    figure = shares.every_season(scores, settings.labels)
+    figure = residual_shares.every_season(scores, settings.labels)
     style.save_all([figure], snakemake.output.pdf, snakemake.output.png)

@@ -2,7 +2,7 @@
 
 from opml.base.section import JobSettings
 from opml.figures import style
-from opml.figures.catalogue import shares
+from opml.figures.catalogue import residual_shares
 from opml.tables import read_table
 from opml.workflow.jobs import job
 
@@ -17,5 +17,5 @@ with job(snakemake):
     settings = Settings(**snakemake.params.settings)
     scores = read_table(snakemake.input[0], "catalogue_scores")
     own = scores[scores["test"] == settings.test]
-    figure = shares.shares(own, settings.seasons, name=settings.population)
+    figure = residual_shares.shares(own, settings.seasons, name=settings.population)
     style.save_all([figure], snakemake.output.pdf, snakemake.output.png)

@@ -1,15 +1,15 @@
 """Carry the covariance of each estimate to its predictions."""
 
-from opml.catalog.flight import Flight, FlightSettings
 from opml.catalog.predict import covariance
+from opml.catalog.propagator import Propagator, PropagatorSettings
 from opml.tables import read_table, write_table
 from opml.workflow.jobs import job, progress
 
 with job(snakemake) as metadata:
-    settings = FlightSettings(**snakemake.params.settings)
+    settings = PropagatorSettings(**snakemake.params.settings)
     predictions = read_table(snakemake.input.predictions, "predictions")
     carried = covariance.propagated(
-        Flight.read(
+        Propagator.read(
             snakemake.input,
             settings,
             threads=snakemake.threads,

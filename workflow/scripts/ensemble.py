@@ -1,13 +1,13 @@
 """Predict under each of the futures of the space weather, and tell their spread."""
 
 from opml.base.constants import HOUR
-from opml.catalog.flight import Flight, FlightSettings
 from opml.catalog.predict import weather_futures
+from opml.catalog.propagator import Propagator, PropagatorSettings
 from opml.tables import read_table, write_table
 from opml.workflow.jobs import job, progress
 
 
-class Settings(FlightSettings):
+class Settings(PropagatorSettings):
     window_hours: float
     seed: int
     level: float
@@ -17,7 +17,7 @@ with job(snakemake) as metadata:
     settings, files = Settings(**snakemake.params.settings), snakemake.input
     predictions = read_table(files.predictions, "predictions")
     sample = weather_futures.sample(
-        Flight.read(files, settings, threads=snakemake.threads, progress=progress),
+        Propagator.read(files, settings, threads=snakemake.threads, progress=progress),
         read_table(files.futures, "futures"),
         read_table(files.estimates, "estimates"),
         predictions,

@@ -3,13 +3,13 @@
 from opml.catalog.associate import quarantine
 from opml.catalog.fit import biases, fixes, start_states
 from opml.catalog.fit.estimation_settings import Estimation
-from opml.catalog.flight import Flight, FlightSettings
+from opml.catalog.propagator import Propagator, PropagatorSettings
 from opml.orbits.sheets import Station
 from opml.tables import read_kind, read_measured, read_table, write_table
 from opml.workflow.jobs import job, progress
 
 
-class Settings(FlightSettings):
+class Settings(PropagatorSettings):
     estimation: Estimation
     stations: list[Station]
     seed: int
@@ -18,12 +18,14 @@ class Settings(FlightSettings):
 with job(snakemake) as metadata:
     settings, files = Settings(**snakemake.params.settings), snakemake.input
     method = settings.estimation
-    flight = Flight.read(files, settings, threads=snakemake.threads, progress=progress)
+    propagator = Propagator.read(files, settings, threads=snakemake.threads, progress=progress)
     tracking = read_measured(files.tracking)
     states = read_table(files.start, read_kind(files.start))
     measured = fixes.read(files, settings.stations)
-    starts = start_states.build(states, tracking, rso=flight.rso.name, settings=method, seed=settings.seed)
-    table, noise = quarantine.with_noise(flight, starts, measured, settings=method)
+    starts = start_states.build(
+        states, tracking, rso=propagator.rso.name, settings=method, seed=settings.seed
+    )
+    table, noise = quarantine.with_noise(propagator, starts, measured, settings=method)
     if read_kind(files.start) == "starts":  # noise that was simulated is known
         metadata |= biases.facts(noise)
     write_table(snakemake.output[0], table, "estimates", metadata=metadata)

@@ -2,9 +2,9 @@
 
 from opml.base.files import replacing
 from opml.base.section import JobSettings
-from opml.figures import explore
+from opml.figures import orbit_explorer
 from opml.figures.axis_labels import describe_experiment
-from opml.figures.ground import ObservedOrbit
+from opml.figures.ground_tracks import ObservedOrbit
 from opml.naming import Experiment
 from opml.orbits.sheets import Station
 from opml.tables import read_table
@@ -25,7 +25,7 @@ with job(snakemake):
         read_table(files.earth_orientation, "earth_orientation"),
         settings.radars,
     )
-    text = explore.page(
+    text = orbit_explorer.page(
         orbit,
         read_by_key(settings.learners, files.evaluations, "evaluation"),
         read_table(files.dataset, "dataset"),

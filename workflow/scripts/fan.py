@@ -1,7 +1,7 @@
 """Draw one prediction under many futures of the space weather."""
 
 from opml.base.section import JobSettings
-from opml.figures import fan, style
+from opml.figures import style, weather_fan
 from opml.figures.display_names import describe_run
 from opml.tables import read_table
 from opml.workflow.jobs import job
@@ -16,7 +16,7 @@ class Settings(JobSettings):
 
 with job(snakemake):
     settings = Settings(**snakemake.params.settings)
-    figure = fan.chart(
+    figure = weather_fan.chart(
         read_table(snakemake.input.fan, "fan"),
         read_table(snakemake.input.sample, "ensemble"),
         track=settings.track,

@@ -29,7 +29,7 @@ with job(snakemake) as metadata:
         settings.taking.sampling,
     )
     table = fixes.stretches(points, length=HOUR * settings.taking.stretch_hours)
-    identity, burns = points_from_files.beside(files)
+    identity, burns = points_from_files.identity_and_burns(files)
     named = manoeuvres.at_times(settings.manoeuvres, epoch=settings.epoch)
     metadata |= manoeuvres.facts(named + burns) | object_ids.facts(identity)
     write_table(snakemake.output[0], table, "fixes", metadata=metadata)

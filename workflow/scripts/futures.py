@@ -1,12 +1,12 @@
 """Tabulate the space weather as it may come, by so many futures about the forecast."""
 
 from opml.base.constants import DAY
-from opml.environment import knowledge, nodes
+from opml.environment import known_weather, nodes
 from opml.tables import write_table
 from opml.workflow.jobs import job
 
 
-class Settings(knowledge.Issues):
+class Settings(known_weather.Issues):
     duration_days: float
     members: int
 
@@ -14,7 +14,7 @@ class Settings(knowledge.Issues):
 with job(snakemake) as metadata:
     settings = Settings(**snakemake.params.settings)
     t = nodes(settings.epoch, DAY * settings.duration_days)
-    table = knowledge.tabulate_futures(settings, t, members=settings.members)
+    table = known_weather.tabulate_futures(settings, t, members=settings.members)
     forecast = settings.forecast.of_job()
     metadata |= {"source": settings.source, "forecast": forecast, "members": settings.members}
     write_table(snakemake.output[0], table, "futures", metadata=metadata)

@@ -1,12 +1,12 @@
 """Predict with fits over another window whose Cd is held by its past."""
 
-from opml.catalog.flight import Flight, FlightSettings
 from opml.catalog.predict import other_windows
+from opml.catalog.propagator import Propagator, PropagatorSettings
 from opml.tables import read_table, write_table
 from opml.workflow.jobs import job, progress
 
 
-class Settings(FlightSettings):
+class Settings(PropagatorSettings):
     window_hours: float
     memory_days: float
 
@@ -14,7 +14,7 @@ class Settings(FlightSettings):
 with job(snakemake) as metadata:
     settings, files = Settings(**snakemake.params.settings), snakemake.input
     table = other_windows.build_held(
-        Flight.read(files, settings, threads=snakemake.threads, progress=progress),
+        Propagator.read(files, settings, threads=snakemake.threads, progress=progress),
         read_table(files.predictions, "predictions"),
         arc_estimates=other_windows.read_estimates(files, window_hours=settings.window_hours),
         memory_days=settings.memory_days,

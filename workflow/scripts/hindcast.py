@@ -2,7 +2,7 @@
 
 from opml.base.constants import DAY
 from opml.base.section import JobSettings
-from opml.environment import knowledge, nodes
+from opml.environment import known_weather, nodes
 from opml.tables import write_table
 from opml.workflow.jobs import job
 
@@ -17,6 +17,6 @@ class Settings(JobSettings):
 with job(snakemake) as metadata:
     settings = Settings(**snakemake.params.settings)
     t = nodes(settings.epoch, DAY * settings.duration_days)
-    table = knowledge.TABLES[settings.knowledge](settings.source, settings.epoch, t)
+    table = known_weather.TABLES[settings.knowledge](settings.source, settings.epoch, t)
     metadata |= {"source": settings.source}
     write_table(snakemake.output[0], table, "solar_activity", metadata=metadata)

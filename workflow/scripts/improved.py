@@ -1,7 +1,7 @@
 """Predict with SGP4 from the newest set of mean elements, improved."""
 
 from opml.base.section import JobSettings
-from opml.interop.element_sets import baseline
+from opml.interop.element_sets import sgp4_baseline
 from opml.tables import read_table, write_table
 from opml.workflow.jobs import job
 
@@ -11,7 +11,7 @@ class Settings(JobSettings):
 
 
 with job(snakemake) as metadata:
-    table = baseline.build_improved(
+    table = sgp4_baseline.build_improved(
         read_table(snakemake.input.predictions, "predictions"),
         read_table(snakemake.input.improved_history, "improved_history"),
         epoch=Settings(**snakemake.params.settings).epoch,

@@ -2,7 +2,7 @@
 
 from opml.base.constants import DAY
 from opml.base.section import JobSettings
-from opml.element_sets import on_mornings
+from opml.element_sets import improved_history
 from opml.tables import read_table, write_table
 from opml.workflow.jobs import job
 
@@ -16,8 +16,8 @@ class Settings(JobSettings):
 with job(snakemake) as metadata:
     settings, files = Settings(**snakemake.params.settings), snakemake.input
     sets = read_table(files.element_sets, "element_sets")
-    table = on_mornings.history(
-        on_mornings.ImprovedHistory.read(files.catalogue, settings.weather),
+    table = improved_history.history(
+        improved_history.ImprovedHistory.read(files.catalogue, settings.weather),
         sets[sets["t"].between(0.0, DAY * settings.duration_days)],
         epoch=settings.epoch,
     )

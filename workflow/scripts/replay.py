@@ -1,6 +1,6 @@
 """Run the mornings that are over again, and hold their ephemerides against what came."""
 
-from opml.catalog.flight import Flight, FlightSettings
+from opml.catalog.propagator import Propagator, PropagatorSettings
 from opml.ephemerides import replays
 from opml.ephemerides.known_tables import KnownSettings, KnownTables
 from opml.learning.data import dataset
@@ -10,7 +10,7 @@ from opml.tables import read_table, write_table
 from opml.workflow.jobs import job, metadata_of_each, progress
 
 
-class Settings(FlightSettings, KnownSettings):
+class Settings(PropagatorSettings, KnownSettings):
     seed: int
     train_days: tuple[float, float]
     every_hours: float
@@ -32,7 +32,7 @@ with job(snakemake) as metadata:
         judged = replays.judge(lessons.dataset, predictions, later, alike=known.are_of_sets)
         series.append(replays.ReplaySeries(lessons, starts, replays.at_starts(judged, starts, spread)))
     tables = replays.build(
-        Flight.read(files, settings, threads=snakemake.threads, progress=progress),
+        Propagator.read(files, settings, threads=snakemake.threads, progress=progress),
         known,
         series,
         max_days=settings.max_days,

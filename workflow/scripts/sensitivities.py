@@ -1,19 +1,19 @@
 """Compute how each prediction answers to the drag coefficient."""
 
-from opml.catalog.flight import Flight, FlightSettings
 from opml.catalog.predict.sensitivity import sensitivities
+from opml.catalog.propagator import Propagator, PropagatorSettings
 from opml.tables import read_table, write_table
 from opml.workflow.jobs import job, progress
 
 
-class Settings(FlightSettings):
+class Settings(PropagatorSettings):
     cd_bounds: tuple[float, float] | None
 
 
 with job(snakemake) as metadata:
     settings, files = Settings(**snakemake.params.settings), snakemake.input
     table = sensitivities(
-        Flight.read(files, settings, threads=snakemake.threads, progress=progress),
+        Propagator.read(files, settings, threads=snakemake.threads, progress=progress),
         read_table(files.estimates, "estimates"),
         read_table(files.predictions, "predictions"),
         bounds=settings.cd_bounds,

@@ -1,14 +1,14 @@
 """Propagate what tells how far drag and the weather ahead may take predictions."""
 
-from opml.catalog.flight import Flight, FlightSettings
-from opml.catalog.predict import spread
+from opml.catalog.predict import weather_spread
+from opml.catalog.propagator import Propagator, PropagatorSettings
 from opml.ephemerides import replays
 from opml.ephemerides.known_tables import KnownSettings, KnownTables
 from opml.tables import read_table, write_table
 from opml.workflow.jobs import job, progress
 
 
-class Settings(FlightSettings, KnownSettings):
+class Settings(PropagatorSettings, KnownSettings):
     every_hours: float
 
 
@@ -17,13 +17,13 @@ with job(snakemake) as metadata:
     known = KnownTables.read(files, settings)
     starts = replays.morning_departures(known, every_hours=settings.every_hours)
     predictions = read_table(files.predictions, "predictions")
-    flattened = settings.model_copy(update={"force_model": spread.FLATTENED})
-    flight = Flight.read(files, flattened, threads=snakemake.threads, progress=progress)
+    flattened = settings.model_copy(update={"force_model": weather_spread.FLATTENED})
+    propagator = Propagator.read(files, flattened, threads=snakemake.threads, progress=progress)
     futures = read_table(files.futures, "futures") if files.futures else None
-    table = spread.build(
-        flight,
+    table = weather_spread.build(
+        propagator,
         known.own(),
         predictions[predictions["i"].isin(starts["track"])],
-        weathers=spread.Weathers.of(flight.model, futures),
+        weathers=weather_spread.Weathers.of(propagator.model, futures),
     )
     write_table(snakemake.output[0], table, "spread", metadata=metadata)

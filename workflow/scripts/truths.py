@@ -3,14 +3,14 @@
 import pandas as pd
 
 from opml.base.constants import DAY
-from opml.catalog.flight import Flight, FlightSettings
+from opml.catalog.propagator import Propagator, PropagatorSettings
 from opml.catalog.simulate import truth
 from opml.orbits.sheets import Rso
 from opml.tables import TRUTH_GROUPS, write_table
 from opml.workflow.jobs import job, metadata_of_each, progress
 
 
-class Settings(FlightSettings):
+class Settings(PropagatorSettings):
     rsos: list[Rso]
     duration_days: float
     step_s: float
@@ -20,7 +20,7 @@ with job(snakemake) as metadata:
     given = snakemake.params.settings
     settings = Settings(**given, rso=given["rsos"][0])
     tables = truth.simulate_together(
-        Flight.read(snakemake.input, settings, threads=snakemake.threads, progress=progress),
+        Propagator.read(snakemake.input, settings, threads=snakemake.threads, progress=progress),
         settings.rsos[1:],
         duration=DAY * settings.duration_days,
         step=settings.step_s,

@@ -1,7 +1,7 @@
 """Draw a day of ground tracks, the passes that were tracked, and what each station sees."""
 
 from opml.base.section import JobSettings
-from opml.figures import ground, style
+from opml.figures import ground_tracks, style
 from opml.figures.display_names import describe_run
 from opml.orbits.sheets import Station
 from opml.tables import read_table
@@ -18,12 +18,12 @@ class Settings(JobSettings):
 
 with job(snakemake):
     settings, files = Settings(**snakemake.params.settings), snakemake.input
-    orbit = ground.ObservedOrbit(
+    orbit = ground_tracks.ObservedOrbit(
         read_table(files.truth, "truth"),
         read_table(files.earth_orientation, "earth_orientation"),
         settings.radars,
     )
-    figure = ground.world(
+    figure = ground_tracks.world(
         orbit,
         read_table(files.tracking, "tracking"),
         first_day=settings.first_day,

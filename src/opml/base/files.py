@@ -59,8 +59,8 @@ def suffix_of(path: FilePath, allowed: Collection[str]) -> str:
     return suffix
 
 
-def check_apart(written: Iterable[FilePath], read: Iterable[FilePath]) -> None:
-    """Raise InputError where one file would be written twice, over one that is read, or over a folder."""
+def check_distinct_files(written: Iterable[FilePath], read: Iterable[FilePath]) -> None:
+    """Raise InputError where a file would be written twice, over a folder or what is read, or not at all."""
     taken = {Path(path).resolve() for path in read}
     for path in written:
         if Path(path).is_dir():
@@ -68,6 +68,12 @@ def check_apart(written: Iterable[FilePath], read: Iterable[FilePath]) -> None:
         if (whole := Path(path).resolve()) in taken:
             raise InputError(f"{path}: expected another file for what is written, got one that is in use")
         taken.add(whole)
+        folder = next(one for one in whole.parents if one.exists())
+        try:
+            tempfile.TemporaryFile(dir=folder).close()
+        except OSError as error:
+            got = f"{folder}: {os.strerror(error.errno or 0)}"
+            raise InputError(f"{path}: expected a folder that can be written to, got {got}") from None
 
 
 @contextmanager

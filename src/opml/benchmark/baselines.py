@@ -18,21 +18,21 @@ from sgp4.api import Satrec
 from opml import __version__
 from opml.base.constants import DAY
 from opml.base.errors import InputError
-from opml.base.files import FilePath, check_apart, replacing, suffix_of
+from opml.base.files import FilePath, check_distinct_files, replacing, suffix_of
 from opml.base.progress import Progress
 from opml.benchmark import tasks
 from opml.benchmark.answers import COVARIANCE, REQUIRED, about_file
 from opml.benchmark.tasks import BenchmarkTask
-from opml.element_sets import corrector, improve, pairs, ways
-from opml.element_sets import model as models
+from opml.element_sets import corrector, improve, set_errors, weighting
+from opml.element_sets import trained_model as models
 from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day
 from opml.element_sets.features import FEATURES
-from opml.element_sets.model import CatalogueModel
-from opml.element_sets.ways import DENSITY, UNCHANGED, Ways
-from opml.interop.element_sets import element_fits, mean_elements, usual_errors
+from opml.element_sets.trained_model import CatalogueModel
+from opml.element_sets.weighting import DENSITY, UNCHANGED, Ways
+from opml.interop.element_sets import element_fits, mean_elements, sgp4_errors
 from opml.interop.element_sets.element_set import changed, elements_epoch, propagate, seconds_since
 from opml.learning.models import svr
-from opml.learning.models.inputs import Training
+from opml.learning.models.training_inputs import Training
 from opml.orbits.elements import rsw_rotation
 
 _UNLEARNED = (UNCHANGED, DENSITY)
@@ -71,19 +71,6 @@ def _by_past(morning: Morning, correction: pd.Series) -> pd.DataFrame:
     return pd.DataFrame({"correction": correction, "sigma": rows["lead"].map(size) * rows["scale"]})
 
 
-def _published(morning: Morning) -> pd.DataFrame:
-    return _by_past(morning, 0.0 * morning.rows["density"])
-
-
-def _scaled(morning: Morning) -> pd.DataFrame:
-    return _by_past(morning, morning.rows["density"])
-
-
-def _chosen(morning: Morning) -> pd.DataFrame:
-    """Correct as `opml improve` does: by what left least of an object's own predictions."""
-    return _by_weight(morning, _candidates(morning))
-
-
 def _taught(morning: Morning) -> pd.DataFrame:
     """Correct by the model alone, by the populations that left least of an object's own predictions."""
     tried = _candidates(morning).items()
@@ -91,7 +78,7 @@ def _taught(morning: Morning) -> pd.DataFrame:
 
 
 def _candidates(morning: Morning) -> Ways:
-    return ways.candidates(morning.rows, morning.model.correctors, corrector.jumps(morning.rows))
+    return weighting.candidates(morning.rows, morning.model.correctors, corrector.jumps(morning.rows))
 
 
 def _by_weight(morning: Morning, tried: Ways) -> pd.DataFrame:
@@ -100,8 +87,8 @@ def _by_weight(morning: Morning, tried: Ways) -> pd.DataFrame:
     newest = improve.newest_sets(catalogue)
     today = modified_julian_day(morning.known.date)
     why = improve.reasons(catalogue, newest, rows[morning.is_now], date=today)
-    weights = improve.where_usable(ways.weights(rows, tried), why)
-    found = ways.mixed(rows, tried, ways.of_objects(weights, rows))
+    weights = improve.where_usable(weighting.weights(rows, tried), why)
+    found = weighting.combined(rows, tried, weighting.of_objects(weights, rows))
     return found[["correction", "sigma"]].reindex(rows.index)
 
 
@@ -129,7 +116,7 @@ def _learned(learner: Regression) -> Correction:
         seen = (rows["is_fit"] & np.isfinite(rows["error"]) & ~morning.is_now).to_numpy()
         x, y = rows[list(FEATURES)].to_numpy(), (rows["error"] / rows["scale"]).to_numpy()
         found = np.zeros(len(rows))
-        for lead in pairs.LEADS:
+        for lead in set_errors.LEADS:
             own = (rows["lead"] == lead).to_numpy()
             for part in (0, 1):  # an object is corrected by what others taught
                 taught, asked = own & seen & (half != part), own & rows["is_fit"].to_numpy() & (half == part)
@@ -141,9 +128,10 @@ def _learned(learner: Regression) -> Correction:
 
 
 CORRECTIONS: Mapping[str, Correction] = {
-    "sgp4": _published,
-    "density": _scaled,
-    "improve": _chosen,
+    "sgp4": lambda morning: _by_past(morning, 0.0 * morning.rows["density"]),
+    "density": lambda morning: _by_past(morning, morning.rows["density"]),
+    # As `opml improve` does: by what left least of an object's own predictions.
+    "improve": lambda morning: _by_weight(morning, _candidates(morning)),
     "learned": _taught,
     "svr": _learned(_support_vectors),
     "trees": _learned(_trees),
@@ -158,7 +146,7 @@ WAYS = (*CORRECTIONS, FIT)
 def _check_written(path: FilePath, task: BenchmarkTask, trained: FilePath | None) -> None:
     """Raise InputError for a file of answers that is no CSV, that is read, or inside the task."""
     suffix_of(path, [".csv"])
-    check_apart([path, about_file(Path(path))], [trained] if trained else [])
+    check_distinct_files([path, about_file(Path(path))], [trained] if trained else [])
     if task.folder.resolve() in Path(path).resolve().parents:
         raise InputError(f"{path}: expected a file outside {task.folder}, the task")
 
@@ -259,7 +247,7 @@ def _state(satellite: Satrec, time: str, sigma: float | None) -> list[str]:
     """
     state = mean_elements.state(satellite, epoch=time)
     days = (tasks.seconds([time], time) - seconds_since(tasks.EPOCH, [satellite])) / DAY
-    sizes = usual_errors.usual(satellite, days)[0]
+    sizes = sgp4_errors.usual_sigmas(satellite, days)[0]
     if sigma is not None and np.isfinite(sigma):
         sizes[1] = sigma
     axes = rsw_rotation(state)

@@ -18,14 +18,14 @@ from opml.base.section import Section
 from opml.base.seeds import derive
 from opml.base.setting_types import Count, NotNegative, Text
 from opml.base.yaml_files import read_yaml
-from opml.benchmark import freezing, tasks, track_recipes
-from opml.benchmark.freezing import Content, Facts, Folders, Question, WeatherSources, utc_text
+from opml.benchmark import task_folders, tasks, track_recipes
+from opml.benchmark.task_folders import Content, Facts, Folders, Question, WeatherSources, utc_text
 from opml.benchmark.track_recipes import TrackRecipe
 from opml.element_sets import catalogue as catalogues
-from opml.element_sets import pairs
+from opml.element_sets import set_errors
 from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day
 from opml.element_sets.training import HOUR_OF_MORNING
-from opml.environment import knowledge
+from opml.environment import known_weather
 from opml.environment.solar_activity import OBSERVED
 from opml.interop import ccsds
 from opml.interop.element_sets import mean_elements, tle
@@ -68,7 +68,7 @@ def read(path: FilePath) -> Recipe | TrackRecipe:
     if "objects" in values:
         return TrackRecipe.read(values, str(path))
     recipe = Recipe.read(values, str(path))
-    if recipe.groups * recipe.every_days < recipe.history_days + pairs.LEADS[-1] + 1:
+    if recipe.groups * recipe.every_days < recipe.history_days + set_errors.LEADS[-1] + 1:
         raise InputError(f"{path}: groups: expected more, so that no history holds what was asked before")
     return recipe
 
@@ -95,7 +95,7 @@ def make(
         _write_sets(place / "sets.tle", recipe, catalogue, mornings[t])
 
     facts = Facts(recipe.name, recipe.title, recipe.latency_hours, recipe.digest)
-    return freezing.freeze(facts, Content(questions, states, fill), known, folders)
+    return task_folders.freeze(facts, Content(questions, states, fill), known, folders)
 
 
 def make_truth(folders: Folders, sets: Iterable[FilePath]) -> int:
@@ -105,27 +105,27 @@ def make_truth(folders: Folders, sets: Iterable[FilePath]) -> int:
     stormy as the packaged weather has them. Raises InputError for unreadable files, and without such a set.
     """
     task = tasks.read(folders.task)
-    freezing.check_free(Path(folders.truth), tasks.TRUTH)
+    task_folders.check_free(Path(folders.truth), tasks.TRUTH)
     table = (catalogue := catalogues.read(sets, latency=task.latency)).table
     states = np.full((len(task.questions), 6), np.nan)
     for k, (number, t, _, time) in enumerate(task.questions.itertuples(index=False)):
         gaps = (table["t"] - modified_julian_day(time)).abs()
         gaps = gaps[(table["number"] == number) & (table["t"] > modified_julian_day(t))]
-        if len(gaps) and gaps.min() <= pairs.REACH:
+        if len(gaps) and gaps.min() <= set_errors.REACH:
             states[k] = mean_elements.state(catalogue.satellites[gaps.idxmin()], epoch=time)
     judged = np.isfinite(states).all(axis=1)
     if not judged.any():
         raise InputError(f"{task.name}: expected sets within half a day of what was asked, got none")
     questions = list(task.questions[judged].itertuples(index=False, name=None))
     with replacing_folder(folders.truth) as new:
-        freezing.write_truth(new, questions, list(states[judged]), knowledge.read(OBSERVED))
+        task_folders.write_truth(new, questions, list(states[judged]), known_weather.read(OBSERVED))
     return len(questions)
 
 
 def _asked(recipe: Recipe, catalogue: ElementCatalogue) -> tuple[pd.DataFrame, np.ndarray]:
     """Return the rows of pairs that are asked, and the sets (rows,) that judge them."""
     mornings = recipe.mornings
-    rows, judges = pairs.find(catalogue, mornings)
+    rows, judges = set_errors.find(catalogue, mornings)
     turn = np.searchsorted(mornings, rows["morning"].to_numpy()) % recipe.groups
     asked = turn == _group(rows["number"].to_numpy(), recipe.groups)
     if (judges >= 0).any():

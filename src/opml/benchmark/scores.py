@@ -2,7 +2,7 @@
 
 Log score and CRPS are those of normal distributions, axis by axis; smaller is better. Source: Gneiting &
 Raftery 2007, Strictly proper scoring rules, prediction, and estimation, J. Am. Stat. Assoc. 102. Intervals of
-95 % come from draws of weeks and objects, as in `opml.element_sets.judge`.
+95 % come from draws of weeks and objects, as in `opml.element_sets.corrector_scores`.
 """
 
 from collections.abc import Iterator
@@ -15,7 +15,7 @@ from opml.base.constants import WGS84_A
 from opml.base.seeds import derive
 from opml.benchmark.answers import Answers
 from opml.benchmark.tasks import BenchmarkTask
-from opml.element_sets import corrector, judge
+from opml.element_sets import corrector, corrector_scores
 from opml.element_sets.catalogue import modified_julian_day
 from opml.element_sets.features import BANDS
 from opml.orbits.elements import bent_rsw
@@ -63,7 +63,7 @@ def log_score(error: pd.Series, sigma: pd.Series) -> float:
 
     Burns count whole: an answer says how sure it is of what it cannot know.
     """
-    return judge.log_score(error, sigma, largest=np.inf) + 0.5 * float(np.log(2.0 * np.pi))
+    return corrector_scores.log_score(error, sigma, largest=np.inf) + 0.5 * float(np.log(2.0 * np.pi))
 
 
 def scores(task: BenchmarkTask, table: pd.DataFrame) -> pd.DataFrame:
@@ -150,6 +150,6 @@ def _draws(part: pd.DataFrame, lead: int) -> Iterator[tuple[float, float]]:
     order = np.argsort(size, kind="stable")
     sure = np.isfinite(part["sigma_s"]).to_numpy()
     inside = sure & _inside(part["s"].to_numpy(), part["sigma_s"].to_numpy())
-    for weights in judge.drawn_weights(part, derive(_SEED, "weeks and objects", str(lead))):
-        median, counted = judge.weighted_median(size[order], weights[order]), weights @ sure
+    for weights in corrector_scores.drawn_weights(part, derive(_SEED, "weeks and objects", str(lead))):
+        median, counted = corrector_scores.weighted_median(size[order], weights[order]), weights @ sure
         yield median, 100.0 * (weights @ inside) / counted if counted else np.nan

@@ -22,7 +22,7 @@ _BETTER = 0.1  # what another frame leaves of the distances
 _GROWS = 1.2  # times the median error of the shortest lead, as errors at the longest are at least
 
 
-def told(task: BenchmarkTask, answers: Answers, errors: pd.DataFrame, truth: np.ndarray) -> list[str]:
+def sentences(task: BenchmarkTask, answers: Answers, errors: pd.DataFrame, truth: np.ndarray) -> list[str]:
     """Return what is to be told of answers, a sentence each.
 
     errors: of `scores.errors`

@@ -18,11 +18,11 @@ from opml.base.errors import InputError
 from opml.base.files import FilePath, project_file
 from opml.base.section import Section
 from opml.base.setting_types import Count, NotNegative, Positive, Text
-from opml.benchmark import freezing, tasks
-from opml.benchmark.freezing import Content, Facts, Folders, Question, WeatherSources, utc_text
+from opml.benchmark import task_folders, tasks
+from opml.benchmark.task_folders import Content, Facts, Folders, Question, WeatherSources, utc_text
 from opml.catalog.simulate import tracking
 from opml.element_sets.catalogue import modified_julian_day
-from opml.element_sets.pairs import LEADS
+from opml.element_sets.set_errors import LEADS
 from opml.environment import earth_orientation, nodes
 from opml.interop import tdm, truth_from_orbit
 from opml.interop.orbit_from_files import OrbitFiles
@@ -101,7 +101,7 @@ def make(recipe: TrackRecipe, orbits: Iterable[FilePath], folders: Folders, know
     facts = Facts(recipe.name, recipe.title, 0.0, recipe.digest)
     order = sorted(range(len(questions)), key=lambda k: (questions[k][1], questions[k][0], questions[k][2]))
     content = Content([questions[k] for k in order], [states[k] for k in order], fill)
-    return freezing.freeze(facts, content, known, folders)
+    return task_folders.freeze(facts, content, known, folders)
 
 
 def _measured(

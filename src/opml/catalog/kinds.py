@@ -37,7 +37,7 @@ class Kind:
 
 
 @dataclass(frozen=True)
-class Asked:
+class MeasurementRequest:
     """What is asked of the files of an object."""
 
     paths: Sequence[str]  # of them

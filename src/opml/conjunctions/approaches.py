@@ -17,7 +17,9 @@ from scipy.interpolate import make_interp_spline
 
 from opml.base.constants import EARTH_GM
 from opml.base.errors import InputError
+from opml.interop import ccsds
 
+EPOCH = "2000-01-01T12:00:00"  # UTC text from which times of files count [s], to a microsecond
 STEP = 60.0  # time between two looks at the distance [s]
 
 LONGEST_STEP = 300.0
@@ -25,10 +27,13 @@ LONGEST_STEP = 300.0
 
 FEWEST = 4  # least number of states of a path: its polynomials go through as many
 _FASTEST = 25e3  # relative speed of two objects bound to the Earth, head on at its surface [m/s]
-_VELOCITY_MISS = 1e3  # of a way by the mean velocity of its ends [m]
+_VELOCITY_MISS = 1e3  # of a way by the states at its ends [m]
+_STRAYING = 300.0  # the same of a single one [m]: a burn of 10 m/s within a minute
+_TIMES_USUAL = 10.0  # least ratio to the usual miss of a single one that is wrong
 _NEAREST, _FARTHEST = 6e6, 1e9  # from the Earth's centre [m]
 _CLOCK = 1e-5  # to which times are known [s]
-_ROUGH = 0.1  # of a way that the mean velocity of its ends may be off
+_ROUGH = 0.1  # of a way that the states at its ends may be off
+_SMOOTH = 1e-3  # the same of a single one: twenty times what SGP4 is off
 _DEGREE = 7  # of the polynomials that give velocities to positions
 _HALVINGS = 36  # of a look's step, to a nanosecond
 
@@ -63,18 +68,27 @@ class Path:
                 f"{self.name}: expected positions {_NEAREST / 1e3:g} to {_FARTHEST / 1e3:g} km from the "
                 f"Earth's centre, got {low / 1e3:g} to {high / 1e3:g}"
             )
-        steps, velocities = np.diff(self.t)[:, None], self.states[:, 3:]
-        moved, propagated = (
-            np.diff(self.states[:, :3], axis=0),
-            0.5 * steps * (velocities[1:] + velocities[:-1]),
-        )
-        off = np.linalg.norm(moved - propagated, axis=1) - _ROUGH * np.linalg.norm(moved, axis=1)
-        worst = int(np.argmax(off))
-        if off[worst] > _VELOCITY_MISS:
+        off, ways = self._misses()
+        strays = (off > _STRAYING + _SMOOTH * ways) & (off > _TIMES_USUAL * np.median(off))
+        wrong = strays | (off > _VELOCITY_MISS + _ROUGH * ways)
+        if wrong.any():
+            both = np.minimum(off[1:], off[:-1])  # a state that is wrong is off what is before and after it
+            worst = int(np.argmax(both)) + 1 if both.max() > 0.5 * off.max() else int(np.argmax(off))
             raise InputError(
-                f"{self.name}: expected velocities that lead from position to position, got others at state "
-                f"{worst + 1} or {worst + 2}"
+                f"{self.name}: expected velocities that lead from position to position, got "
+                f"{off.max() / 1e3:.3g} km off at {ccsds.utc_texts(EPOCH, self.t[worst : worst + 1])[0]}"
             )
+
+    def _misses(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return how far velocities lead past each next position, and the ways to them (n - 1,) [m].
+
+        The Earth's attraction at both ends bends the way: what is left is that of other forces.
+        """
+        positions, velocities = self.states[:, :3], self.states[:, 3:]
+        pull = -EARTH_GM * positions / np.linalg.norm(positions, axis=1)[:, None] ** 3
+        steps, moved = np.diff(self.t)[:, None], np.diff(positions, axis=0)
+        led = 0.5 * steps * (velocities[1:] + velocities[:-1]) - steps**2 / 12.0 * np.diff(pull, axis=0)
+        return np.linalg.norm(moved - led, axis=1), np.linalg.norm(moved, axis=1)
 
     @cached_property
     def heights(self) -> tuple[float, float]:

@@ -14,9 +14,8 @@ from scipy.stats import chi2
 
 from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
-from opml.conjunctions.approaches import STEP
+from opml.conjunctions.approaches import EPOCH, STEP
 from opml.conjunctions.known_orbits import KnownOrbit, Sets
-from opml.conjunctions.trajectories import EPOCH
 from opml.interop import ccsds
 from opml.orbits.elements import bent_rsw
 from opml.orbits.rsw_covariance import mahalanobis

@@ -9,7 +9,7 @@ import numpy as np
 from opml.base.constants import EARTH_GM
 from opml.base.errors import InputError
 from opml.conjunctions import long_encounter
-from opml.conjunctions.likeliest import UncertainPairs
+from opml.conjunctions.likeliest_collision import UncertainPairs
 from opml.conjunctions.probability import SHORT, Chance, Encounter, chance
 from opml.interop.object_ids import ObjectId
 from opml.orbits.density_error import DensityError

@@ -5,8 +5,8 @@ from collections.abc import Iterable, Sequence
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.conjunctions import all_pairs, cdm, screening
+from opml.conjunctions.approaches import EPOCH
 from opml.conjunctions.conjunction import Conjunction
-from opml.conjunctions.trajectories import EPOCH
 from opml.interop.orbit_arcs import contents
 
 

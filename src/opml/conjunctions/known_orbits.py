@@ -20,8 +20,8 @@ from opml.base import epochs
 from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.files import FilePath
-from opml.conjunctions.approaches import FEWEST, LONGEST_STEP, Path, velocities_of
-from opml.conjunctions.trajectories import EPOCH, covariances_at
+from opml.conjunctions.approaches import EPOCH, FEWEST, LONGEST_STEP, Path, velocities_of
+from opml.conjunctions.trajectories import covariances_at
 from opml.environment import earth_orientation, nodes
 from opml.interop import ccsds, fixes_csv, object_ids, oem
 from opml.interop.curves.orbit_curve import rotate_to_gcrf
@@ -29,7 +29,7 @@ from opml.interop.element_sets import histories
 from opml.interop.element_sets.mean_elements import MOST_DAYS
 from opml.interop.object_ids import UNKNOWN, ObjectId
 from opml.interop.orbit_arcs import Arc, contents
-from opml.interop.orbit_from_files import OrbitFiles, is_orbit, whole_arcs
+from opml.interop.orbit_from_files import OrbitFiles, arcs_of_files, is_orbit
 from opml.orbits.elements import rsw_rotation
 from opml.tables import STATE, is_table, read_kind, read_metadata, read_table
 
@@ -182,7 +182,7 @@ def read(paths: Sequence[FilePath], wanted: str | None = None) -> KnownOrbit:
 
 
 def _of_orbit(paths: Sequence[FilePath], wanted: str | None, *, is_message: bool) -> States:
-    arcs = whole_arcs(OrbitFiles(paths, EPOCH, np.inf, wanted))
+    arcs = arcs_of_files(OrbitFiles(paths, EPOCH, np.inf, wanted))
     if not is_message or arcs[0].frame == "ITRF":
         return _of_arcs(arcs)
     begins = {(arc.satellite, arc.t[0]) for arc in arcs}

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import ndtr
 
-from opml.conjunctions.likeliest import Cloud, UncertainPairs
+from opml.conjunctions.likeliest_collision import Cloud, UncertainPairs
 from opml.conjunctions.probability import Chance, is_flat
 
 LEAST_SIGMA = 0.1

@@ -19,11 +19,10 @@ from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.conjunctions import approaches, cdm
-from opml.conjunctions.approaches import Approach
+from opml.conjunctions.approaches import EPOCH, Approach
 from opml.conjunctions.conjunction import Conjunction, Participant, check_length, check_radius
 from opml.conjunctions.sieve import Looks, Span
 from opml.conjunctions.trajectories import (
-    EPOCH,
     PropagatedElements,
     Trajectory,
     of_segment,

@@ -11,16 +11,14 @@ from opml.base.constants import DAY, WGS84_A
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.conjunctions import approaches
-from opml.conjunctions.approaches import Path
+from opml.conjunctions.approaches import EPOCH, Path
 from opml.conjunctions.sieve import STEEP, Looks, Sgp4Orbit, Span
-from opml.interop.element_sets import histories, mean_elements, usual_errors
+from opml.interop.element_sets import histories, mean_elements, sgp4_errors
 from opml.interop.element_sets.mean_elements import MOST_DAYS
 from opml.interop.object_ids import ObjectId
 from opml.interop.oem import Segment
 from opml.orbits.density_error import DensityErrors
 from opml.orbits.elements import rsw_rotation
-
-EPOCH = "2000-01-01T12:00:00"  # UTC text from which times of files count [s], to a microsecond
 
 COVARIANCE_HELD = 600.0
 """Time for which a covariance holds before the first and beyond the last that is known [s]."""
@@ -151,13 +149,13 @@ class PropagatedElements:
         """Return the trajectory with the covariances that sets of such orbits usually have, or none."""
         satellite = self.orbit.satellite
         days = (path.t - self.orbit.t) / DAY
-        told = np.flatnonzero(np.abs(days) <= usual_errors.LONGEST)[::_SPARSE]
-        if not (len(told) and usual_errors.are_known(satellite)):
+        told = np.flatnonzero(np.abs(days) <= sgp4_errors.LONGEST)[::_SPARSE]
+        if not (len(told) and sgp4_errors.are_known(satellite)):
             return Trajectory(path)
         t, states, days = path.t[told], path.states[told], np.abs(days[told])
-        sigmas = usual_errors.expected(satellite, days)
-        density = usual_errors.density_errors(satellite, t, states, days, sigmas)
-        return Trajectory(path, t, usual_errors.covariances(sigmas, states), USUAL, density)
+        sigmas = sgp4_errors.expected(satellite, days)
+        density = sgp4_errors.density_errors(satellite, t, states, days, sigmas)
+        return Trajectory(path, t, sgp4_errors.covariances(sigmas, states), USUAL, density)
 
 
 def _led(t: np.ndarray, states: np.ndarray) -> np.ndarray:

@@ -18,11 +18,11 @@ from threadpoolctl import threadpool_limits
 from opml.base.errors import InputError
 from opml.base.seeds import derive
 from opml.element_sets.features import APART, BANDS, FEATURES
-from opml.element_sets.pairs import LEADS
+from opml.element_sets.set_errors import LEADS
 from opml.learning.models import boosting, svr
 from opml.learning.models.boosting import BoostingModel
 from opml.learning.models.contract import Predictor
-from opml.learning.models.inputs import Training, subsample
+from opml.learning.models.training_inputs import Training, subsample
 
 LEVEL = 0.9  # share of the errors that the learned size holds
 FEWEST = 2000  # rows below which nothing is learned for a part of the catalogue

@@ -16,7 +16,7 @@ import pandas as pd
 
 from opml.element_sets.catalogue import ElementCatalogue
 from opml.element_sets.density import MorningDensity
-from opml.element_sets.pairs import BACK, LEADS, Pairs
+from opml.element_sets.set_errors import BACK, LEADS, Pairs
 
 BANDS = 1e3 * np.array([300.0, 400.0, 450.0, 500.0, 550.0, 600.0, 700.0, 1000.0])
 """Edges of the bands of height [m]; what lies outside is not corrected."""

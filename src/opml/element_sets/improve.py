@@ -20,15 +20,15 @@ import pandas as pd
 
 from opml.base import epochs
 from opml.base.errors import InputError
-from opml.base.files import FilePath, check_apart, suffix_of
+from opml.base.files import FilePath, check_distinct_files, suffix_of
 from opml.base.progress import Progress, counted
 from opml.element_sets import catalogue as catalogues
-from opml.element_sets import corrector, density, features, pairs, ways
+from opml.element_sets import corrector, density, features, set_errors, weighting
 from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day
-from opml.element_sets.model import CatalogueModel
-from opml.element_sets.pairs import OLDEST
-from opml.element_sets.ways import DENSITY, PAST, UNCHANGED
-from opml.environment import knowledge
+from opml.element_sets.set_errors import OLDEST
+from opml.element_sets.trained_model import CatalogueModel
+from opml.element_sets.weighting import DENSITY, PAST, UNCHANGED
+from opml.environment import known_weather
 from opml.environment.weather import Weather
 from opml.interop.element_sets import rewriting
 from opml.interop.element_sets.element_set import semi_major_axis
@@ -97,7 +97,7 @@ def read(
     """
     check_date(date)
     today = modified_julian_day(date)
-    found = knowledge.read(weather).keep_known(today)
+    found = known_weather.read(weather).keep_known(today)
     check_newest(found, weather, date=date, oldest=OLDEST_WEATHER)
     sets = catalogues.read(paths, latency=latency).until(today).daily()
     if sets.table.empty:
@@ -114,7 +114,7 @@ def check_written(better: FilePath, table: FilePath | None, paths: Iterable[File
     if table:
         suffix_of(table, TABLE_SUFFIXES)
     written = [better, *([table] if table else [])]
-    check_apart(written, paths)
+    check_distinct_files(written, paths)
     for path, folder in product(written, map(Path, paths)):
         if folder.is_dir() and folder.resolve() in Path(path).resolve().parents:
             raise InputError(f"{path}: expected a file outside {folder}, as all sets in there are read")
@@ -153,14 +153,14 @@ def improve(known: PublicData, model: CatalogueModel, *, progress: Progress = _l
     rows = replayed(known, model, np.arange(-PAST, 1) + today)
     progress(f"{counted(len(rows), 'prediction')} of {PAST + 1} mornings")
     jump = corrector.jumps(rows)
-    tried = ways.candidates(rows, model.correctors, jump)
+    tried = weighting.candidates(rows, model.correctors, jump)
     # What correctors alone look at is more than half of the rows' memory.
     rows = rows.drop(columns=list(features.APART))
     now = rows[rows["morning"] == today].assign(jump=jump)
     newest = newest_sets(known.catalogue)
     why = reasons(known.catalogue, newest, now, date=today)
-    weights = where_usable(ways.weights(rows, tried), why)
-    mixed = ways.mixed(rows, tried, ways.of_objects(weights, rows))
+    weights = where_usable(weighting.weights(rows, tried), why)
+    mixed = weighting.combined(rows, tried, weighting.of_objects(weights, rows))
     table = _table(newest, today - newest["t"], why, weights, now.join(mixed[["correction", "sigma"]]))
     sets = [
         Better(one.file, one.place, one.line, one.motion, one.bstar) for one in table.itertuples(index=False)
@@ -181,7 +181,7 @@ def replayed(known: PublicData, model: CatalogueModel, mornings: np.ndarray) -> 
     first = int(np.floor(min(mornings[0], density.end_of(known.weather)))) - density.RUN_UP - 1
     densities = density.measured(known.weather, first, density.end_of(known.weather))
     air = density.LearnedAir(known.weather, densities, model.outlook)
-    return features.build(known.catalogue, pairs.build(known.catalogue, mornings), air)
+    return features.build(known.catalogue, set_errors.build(known.catalogue, mornings), air)
 
 
 def _table(
@@ -192,7 +192,7 @@ def _table(
     age: of the newest sets [d]
     rows: those of the date, with jumps and corrections, of the objects that have a set that is new enough
     """
-    way = ways.heaviest(weights)
+    way = weighting.main_ways(weights)
     corrected = rows.dropna(subset="correction")
     improved = numbers(newest, corrected)
     table = pd.DataFrame(
@@ -212,7 +212,7 @@ def _table(
             "jump": rows.groupby("number")["jump"].max().reindex(newest.index),
         }
     )
-    for lead in pairs.LEADS:
+    for lead in set_errors.LEADS:
         one = corrected[corrected["lead"] == lead].set_index("number").reindex(newest.index)
         table[f"sgp4_{lead}d"] = np.hypot(one["sigma"], one["correction"])
         table[f"sigma_{lead}d"] = one["sigma"]
@@ -237,7 +237,7 @@ def reasons(
     age = date - newest["t"]
     found = {
         FEW: counts < _FEWEST_SETS,
-        "burned lately": missed.reindex(newest.index, fill_value=0.0) > ways.BURN,
+        "burned lately": missed.reindex(newest.index, fill_value=0.0) > weighting.BURN,
         f"newest set older than {OLDEST:g} d": age > OLDEST,
         "no B* above 0": newest["bstar"] <= 0.0,
         f"B* above {_MOST_BSTAR:g}": newest["bstar"] > _MOST_BSTAR,
@@ -254,15 +254,15 @@ def reasons(
 def where_usable(weights: pd.DataFrame, why: pd.Series) -> pd.DataFrame:
     """Return the weights of each object: the density alone with few sets, none else with another reason.
 
-    weights: of `ways.weights`
+    weights: of `weighting.weights`
     """
-    others = ways.whole(why.eq(FEW).map({True: DENSITY, False: UNCHANGED}))
-    return ways.instead(weights.reindex(why.index), others, why.ne(""))
+    others = weighting.one_way(why.eq(FEW).map({True: DENSITY, False: UNCHANGED}))
+    return weighting.replaced(weights.reindex(why.index), others, why.ne(""))
 
 
 def numbers(newest: pd.DataFrame, rows: pd.DataFrame) -> pd.DataFrame:
     """Return mean motion [rad/min] and B* of the newest sets, improved by the corrections of rows."""
-    found = ways.changes(rows, rows["number"], newest["bstar"]).reindex(newest.index).fillna(0.0)
+    found = weighting.changes(rows, rows["number"], newest["bstar"]).reindex(newest.index).fillna(0.0)
     radius = semi_major_axis(newest["motion"].to_numpy())
     motion = newest["motion"] - found["speed"] / (_MINUTES * radius)
     return pd.DataFrame({"motion": motion, "bstar": newest["bstar"] - found["bstar"]})

@@ -25,13 +25,13 @@ from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.base.progress import Progress
 from opml.element_sets import catalogue as catalogues
-from opml.element_sets import corrector, density, improve, model, ways
+from opml.element_sets import corrector, density, improve, trained_model, weighting
 from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day
 from opml.element_sets.improve import Improved
 from opml.environment import nrlmsis
 from opml.environment.space_weather import INTERVALS
 from opml.interop import ccsds
-from opml.interop.element_sets import mean_elements, rewriting, usual_errors
+from opml.interop.element_sets import mean_elements, rewriting, sgp4_errors
 from opml.interop.element_sets.burns_in_sets import KnownSet, burns_among
 from opml.interop.element_sets.element_set import (
     ElementSet,
@@ -115,14 +115,14 @@ class Prediction(PredictedOrbit):
 
     def covariances(self, t: np.ndarray, states: np.ndarray) -> np.ndarray:
         """Return covariances (n, 6, 6) in RSW [m, m/s] at times (n,) [s since the date]."""
-        return usual_errors.covariances(self.sigmas(t), states)
+        return sgp4_errors.covariances(self.sigmas(t), states)
 
     def density(self, t: np.ndarray, states: np.ndarray) -> DensityErrors | None:
         """Return the part of the covariances at times (n,) that other objects share, None where unknown."""
-        if not usual_errors.are_known(self.published):
+        if not sgp4_errors.are_known(self.published):
             return None
         days = (t - seconds_since(self.date, [self.published])) / DAY
-        return usual_errors.density_errors(self.published, t, states, days, self.sigmas(t))
+        return sgp4_errors.density_errors(self.published, t, states, days, self.sigmas(t))
 
     def expected(self) -> pd.DataFrame:
         """Return the table `expected_errors`: of the prediction in RSW, and of SGP4 along the track [m]."""
@@ -142,16 +142,16 @@ class Prediction(PredictedOrbit):
         """What was used, in words."""
         of = f" from {self.how['population']}" if self.how["population"] else ""
         names = {
-            ways.LEARNED: f"set improved by forecast density and a correction learned{of}",
-            ways.DENSITY: "set improved by forecast density",
-            ways.UNCHANGED: "set as published",
+            weighting.LEARNED: f"set improved by forecast density and a correction learned{of}",
+            weighting.DENSITY: "set improved by forecast density",
+            weighting.UNCHANGED: "set as published",
         }
         return names[self.how["applied"]]
 
     @property
     def reason(self) -> str:
         """Why that was used, in words."""
-        weight = f"weight {self.how['weight']:.0%}, from the errors of its last {ways.PAST} mornings"
+        weight = f"weight {self.how['weight']:.0%}, from the errors of its last {weighting.PAST} mornings"
         return "; ".join([str(self.how["why"]) or weight, *self._cautions()])
 
     def _cautions(self) -> Iterator[str]:
@@ -186,8 +186,8 @@ def predict(
     catalogue: files and folders of other objects' sets, with which the corrector compares
     trained: a model of `opml train`; None: that of the package
 
-    Raises InputError for unreadable files, an object that is not there, days out of range and weather that
-    ends too early.
+    Raises InputError for unreadable files, an object that is not there, or decays before the end, days out of
+    range and weather that ends too early.
     """
     if not 0.0 < days <= LEADS[-1]:
         raise InputError(f"predict: expected more than 0 and at most {LEADS[-1]} days, got {days:g}")
@@ -199,7 +199,7 @@ def predict(
     known = improve.read([*paths, *catalogue], date=date, weather=str(weather), latency=latency)
     public = public_sets(history, date, latency)
     burns = burns_before(public, date)
-    better = improve.improve(known, model.read(trained), progress=progress)
+    better = improve.improve(known, trained_model.read(trained), progress=progress)
     (place,) = np.flatnonzero(better.table["number"] == newest.number)
     how = better.table.iloc[place]
     past = _past_of(newest.number, better)
@@ -214,7 +214,7 @@ def predict(
     measured = _measured(errors, _usual(published, how["age"]))
     thrusts = thrusting(public) if how["height"] < LOW else 0
     sizes = _sizes(how, past, measured, _after_storm(known.weather.kp, how["height"]))
-    return Prediction(
+    made = Prediction(
         identity,
         date,
         days,
@@ -228,6 +228,8 @@ def predict(
         burns,
         thrusts,
     )
+    made.states(made.t)  # no errors are told of what decays before
+    return made
 
 
 def _past_of(number: int, better: Improved) -> pd.DataFrame:
@@ -356,8 +358,8 @@ def across_burns(sizes: pd.DataFrame, past: pd.DataFrame) -> pd.DataFrame:
 
 def _usual(published: Satrec, age: float) -> pd.DataFrame:
     """Return the sizes that errors of such sets usually have, by lead and axis [m]."""
-    sizes = usual_errors.usual(published, age + np.array(LEADS, float))
-    return pd.DataFrame(sizes, columns=list(usual_errors.AXES), index=list(LEADS))
+    sizes = sgp4_errors.usual_sigmas(published, age + np.array(LEADS, float))
+    return pd.DataFrame(sizes, columns=list(sgp4_errors.AXES), index=list(LEADS))
 
 
 def _check_past(identity: ObjectId, how: pd.Series, errors: pd.DataFrame) -> None:
@@ -392,7 +394,7 @@ def _sizes(how: pd.Series, past: pd.DataFrame, measured: pd.DataFrame, after_sto
     # An orbit that is too low by x gains 3/2 of its rate times x.
     gained = np.gradient(np.maximum.accumulate(sizes["s"]), np.array(LEADS, float)) / DAY
     sizes["r"] = np.hypot(sizes["r"], gained / (1.5 * how["motion"] / _MINUTE))
-    unseen = dict(zip(usual_errors.AXES, usual_errors.UNSEEN, strict=True))
+    unseen = dict(zip(sgp4_errors.AXES, sgp4_errors.UNSEEN, strict=True))
     for name in sizes:
         sizes[name] = np.hypot(np.maximum.accumulate(sizes[name]), unseen["s" if name == "sgp4" else name])
     return sizes

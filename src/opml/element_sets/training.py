@@ -14,11 +14,11 @@ from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.base.progress import Progress, with_time_left
 from opml.element_sets import catalogue as catalogues
-from opml.element_sets import corrector, density, features, pairs
+from opml.element_sets import corrector, density, features, set_errors
 from opml.element_sets.catalogue import modified_julian_day
 from opml.element_sets.density import LearnedAir
-from opml.element_sets.model import CatalogueModel
-from opml.environment import knowledge
+from opml.element_sets.trained_model import CatalogueModel
+from opml.environment import known_weather
 
 HOUR_OF_MORNING = 0.25  # time of day [d] of the mornings that are learned from, 06 UTC
 FIRST_DAY = 52275  # modified Julian day from which the forecast of the density learns, 2002-01-01
@@ -45,7 +45,7 @@ def train(
     found = {name: catalogues.find_files(paths) for name, paths in populations.items()}
     end = np.inf if date is None else modified_julian_day(date)
     sets = {name: catalogues.read(files).until(end).daily() for name, files in found.items()}
-    measured = knowledge.read(weather)
+    measured = known_weather.read(weather)
     known = density.clean(measured if date is None else measured.keep_known(end))
     progress("densities of the thermosphere since 2002")
     air = density.learned_air(known, first=FIRST_DAY, end=density.end_of(known))
@@ -64,7 +64,7 @@ def mornings_of(sets: catalogues.ElementCatalogue, air: LearnedAir) -> pd.DataFr
     """Return the rows of `features.build` for each morning between the first and the last set."""
     t = sets.table["t"]
     mornings = np.arange(np.ceil(t.min()), np.ceil(t.max()) + 1.0) + HOUR_OF_MORNING
-    return features.build(sets, pairs.build(sets, mornings), air)
+    return features.build(sets, set_errors.build(sets, mornings), air)
 
 
 def card(rows: pd.DataFrame, files: Iterable[Path]) -> dict[str, Any]:

@@ -12,10 +12,10 @@ import numpy as np
 import pandas as pd
 
 from opml.base.constants import DAY
-from opml.catalog.flight import Flight, FlightSettings
-from opml.catalog.predict import spread
+from opml.catalog.predict import weather_spread
 from opml.catalog.predict.labels import with_sigmas
-from opml.catalog.predict.spread import Weathers
+from opml.catalog.predict.weather_spread import Weathers
+from opml.catalog.propagator import Propagator, PropagatorSettings
 from opml.ephemerides.along_track_shift import check_smooth, corrected, through
 from opml.ephemerides.ephemeris_task import Task, ephemeris_table, reached
 from opml.ephemerides.known_tables import KnownTables
@@ -34,13 +34,15 @@ SPREAD_STEP = 600.0
 """Time between the epochs of an ephemeris at which arcs give its spread [s], linear between them."""
 
 
-def spreading(files: Any, settings: FlightSettings, known: KnownTables, *, threads: int = 1) -> Spreads:
+def spreading(files: Any, settings: PropagatorSettings, known: KnownTables, *, threads: int = 1) -> Spreads:
     """Return how a job makes the `spread` of pairs; futures of the weather are optional among its files."""
-    flight = Flight.read(
-        files, settings.model_copy(update={"force_model": spread.FLATTENED}), threads=threads
+    propagator = Propagator.read(
+        files, settings.model_copy(update={"force_model": weather_spread.FLATTENED}), threads=threads
     )
     futures = read_table(files.futures, "futures") if files.futures else None
-    return partial(spread.build, flight, known.own(), weathers=Weathers.of(flight.model, futures))
+    return partial(
+        weather_spread.build, propagator, known.own(), weathers=Weathers.of(propagator.model, futures)
+    )
 
 
 def build(
@@ -122,7 +124,7 @@ def moved(rows: pd.DataFrame, along: np.ndarray) -> np.ndarray:
     return corrected(rows["t_j"].to_numpy(), state_rows(rows), along)
 
 
-def held_against(ephemeris: pd.DataFrame, estimates: pd.DataFrame) -> pd.DataFrame:
+def errors_at_estimates(ephemeris: pd.DataFrame, estimates: pd.DataFrame) -> pd.DataFrame:
     """Return how far one ephemeris, rows of a `corrected` table, is off the estimates of later tracks.
 
     Columns: duration [s]; before_*, after_*: predicted and corrected less estimated position in RSW of the

@@ -14,7 +14,7 @@ from pydantic import Field
 
 from opml.base.constants import DAY, LANES
 from opml.base.errors import InputError
-from opml.catalog.flight import Flight, FlightSettings, Progress
+from opml.catalog.propagator import Progress, Propagator, PropagatorSettings
 from opml.ephemerides.along_track_shift import LEAST_EPOCHS
 from opml.ephemerides.known_tables import KnownSettings, KnownTables
 from opml.ephemerides.task_part import Grid, TaskPart
@@ -23,7 +23,7 @@ from opml.tables import STATE, STATE_COVARIANCES
 TOGETHER = LANES  # ephemerides made side by side, an arc each; their tables take some hundred MB
 
 
-class TaskSettings(FlightSettings, KnownSettings):
+class TaskSettings(PropagatorSettings, KnownSettings):
     """Of which estimates ephemerides start, and the grid of their epochs: step [s], reach and run [days]."""
 
     known_until_days: float
@@ -35,7 +35,7 @@ class TaskSettings(FlightSettings, KnownSettings):
 class Task:
     """Ephemerides to be made from `starts`, rows of the estimates, to the epochs of a grid."""
 
-    flight: Flight  # under the assumed model
+    propagator: Propagator  # under the assumed model
     known: KnownTables
     starts: pd.DataFrame
     grid: Grid
@@ -48,7 +48,7 @@ class Task:
         known = KnownTables.read(files, settings)
         step, max_days, duration_days = settings.grid
         return cls(
-            Flight.read(files, settings, threads=threads, progress=progress),
+            Propagator.read(files, settings, threads=threads, progress=progress),
             known,
             departures(known, known_until=DAY * settings.known_until_days, each=settings.start == "each"),
             Grid(step, max_days, DAY * duration_days),
@@ -58,9 +58,9 @@ class Task:
         """Yield the parts of the task, each to be done with before the next; tell the progress in between."""
         for begin in range(0, len(self.starts), TOGETHER):
             starts = self.starts.iloc[begin : begin + TOGETHER]
-            yield TaskPart(self.flight.without_progress(), self.known, starts, self.grid)
-            if self.flight.progress:
-                self.flight.progress((begin + len(starts)) / len(self.starts))
+            yield TaskPart(self.propagator.without_progress(), self.known, starts, self.grid)
+            if self.propagator.progress:
+                self.propagator.progress((begin + len(starts)) / len(self.starts))
 
     def joined(self, tables: Sequence[pd.DataFrame]) -> pd.DataFrame:
         """Return the tables of all ephemerides as one; raise InputError where none reaches anywhere."""

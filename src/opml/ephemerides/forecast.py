@@ -33,7 +33,7 @@ def build(task: Task, futures: pd.DataFrame, *, seed: int) -> pd.DataFrame:
     def ephemerides(part: TaskPart) -> Iterator[pd.DataFrame]:
         pairs = part.columns()
         sample = weather_futures.sample(
-            part.flight, futures, part.known.estimates, pairs, window=part.known.window, seed=seed
+            part.propagator, futures, part.known.estimates, pairs, window=part.known.window, seed=seed
         )
         pairs[_SIGMAS] = distances(sample, len(pairs))
         for rows in reached(pairs, (*STATE, *_SIGMAS)):

@@ -14,8 +14,8 @@ import pandas as pd
 
 from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
-from opml.catalog.flight import Flight
 from opml.catalog.predict.prediction import TRUE
+from opml.catalog.propagator import Propagator
 from opml.ephemerides.along_track_shift import corrected_by_each, through
 from opml.ephemerides.corrected import expected, morning
 from opml.ephemerides.ephemeris_task import Task, reached
@@ -25,7 +25,7 @@ from opml.learning.data.splits import known_at
 from opml.learning.judge.error_sizes import as_known
 from opml.learning.models.contract import hours_to_fill
 from opml.learning.models.daily_training import Lessons
-from opml.learning.models.learners import tables_asked
+from opml.learning.models.learners import needed_tables
 from opml.orbits.elements import in_rsw
 from opml.orbits.rsw_covariance import rates
 from opml.tables import COMPONENTS, DOUBT, SCHEMAS, SPREAD, STATE, state_rows
@@ -61,7 +61,7 @@ def first_day(lessons: Lessons, known: KnownTables, *, train_days: Sequence[floa
     if lessons.learns:
         return float(np.ceil(begin + 0.5 * (end - begin)))
     hours = [known.window_hours]
-    if "mechanism" in tables_asked(lessons.variables):
+    if "mechanism" in needed_tables(lessons.variables):
         hours.append(known.long_window_hours)
     if lessons.arc:
         hours.append(hours_to_fill(lessons.arc[0]))
@@ -115,11 +115,11 @@ class ReplaySeries:
 
 
 def build(
-    flight: Flight, known: KnownTables, series: Sequence[ReplaySeries], *, max_days: float
+    propagator: Propagator, known: KnownTables, series: Sequence[ReplaySeries], *, max_days: float
 ) -> list[pd.DataFrame]:
     """Return the `replay` table of the ephemerides of each learner.
 
-    flight: under the assumed model
+    propagator: under the assumed model
     max_days: length of an ephemeris at most
 
     Learners with the same mornings share the arcs that they ask for. Others do not, so that a table is the
@@ -132,7 +132,7 @@ def build(
     tables: dict[int, pd.DataFrame] = {}
     for turn, ((_, epochs), numbers) in enumerate(groups.items()):
         together = [series[number] for number in numbers]
-        task = Task(flight.part(turn, len(groups)), known, together[0].starts, epochs)
+        task = Task(propagator.part(turn, len(groups)), known, together[0].starts, epochs)
         tables |= dict(zip(numbers, _together(task, together), strict=True))
     return [tables[number] for number in range(len(series))]
 

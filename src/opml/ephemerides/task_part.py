@@ -13,15 +13,15 @@ import pandas as pd
 
 from opml.base.constants import DAY
 from opml.base.errors import InputError
-from opml.catalog.flight import Flight, beside
 from opml.catalog.predict import mechanism, other_windows
 from opml.catalog.predict.mechanism import FittedArcs
 from opml.catalog.predict.prediction import predict
 from opml.catalog.predict.resonance import Resonances
 from opml.catalog.predict.sensitivity import sensitivities
+from opml.catalog.propagator import Propagator, neighbour_path
 from opml.ephemerides.known_tables import KnownTables
-from opml.interop.element_sets import baseline
-from opml.learning.models.learners import tables_asked
+from opml.interop.element_sets import sgp4_baseline
+from opml.learning.models.learners import needed_tables
 from opml.tables import STATE
 
 PARTED = {f"l_arc_{axis}" for axis in STATE}
@@ -65,7 +65,7 @@ class TaskPart:
     made: the tables so far
     """
 
-    flight: Flight  # under the assumed model
+    propagator: Propagator  # under the assumed model
     known: KnownTables
     starts: pd.DataFrame
     grid: Grid
@@ -85,7 +85,7 @@ class TaskPart:
         asked = [name for name in variables if name in of_estimates]
         found = {"duration": pairs["t_j"] - pairs["t_i"]}
         found |= dict(of_estimates.loc[pairs["i"], asked].set_axis(pairs.index).items()) if asked else {}
-        for kind in tables_asked(variables):
+        for kind in needed_tables(variables):
             table = self._beside(kind, arc, variables)
             found |= {name: table[name] for name in variables if name in table}
         return pairs.assign(**found)
@@ -108,12 +108,12 @@ class TaskPart:
     @_once
     def pairs(self) -> pd.DataFrame:
         """Return predictions from the starts to the grid."""
-        return self._predicted(self.starts, self.flight)
+        return self._predicted(self.starts, self.propagator)
 
     @_once
     def predictions(self, hours: float) -> pd.DataFrame:
         """Return predictions to the grid from the same tracks, by fits over another window [h]."""
-        return self._predicted(self._at_starts(hours), self.flight)
+        return self._predicted(self._at_starts(hours), self.propagator)
 
     def propagate_together(
         self, windows: Sequence[float], nudged: Sequence[float], held: Sequence[tuple[float, float]]
@@ -133,9 +133,9 @@ class TaskPart:
             **{("held_predictions", arc, ()): self._with_held_cd(*arc) for arc in held},
         }
         numbered = pd.concat(families.values(), ignore_index=True)
-        near = self.flight.for_neighbours()
+        near = self.propagator.for_neighbours()
         propagated = self._predicted(numbered.assign(track=np.arange(len(numbered))), near)
-        if near is not self.flight:
+        if near is not self.propagator:
             propagated = _beside(self.pairs(), propagated)
         family = np.repeat(np.arange(len(families)), [len(one) for one in families.values()])[propagated["i"]]
         propagated["i"] = numbered["track"].to_numpy()[propagated["i"]]
@@ -148,7 +148,7 @@ class TaskPart:
         return other_windows.with_held_cd(
             self.known.estimates_without_burns(hours),
             self.starts["track"],
-            apriori=self.flight.rso.cd,
+            apriori=self.propagator.rso.cd,
             memory_days=memory_days,
         )
 
@@ -166,7 +166,7 @@ class TaskPart:
             FittedArcs(
                 estimates,
                 predictions,
-                sensitivities(self.flight, estimates, predictions, bounds=known.bounds),
+                sensitivities(self.propagator, estimates, predictions, bounds=known.bounds),
             )
             for estimates, predictions in fits
         )
@@ -176,23 +176,25 @@ class TaskPart:
     @_once
     def arcs(self, hours: float) -> pd.DataFrame:
         """Return the `arcs` table of fits over a window [h]."""
-        return other_windows.arcs_beside(
+        return other_windows.arcs_table(
             self.pairs(),
             self.predictions(hours),
             self.nudged(hours),
             arc_estimates=self.known.estimates_without_burns(hours),
-            apriori=self.flight.rso.cd,
+            apriori=self.propagator.rso.cd,
         )
 
     @_once
     def nudged(self, hours: float) -> pd.DataFrame:
         """Return `predictions` of a window [h], their Cd a little larger."""
-        return other_windows.nudged_beside(self.flight, self._at_starts(hours), self.predictions(hours))
+        return other_windows.nudged_predictions(
+            self.propagator, self._at_starts(hours), self.predictions(hours)
+        )
 
     @_once
     def parted(self, hours: float) -> pd.DataFrame:
         """Return the columns `l_arc` of that table, for which no further arcs are propagated."""
-        return other_windows.parted(
+        return other_windows.arc_departures(
             self.pairs(),
             arc_estimates=self.known.estimates_without_burns(hours),
             arc_predictions=self.predictions(hours),
@@ -204,14 +206,14 @@ class TaskPart:
         return other_windows.build_past(
             self.pairs(),
             arc_estimates=self.known.estimates_without_burns(hours),
-            apriori=self.flight.rso.cd,
+            apriori=self.propagator.rso.cd,
             memory_days=memory_days,
         )
 
     @_once
     def held_table(self, hours: float, memory_days: float) -> pd.DataFrame:
         """Return the `held` table of fits over a window [h]."""
-        return other_windows.held_beside(
+        return other_windows.held_table_of(
             self.pairs(),
             self.held_predictions(hours, memory_days),
             arc_estimates=self.known.estimates_without_burns(hours),
@@ -220,22 +222,22 @@ class TaskPart:
     @_once
     def held_predictions(self, hours: float, memory_days: float) -> pd.DataFrame:
         """Return predictions to the grid by fits over a window [h], their Cd held by its past."""
-        return self._predicted(self._with_held_cd(hours, memory_days), self.flight)
+        return self._predicted(self._with_held_cd(hours, memory_days), self.propagator)
 
     @_once
     def sgp4(self) -> pd.DataFrame:
         """Return the `sgp4` table."""
-        return baseline.build(self.pairs(), self.known.history("element_sets"), epoch=self.known.epoch)
+        return sgp4_baseline.build(self.pairs(), self.known.history("element_sets"), epoch=self.known.epoch)
 
     @_once
     def improved(self) -> pd.DataFrame:
         """Return the `improved` table."""
         history = self.known.history("improved_history")
-        return baseline.build_improved(self.pairs(), history, epoch=self.known.epoch)
+        return sgp4_baseline.build_improved(self.pairs(), history, epoch=self.known.epoch)
 
-    def _predicted(self, estimates: pd.DataFrame, flight: Flight) -> pd.DataFrame:
+    def _predicted(self, estimates: pd.DataFrame, propagator: Propagator) -> pd.DataFrame:
         arrivals = self.grid.epochs(estimates["t"].iloc[-1])
-        return predict(flight, estimates, arrivals=arrivals, max_days=self.grid.max_days)
+        return predict(propagator, estimates, arrivals=arrivals, max_days=self.grid.max_days)
 
 
 def _beside(predictions: pd.DataFrame, near: pd.DataFrame) -> pd.DataFrame:
@@ -244,5 +246,5 @@ def _beside(predictions: pd.DataFrame, near: pd.DataFrame) -> pd.DataFrame:
     predictions: of the first of them, under all of the field
     """
     whole, paths = predictions[STATE].to_numpy(), near[STATE].to_numpy().reshape(-1, len(predictions), 6)
-    moved = np.concatenate([beside(whole, paths[0], path) for path in paths])
+    moved = np.concatenate([neighbour_path(whole, paths[0], path) for path in paths])
     return near.assign(**dict(zip(STATE, moved.T, strict=True)))

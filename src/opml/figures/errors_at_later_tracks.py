@@ -25,7 +25,7 @@ def later_errors(errors: pd.DataFrame, *, level: float, note: str = "") -> Figur
     On the left are the prediction and its correction, on the right the correction alone in the band of its
     covariance, with bars for the later estimates' own. Raises InputError where nothing was measured later.
 
-    errors: as `corrected.held_against` returns
+    errors: as `corrected.errors_at_estimates` returns
     level: share of the errors that band and bars should hold
     """
     if errors.empty:

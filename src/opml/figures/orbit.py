@@ -1,13 +1,13 @@
 """Figures of the orbit, of its elements, and of the tracks that an estimate is made of."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
-from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator, MultipleLocator
 from mpl_toolkits.mplot3d import Axes3D
 from mpl_toolkits.mplot3d.art3d import Line3DCollection
@@ -23,8 +23,8 @@ from opml.figures.style import (
     PUBLISHED,
     TRACK_COLOR,
     TRUE_COLOR,
-    add_note,
-    legend,
+    add_head,
+    add_head_and_legend,
     page_figure,
     space_figure,
 )
@@ -74,22 +74,16 @@ def estimation_window(tracking: pd.DataFrame, *, track: int, window_hours: float
 
     stations = list(tracks["station"].unique())
     lane = tracks["station"].map(stations.index)
-    figure = page_figure(height_mm=30.0 + 8.0 * len(stations))
+    figure = page_figure(height_mm=36.0 + 8.0 * len(stations))
     axes = figure.add_subplot()
-    window = axes.axvspan(-window_hours, 0.0, color="#EBEBEB", lw=0.0)
-    colors = np.where(used, HIGHLIGHT, TRACK_COLOR)[near]
-    # The edge keeps a track of a single measurement visible.
-    axes.barh(
-        lane[near],
-        (end - start)[near],
-        left=start[near],
-        height=0.5,
-        color=colors,
-        edgecolor=colors,
-        linewidth=0.5,
-        zorder=2,
-    )
-    (dots,) = axes.plot(start[near], lane[near] + 0.37, "o", color=ESTIMATE, ms=3.0, mew=0.0)
+    axes.axvspan(-window_hours, 0.0, color="#EBEBEB", lw=0.0, label=f"estimation window, {window_hours:g} h")
+    for label, own, color in (("track used", used, HIGHLIGHT), ("track not used", ~used, TRACK_COLOR)):
+        # The edge keeps a track of a single measurement visible.
+        look: dict[str, Any] = {"color": color, "edgecolor": color, "lw": 0.5, "zorder": 2}
+        shown = near & own
+        axes.barh(lane[shown], (end - start)[shown], left=start[shown], height=0.5, label=label, **look)
+    dots: dict[str, Any] = {"color": ESTIMATE, "ms": 3.0, "mew": 0.0}
+    axes.plot(start[near], lane[near] + 0.37, "o", label="epoch of an estimate", **dots)
     axes.axvline(0.0, color=TRUE_COLOR, lw=0.8, zorder=1.5)
     axes.annotate(
         "$t_i$",
@@ -101,18 +95,13 @@ def estimation_window(tracking: pd.DataFrame, *, track: int, window_hours: float
     )
     axes.set_xlim(first, last)
     axes.set_ylim(len(stations) - 0.4, -0.4)
-    axes.set_yticks(range(len(stations)), stations)
+    axes.set_yticks(range(len(stations)), [station.capitalize() for station in stations])
     axes.xaxis.set_major_locator(MultipleLocator(window_hours / 4.0))
     axes.grid(visible=False, axis="y")
     axes.set_xlabel(f"time since $t_i$ = {epoch / DAY:.3f} d [h]")
     axes.set_ylabel("station")
-    labels = {
-        f"estimation window, {window_hours:g} h": window,
-        "track used": Patch(color=HIGHLIGHT),
-        "track not used": Patch(color=TRACK_COLOR),
-        "epoch of an estimate": dots,
-    }
-    legend(figure, columns=4, labels=labels, note=note)
+    headline = f"An estimate uses the {used.sum()} tracks that begin within {window_hours:g} h before it"
+    add_head_and_legend(figure, headline, note, columns=4)
     return figure
 
 
@@ -169,7 +158,9 @@ def orbit_3d(truth: pd.DataFrame, tracking: pd.DataFrame, *, note: str = "") -> 
     bar = figure.colorbar(arcs, cax=figure.add_axes((0.2, 0.115, 0.6, 0.018)), orientation="horizontal")
     bar.set_label("time [d]")
     bar.outline.set_linewidth(0.5)
-    add_note(figure, clauses(note, f"{len(drawn)} of {whole} revolutions, GCRF"))
+    seen = 100.0 * np.isin(truth["t"], tracking["t"]).mean()
+    headline = f"{seen:.1f} % of the orbit is observed"
+    add_head(figure, headline, clauses(note, f"{len(drawn)} of {whole} revolutions, GCRF"))
     figure.legend(loc="upper right", markerscale=3.0, bbox_to_anchor=(1.0, 0.92))
     return figure
 
@@ -215,7 +206,9 @@ def orbital_elements(
             axes.ticklabel_format(axis="y", useOffset=False)
         right.margins(x=0.0)
     _name_zoom(panels[0], first, last)
-    add_note(figure, note)
+    mean = pd.Series(coe["a"] * 1e-3).groupby(turns).mean()
+    change = f"from {mean.iloc[0]:.0f} to {mean.iloc[max(len(mean) - 2, 0)]:.0f} km"
+    add_head(figure, f"The mean semi-major axis changes {change} in {days[-1] - days[0]:.0f} days", note)
     left.set_xlim(days[0], days[-1])
     left.set_xlabel("time [d]")
     right.set_xlabel("time [d]")

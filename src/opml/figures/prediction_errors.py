@@ -32,7 +32,6 @@ from opml.figures.axis_labels import (
 from opml.figures.display_names import display_rso
 from opml.figures.notes import Context, constant_note, counts_note, fences_note, p_ml_note
 from opml.figures.style import (
-    ESTIMATE,
     HIGHLIGHT,
     MUTED,
     PREDICTED_COLOR,
@@ -41,7 +40,6 @@ from opml.figures.style import (
     TRUE_COLOR,
     add_head,
     add_head_and_legend,
-    add_note,
     column_figure,
     legend,
     page_figure,
@@ -54,7 +52,7 @@ CLUSTER_DAYS = 0.25
 
 CLUSTER_LEAST = 5  # points that a cluster needs for its mean and standard deviation to say something
 REDUCED = 100.0  # individual metric p_ML [%] below which the correction made an error smaller
-BEYOND_COLOR = ESTIMATE  # colour of the points beyond P_ML_MAX
+BEYOND_COLOR = PREDICTED_COLOR  # colour of the points beyond P_ML_MAX
 P_ML_MAX = 500.0  # individual metric p_ML [%] beyond which all points share one colour, as in the paper
 DECADES = 4.5  # powers of ten of the sizes of errors that a logarithmic axis shows
 HEADROOM = 0.16  # room above error bars that their P_ML stands in, in parts of the axis
@@ -66,7 +64,7 @@ BARS = "bars: mean and standard deviation in clusters of a quarter of a day"  # 
 
 SHADES = colormaps["viridis"](np.linspace(0.0, 0.8, 256))
 WORSE_SHADES = colormaps["OrRd"](np.linspace(0.35, 1.0, 256))
-"""Colours of p_ML below and above 100 %, without yellow, the colour of what lies beyond."""
+"""Colours of p_ML below and above 100 %."""
 
 WHOLE_DAYS = 3.0  # reach of a duration [d] from which on its axis has a tick each day
 
@@ -229,7 +227,8 @@ def individual_distribution(
         look: dict[str, Any] = {"ls": "", "marker": "D", "ms": 6.0, "mfc": "none", "mec": PUBLISHED}
         axes.plot([REDUCED], [published], label=f"{PAPER}, about {published:g} %", **look)
         axes.legend(loc="lower right")
-    add_note(figure, note)
+    headline = f"{reduced:.1f} % of the errors are reduced"
+    add_head(figure, headline, clauses(note, f"{len(individual)} predictions"))
     axes.set_xlabel(r"$p_{\mathrm{ML,max}}$ [%]")
     axes.set_ylabel(r"points with $p_{\mathrm{ML}} < p_{\mathrm{ML,max}}$ [%]")
     axes.set_xlim(0.0, P_ML_MAX)
@@ -432,11 +431,11 @@ def _individual(
     bar = figure.colorbar(points, ax=axes, extend=beyond, pad=0.02, ticks=np.linspace(low, high, 5))
     bar.set_label(r"$p_{\mathrm{ML}}$ [%]")
     bar.outline.set_linewidth(0.5)
-    axes.set_title(f"{change.name}: {len(errors)} of {len(evaluation)} points", fontsize=8.0, loc="left")
     _label(axes, component, absolute=True)
     below = _set_decades(axes, errors[["true", "residual"]])
-    made = legend(figure, columns=2, note=lines(note, below))
-    for handle in made.legend_handles:
+    headline = f"{len(errors)} of {len(evaluation)} errors are {change.name}"
+    add_head_and_legend(figure, headline, lines(note, below), columns=2)
+    for handle in figure.legends[0].legend_handles:
         if isinstance(handle, PathCollection):
             handle.set_sizes([12.0])
             if handle.get_array() is not None:

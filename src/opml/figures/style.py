@@ -5,7 +5,7 @@ Importing this module sets matplotlib's defaults for the process; it opens no wi
 
 import math
 import textwrap
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 import matplotlib
 from matplotlib.artist import Artist
@@ -143,18 +143,9 @@ def _legend_entries(figure: Figure) -> dict[str, Artist]:
     )
 
 
-def legend(
-    figure: Figure,
-    *,
-    columns: int,
-    note: str = "",
-    labels: Mapping[str, Artist] | None = None,
-) -> Legend:
-    """Add one legend above all panels, under a note in small type; faint and tiny marks are made stronger.
-
-    labels: the marks to explain by their label, None for all that the panels have
-    """
-    entries = _legend_entries(figure) if labels is None else labels
+def legend(figure: Figure, *, columns: int, note: str = "") -> Legend:
+    """Add one legend above all panels, under a note in small type; faint and tiny marks are made stronger."""
+    entries = _legend_entries(figure)
     made = figure.legend(
         entries.values(),
         entries.keys(),

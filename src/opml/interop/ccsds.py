@@ -8,7 +8,7 @@ Source: CCSDS 502.0-B-2 (orbit data messages), 503.0-B-2 (tracking data message)
 import math
 import os
 import re
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from datetime import UTC, date, datetime, timedelta
 from decimal import Context, Decimal
 from types import MappingProxyType
@@ -59,7 +59,7 @@ class Message:
 
         Raises InputError where the file is missing, no text, or of another kind or version.
         """
-        self.path = path
+        self.path, self._version_key, self._versions = path, version_key, versions
         try:
             text = orbit_arcs.contents(path).decode("utf-8-sig")
         except UnicodeDecodeError as reason:
@@ -70,11 +70,29 @@ class Message:
         ]
         self._lines = [(n, line) for n, line in lines if line and not re.match(r"COMMENT\b", line)]
         self._next = 0
-        expected = f"{version_key} = {' or '.join(versions)}"
+        self._begin()
+
+    def _begin(self) -> None:
+        """Pass the first line of a message. Raises InputError for any other line."""
         match = _PAIR.fullmatch(self.peek())
-        if match is None or match[1] != version_key or match[2] not in versions:
-            raise self.error(expected, self.peek())
+        if match is None or match[1] != self._version_key or match[2] not in self._versions:
+            raise self.error(f"{self._version_key} = {' or '.join(self._versions)}", self.peek())
         self.take()
+
+    @property
+    def is_over(self) -> bool:
+        """Whether no line of the message is left; another message may follow in the file."""
+        return not self.peek() or self.peek().startswith(self._version_key)
+
+    def segments(self) -> Iterator["KeyValues"]:
+        """Yield the header of each segment, to be read then, of all messages that the file has in a row."""
+        header = self.header()
+        yield header
+        while self.peek():
+            if self.is_over:
+                self._begin()
+                header = self.header()
+            yield header
 
     def peek(self) -> str:
         """Return the next line, '' at the end."""

@@ -9,7 +9,7 @@ from opml.interop import ccsds, oem
 from opml.interop.element_sets import mean_elements
 from opml.interop.object_ids import ObjectId
 from opml.interop.orbit_arcs import MOST_APART, contents
-from opml.interop.orbit_from_files import OrbitFiles, is_orbit, whole_arcs
+from opml.interop.orbit_from_files import OrbitFiles, arcs_of_files, is_orbit
 from opml.tables import STATE
 
 _ANY = "2000-01-01T12:00:00"
@@ -48,7 +48,7 @@ def identity(path: FilePath) -> ObjectId:
     if oem.matches(content):
         return oem.read(path, epoch=_ANY)[0].identity
     if is_orbit(content):
-        return whole_arcs(OrbitFiles([path], _ANY, 0.0))[0].identity
+        return arcs_of_files(OrbitFiles([path], _ANY, 0.0))[0].identity
     mean_elements.read(path)  # refuses several
     (one,) = mean_elements.read_sets(path)
     return ObjectId.of(one.name, one.designator, str(one.number))
@@ -59,7 +59,7 @@ def _nearest(files: OrbitFiles, t: float) -> tuple[float, np.ndarray]:
     # Brings the compiled kernels with it, which no plan should wait for.
     from opml.interop import truth_from_orbit
 
-    times = np.concatenate([arc.t for arc in whole_arcs(files)])
+    times = np.concatenate([arc.t for arc in arcs_of_files(files)])
     nearest = float(times[np.abs(times - t).argmin()])
     there = replace(files, epoch=ccsds.utc_texts(files.epoch, np.array([nearest]))[0])
     states, _ = truth_from_orbit.truth(there, step=MOST_APART)

@@ -5,11 +5,14 @@ The first line says what the columns are; a column called - is passed over:
     gps,x_itrf_m,y_itrf_m,z_itrf_m,-,sigma_r_m,sigma_s_m,sigma_w_m
     2019-09-03T00:00:00.000,1602171.9,5991628.1,-2835238.7,0.9,3,6,3
 
-Times are in UTC, GPS, TAI or TT, states in ITRF or GCRF, lengths in m or km. Standard deviations are those
-along the radial direction, along the track and across it.
+Cells are between commas, semicolons, tabs or blanks. Times are in UTC, GPS, TAI or TT, states in ITRF, GCRF
+or EME2000, lengths in m or km. Standard deviations are those along the radial direction, along the track and
+across it. Names may be others in use, as `Time (UTCG)`, `x_ecef (km)` or GMAT's `Sat.EarthMJ2000Eq.VX`. A
+frame that none tells is refused; a unit that none tells is that in which the positions are those of an orbit.
 """
 
 import csv
+import logging
 import re
 from collections.abc import Sequence
 
@@ -25,17 +28,47 @@ SCALES = ("utc", "gps", "tai", "tt")  # names of columns of times
 
 EXAMPLE = "utc,x_itrf_m,y_itrf_m,z_itrf_m"
 
-_STATE = re.compile(r"(?P<axis>v?[xyz])_(?P<frame>itrf|gcrf)_(?P<unit>k?m(?:ps)?)")
-_SIGMA = re.compile(r"sigma_(?P<axis>v?[rsw])_(?P<unit>k?m(?:ps)?)")
+_FRAMES = {
+    **dict.fromkeys(("itrf", "ecef", "ecf", "wgs84"), "ITRF"),
+    **dict.fromkeys(("gcrf", "icrf"), "GCRF"),
+    **dict.fromkeys(("eme2000", "j2000", "mj2000eq", "earthmj2000eq"), "EME2000"),
+}
+_UNITS = {"m": 1.0, "km": 1e3, "mps": 1.0, "kmps": 1e3}
 _GROUPS = (("x", "y", "z"), ("vx", "vy", "vz"), ("r", "s", "w"), ("vr", "vs", "vw"))
-_TIME = re.compile(r"(\d{4})-(\d\d)-(\d\d)[T ](\d\d):(\d\d):(\d\d(?:\.\d+)?)Z?", re.ASCII)
+_WORDS = {
+    "axis": {
+        **{axis: axis for group in _GROUPS for axis in group},
+        **{f"{before}{axis}": axis for before in "pr" for axis in _GROUPS[0]},
+    },
+    "frame": _FRAMES,
+    "unit": {unit: unit for unit in _UNITS},
+    "of": {"sigma": "", "position": "", "pos": "", "velocity": "v", "vel": "v"},
+    "scale": {f"{scale}{end}": scale for scale in SCALES for end in ("", "g", "gregorian")},
+    "time": dict.fromkeys(("t", "time", "epoch", "date", "datetime", "timestamp"), ""),
+}
+"""What words in the name of a column say, by what they are about."""
+
+_MEANINGS = {word: (about, says) for about, words in _WORDS.items() for word, says in words.items()}
+_PER_SECOND = re.compile(r"(k?m)[/_]s(?:ec)?(?![a-z0-9])")
+_OF_OBJECT = re.compile(r"(\w+)\.(?=\w)")  # an object's name before that of a column
+_LEAST_METRES = 1e6  # from which on positions are in m: an orbit's are 6e3 to 6e5 km
+_DATE = r"(?P<year>\d{4})[-/](?P<month>\d\d)[-/](?P<day>\d\d)[T ]"
+_MONTHS = ("jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec")
+_NAMED_MONTH = rf"(?P<day>\d\d?) (?P<month>{'|'.join(_MONTHS)}) (?P<year>\d{{4}}) "
+_CLOCK = r"(?P<clock>\d\d:\d\d:\d\d(?:\.\d+)?)(?P<zone>Z|\+00:00)?"
+_TIMES = [re.compile(date + _CLOCK, re.ASCII | re.IGNORECASE) for date in (_DATE, _NAMED_MONTH)]
+
+_log = logging.getLogger(__name__)
 
 
 def matches(content: bytes) -> bool:
     """Return whether the first line of a file has columns, and not those of mean elements."""
     text = content.decode("utf-8", errors="replace")
     first = next((line for line in text.splitlines() if line.strip() and not line.startswith("#")), "")
-    return "," in first and not omm.matches(text)
+    if "," in first:
+        return not omm.matches(text)
+    told = [_told(name) for name in _split(first, _separator(first))]
+    return {"x", "y", "z"} <= {one.get("axis") for one in told}
 
 
 def read(
@@ -56,16 +89,17 @@ def read(
         if len(cells) != len(names):
             raise line_error(path, line, f"{len(names)} cells, as in its first line", f"{len(cells)}")
     lines, table = np.array([line for line, _ in rows]), np.array([cells for _, cells in rows])
-    t = _times(path, table[:, columns.time], lines, columns.scale, epoch)
+    t = _times(path, table[:, columns.time], lines, columns, epoch)
     check_ascending(path, t, lines)
-    positions, velocities, *deviations = (columns.values(table, lines, group) for group in _GROUPS)
+    unnamed = columns.unnamed_unit(table, lines)
+    positions, velocities, *deviations = (columns.values(table, lines, group, unnamed) for group in _GROUPS)
     sigmas = np.concatenate(deviations, axis=1)
     wrong = np.flatnonzero((sigmas <= 0.0).any(axis=1))
     if wrong.size:
         got = f"{np.nanmin(sigmas[wrong[0]]):g}"
         raise line_error(path, int(lines[wrong[0]]), "standard deviations above 0", got)
-    frame = columns.frame.upper()
-    return Arc(path, "", frame, frame, columns.scale.upper(), t, positions, velocities, lines), sigmas
+    frame, scale = columns.frame, columns.scale or "utc"
+    return Arc(path, "", frame, frame, scale.upper(), t, positions, velocities, lines), sigmas
 
 
 def _lines(path: FilePath, content: bytes) -> list[tuple[int, list[str]]]:
@@ -74,60 +108,94 @@ def _lines(path: FilePath, content: bytes) -> list[tuple[int, list[str]]]:
     except UnicodeDecodeError as reason:
         raise InputError(f"{path}: expected SP3, CPF, OEM or CSV, got no text ({reason})") from None
     lines = [
-        (number, _cells(path, number, line))
+        (number, line)
         for number, line in enumerate(text.splitlines(), start=1)
         if line.strip() and not line.startswith("#")
     ]
     if not lines:
         raise InputError(f"{path}: expected a line of columns, such as {EXAMPLE}, got an empty file")
-    return lines
+    separator = _separator(lines[0][1])
+    return [(number, _cells(path, number, line, separator)) for number, line in lines]
 
 
-def _cells(path: FilePath, number: int, line: str) -> list[str]:
+def _cells(path: FilePath, number: int, line: str, separator: str) -> list[str]:
     if "\0" in line:
         raise line_error(path, number, "text", "bytes that are none")
     try:
-        return next(csv.reader([line], strict=True))
+        return _split(line, separator)
     except csv.Error as reason:
         raise line_error(path, number, "cells of CSV", str(reason)) from None
 
 
+def _separator(first: str) -> str:
+    """Return what is between the cells of a file by its first line: a character, or a pattern of blanks."""
+    blanks = r"\s\s+" if len(re.split(r"\s\s+", first.strip())) > len(_GROUPS[0]) else r"\s+"
+    return next((one for one in "\t;," if one in first), blanks)
+
+
+def _split(line: str, separator: str) -> list[str]:
+    if len(separator) > 1:
+        return re.split(separator, line.strip())
+    return next(csv.reader([line], strict=True, delimiter=separator))
+
+
+def _told(name: str) -> dict[str, str]:
+    """Return what the words of a column's name say, by what they are about; nothing for an unknown one."""
+    name, told = _PER_SECOND.sub(r"\1ps", name.strip().lower()), dict[str, str]()
+    if (of_object := _OF_OBJECT.match(name)) and of_object[1] not in _MEANINGS:
+        name = name[of_object.end() :]
+    for word in re.findall(r"[^\W_]+", re.sub(r"itrf\d+", "itrf", name)):
+        about, says = _MEANINGS.get(word, ("", ""))
+        if not about or about in told:
+            return {}
+        told[about] = says
+    if "axis" in told:
+        told["axis"] = told.get("of", "") + told["axis"].removeprefix(told.get("of", ""))
+    return told
+
+
 class _Columns:
-    """What the columns of a CSV are: their places by axis, with a factor to SI."""
+    """What the columns of a CSV are: their places by axis, with their units."""
 
     def __init__(self, path: FilePath, number: int, names: Sequence[str]) -> None:
         """Take the names in the first line, which has a number. Raises InputError for others than known."""
         self.path, self.number = path, number
-        self._places: dict[str, tuple[int, float]] = {}
-        times, frames = [], []
+        self._places: dict[str, tuple[int, str]] = {}  # '' where no unit is told
+        times, frames = [], set()
         for place, name in enumerate(names):
+            told = _told(name)
             if names.count(name) > 1 and name != PASSED_OVER:
                 raise self._wrong(f"one column {name}", f"{names.count(name)}")
-            if name in SCALES:
-                times.append(place)
-            elif match := _STATE.fullmatch(name) or _SIGMA.fullmatch(name):
-                self._add(name, match, place)
-                frames += [match["frame"]] if "frame" in match.groupdict() else []
+            if "axis" in told:
+                self._add(name, told, place)
+                frames |= {told["frame"]} if "frame" in told else set()
+            elif told.keys() & {"scale", "time"}:
+                times.append((place, told.get("scale", "")))
             elif name != PASSED_OVER:
-                raise self._wrong(f"columns such as {EXAMPLE}, and - for one to pass over", name)
+                frames_read = "itrf (or ecef), gcrf (icrf) or eme2000 (j2000)"
+                raise self._wrong(f"columns such as {EXAMPLE}, in {frames_read}, - for others", name)
         if len(times) != 1:
             raise self._wrong(
                 f"one column of times, {', '.join(SCALES[:-1])} or {SCALES[-1]}", f"{len(times)}"
             )
-        self.time, self.scale = times[0], names[times[0]]
+        self.time, self.scale = times[0]
         self._check_groups()
-        if len(set(frames)) > 1:
-            raise self._wrong("one frame in all columns", " and ".join(sorted(set(frames))))
-        self.frame = frames[0]
+        if len(frames) != 1:
+            expected = "one frame in the names of x, y and z, such as x_itrf_m or x_gcrf_km"
+            raise self._wrong(expected, " and ".join(sorted(frames)) or ",".join(names))
+        self.frame = frames.pop()
 
-    def _add(self, name: str, match: re.Match[str], place: int) -> None:
-        axis, unit = match["axis"], match["unit"]
-        if unit.endswith("ps") != axis.startswith("v"):
+    def _add(self, name: str, told: dict[str, str], place: int) -> None:
+        axis, unit = told["axis"], told.get("unit", "")
+        is_sigma = axis.removeprefix("v") in "rsw"
+        if is_sigma != name.startswith("sigma") or told.keys() & {"scale", "time"}:
+            raise self._wrong(f"columns such as {EXAMPLE}", name)
+        if unit.endswith("ps") != axis.startswith("v") and (unit or is_sigma):
             expected = "mps or kmps for a velocity, m or km for a length"
             raise self._wrong(f"{expected} in {name}", unit)
         if axis in self._places:
             raise self._wrong(f"one column of {axis}", "two")
-        self._places[axis] = place, 1e3 if unit.startswith("k") else 1.0
+        self._places[axis] = place, unit
 
     def _check_groups(self) -> None:
         """Raise InputError where positions are not whole, or other columns that belong together are not."""
@@ -138,25 +206,49 @@ class _Columns:
         if "vr" in self._places and "vx" not in self._places:
             raise self._wrong("velocities with their standard deviations", "none")
 
-    def values(self, table: np.ndarray, lines: np.ndarray, group: Sequence[str]) -> np.ndarray:
-        """Return the numbers (n, 3) of a group of axes in SI; NaN where the CSV has no such columns."""
+    def unnamed_unit(self, table: np.ndarray, lines: np.ndarray) -> float:
+        """Return what a length without a unit is in m: one of the positions, if need be by their radius."""
+        named = {self._places[axis][1] for axis in _GROUPS[0]}
+        if "" not in named:
+            return min(_UNITS[unit] for unit in named)
+        if named != {""}:
+            raise self._wrong("units of all of x, y and z, or of none", ", ".join(sorted(named)))
+        radius = float(np.median(np.linalg.norm(self.values(table, lines, _GROUPS[0], 1.0), axis=1)))
+        unit = "m" if radius >= _LEAST_METRES else "km"
+        _log.warning("%s: %s, as its columns have no unit and are %.5g long", self.path, unit, radius)
+        return _UNITS[unit]
+
+    def values(
+        self, table: np.ndarray, lines: np.ndarray, group: Sequence[str], unnamed: float
+    ) -> np.ndarray:
+        """Return the numbers (n, 3) of a group of axes in SI; NaN where the CSV has no such columns.
+
+        unnamed: what a unit that is not named is in SI
+        """
         if group[0] not in self._places:
             return np.full((len(table), len(group)), np.nan)
-        places, factors = zip(*(self._places[axis] for axis in group), strict=True)
+        places, units = zip(*(self._places[axis] for axis in group), strict=True)
+        factors = [_UNITS.get(unit, unnamed) for unit in units]
         return numbers(self.path, table[:, list(places)], lines) * np.array(factors)
 
     def _wrong(self, expected: str, got: str) -> InputError:
         return line_error(self.path, self.number, expected, got)
 
 
-def _times(path: FilePath, texts: np.ndarray, lines: np.ndarray, scale: str, epoch: str) -> np.ndarray:
-    matches = [_TIME.fullmatch(text.strip()) for text in texts]
-    for match, line, text in zip(matches, lines, texts, strict=True):
+def _times(path: FilePath, texts: np.ndarray, lines: np.ndarray, columns: _Columns, epoch: str) -> np.ndarray:
+    calendar = []
+    for text, line in zip(texts, lines, strict=True):
+        match = next(filter(None, (one.fullmatch(text.strip()) for one in _TIMES)), None)
         if match is None:
             raise line_error(path, int(line), "a time such as 2019-09-03T00:00:00.000", str(text))
-    calendar = np.array([match.groups() for match in matches if match], dtype=float)
+        if not (columns.scale or match["zone"]):
+            expected = f"{', '.join(SCALES)} in the name of the column of times, or times that end in Z"
+            raise line_error(path, int(line), expected, str(text))
+        month = match["month"].lower()
+        number = _MONTHS.index(month) + 1 if month in _MONTHS else month
+        calendar.append([match["year"], number, match["day"], *match["clock"].split(":")])
     try:
-        return seconds_since(epoch, calendar, scale.upper())
+        return seconds_since(epoch, np.array(calendar, dtype=float), (columns.scale or "utc").upper())
     except NoSuchTime as time:
         wrong = int(lines[time.index]), "a time that exists", str(texts[time.index])
         raise line_error(path, *wrong) from None

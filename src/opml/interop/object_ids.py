@@ -90,7 +90,7 @@ def facts(identity: ObjectId) -> dict[str, Any]:
     return {"object": asdict(identity)}
 
 
-def first_told(told: Sequence[ObjectId]) -> ObjectId:
+def most_specific(told: Sequence[ObjectId]) -> ObjectId:
     """Return the first object of which more than the name is told, else the last, UNKNOWN of none."""
     return next((one for one in told if one.identifier), [UNKNOWN, *told][-1])
 
@@ -98,7 +98,7 @@ def first_told(told: Sequence[ObjectId]) -> ObjectId:
 def of_tables(paths: Sequence[FilePath], *, name: str) -> ObjectId:
     """Return the object that the metadata of some tables name, the first that do, under another name."""
     told = [ObjectId(**read_metadata(path).get("object", {"name": ""})) for path in paths]
-    return replace(first_told(told), name=name)
+    return replace(most_specific(told), name=name)
 
 
 def _normal(text: str) -> str:

@@ -196,12 +196,12 @@ def read(path: FilePath, *, epoch: str) -> list[Segment]:
     variances.
     """
     message = _open(path)
-    header = message.header()
-    segments = [_segment(message, epoch)]
-    while message.peek():
-        segments.append(_segment(message, epoch))
-    known = header.time("CREATION_DATE", segments[0].newest, epoch=epoch, scale="UTC")
-    return [replace(segment, known=known) for segment in segments]
+    segments = [(_segment(message, epoch), header) for header in message.segments()]
+    first = segments[0][0].newest
+    return [
+        replace(one, known=header.time("CREATION_DATE", first, epoch=epoch, scale="UTC"))
+        for one, header in segments
+    ]
 
 
 def matches(content: bytes) -> bool:
@@ -219,10 +219,7 @@ def arcs(path: FilePath, *, epoch: str, satellite: str | None = None) -> list[Ar
     not centred on Earth and another frame.
     """
     message = _open(path)
-    message.header()
-    named_arcs = [_named_arc(message, epoch)]
-    while message.peek():
-        named_arcs.append(_named_arc(message, epoch))
+    named_arcs = [_named_arc(message, epoch) for _ in message.segments()]
     objects = list(dict.fromkeys(names for names, _ in named_arcs))
     wanted = objects[choose_satellite(path, objects, satellite)]
     arcs = [arc for names, arc in named_arcs if names == wanted and arc.t.size]
@@ -337,7 +334,7 @@ def _states(message: ccsds.Message, epoch: str) -> _States:
     metadata.choice("CENTER_NAME", ("EARTH",))
     scale = metadata.choice("TIME_SYSTEM", ccsds.SCALES)
     lines, times, states = [], [], []
-    while message.peek() not in ("", "META_START", "COVARIANCE_START"):
+    while not message.is_over and message.peek() not in ("META_START", "COVARIANCE_START"):
         number, line = message.take()
         time, *values = line.split()
         if len(values) not in (6, 9):

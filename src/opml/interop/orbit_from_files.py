@@ -44,10 +44,10 @@ def check(files: OrbitFiles) -> None:
 def read_arcs(files: OrbitFiles) -> list[Arc]:
     """Read the arcs that reach into the run, in the order of their beginnings.
 
-    Raises InputError as `whole_arcs` does, for nodes that are too far apart, and for files without the orbit
-    within the run.
+    Raises InputError as `arcs_of_files` does, for nodes that are too far apart, and for files without the
+    orbit within the run.
     """
-    arcs = whole_arcs(files)
+    arcs = arcs_of_files(files)
     for arc in arcs:
         spacing = float(np.median(np.diff(arc.t))) if len(arc.t) > 1 else 0.0
         if spacing > MOST_APART:
@@ -57,7 +57,7 @@ def read_arcs(files: OrbitFiles) -> list[Arc]:
     return _cut_to_run(arcs, files)
 
 
-def whole_arcs(files: OrbitFiles) -> list[Arc]:
+def arcs_of_files(files: OrbitFiles) -> list[Arc]:
     """Read the arcs of files, in the order of their beginnings, whether in the run or not.
 
     Raises InputError, naming file and line, for a missing or damaged file, one of another format, satellite,

@@ -17,7 +17,7 @@ from opml.interop import ccsds, fixes_csv
 from opml.interop.curves.orbit_curve import rotate_to_gcrf
 from opml.interop.object_ids import UNKNOWN, ObjectId
 from opml.interop.orbit_arcs import MOST_APART, Arc, contents
-from opml.interop.orbit_from_files import OrbitFiles, check_together, is_orbit, outside, whole_arcs
+from opml.interop.orbit_from_files import OrbitFiles, arcs_of_files, check_together, is_orbit, outside
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import FIX_SIGMAS, STATE
 
@@ -71,8 +71,8 @@ def read(files: OrbitFiles, orientation: pd.DataFrame, sampling: Sampling) -> pd
     orientation: table `earth_orientation` over the run
 
     Where files or segments overlap, that with the later beginning counts. Raises InputError, naming file and
-    line, for files as `orbit_from_files.whole_arcs` and `fixes_csv.read` refuse them, for nothing within the
-    run, and for velocities that are not those of the positions.
+    line, for files as `orbit_from_files.arcs_of_files` and `fixes_csv.read` refuse them, for nothing within
+    the run, and for velocities that are not those of the positions.
     """
     parts = []
     for arc, sigmas in _within(files, sampling):
@@ -88,9 +88,9 @@ def reach(files: OrbitFiles) -> tuple[float, float]:
     return float(arcs[0].t[0]), max(float(arc.t[-1]) for arc in arcs)
 
 
-def beside(files: OrbitFiles) -> tuple[ObjectId, list[Manoeuvre]]:
+def identity_and_burns(files: OrbitFiles) -> tuple[ObjectId, list[Manoeuvre]]:
     """Return what files tell beside points: the object, and when it manoeuvred; a CSV says nothing."""
-    arcs = whole_arcs(files) if is_orbit(contents(files.paths[0])) else []
+    arcs = arcs_of_files(files) if is_orbit(contents(files.paths[0])) else []
     marked = sorted({t for arc in arcs for t in arc.burns})
     identity = replace(arcs[0].identity, name=arcs[0].identity.name or arcs[0].satellite) if arcs else UNKNOWN
     return identity, [Manoeuvre(t, known=t) for t in marked]
@@ -138,7 +138,7 @@ def _weighted(files: OrbitFiles, sampling: Sampling) -> list[_Points]:
     usual = np.full(len(FIX_SIGMAS), np.nan)
     usual[: len(sampling.sigmas)] = sampling.sigmas
     if is_orbit(contents(files.paths[0])):
-        return [(arc, np.tile(usual, (len(arc.t), 1))) for arc in whole_arcs(files)]
+        return [(arc, np.tile(usual, (len(arc.t), 1))) for arc in arcs_of_files(files)]
     arcs = [_of_csv(path, files) for path in dict.fromkeys(files.paths)]
     check_together([arc for arc, _ in arcs])
     arcs.sort(key=lambda pair: float(pair[0].t[0]))

@@ -66,8 +66,10 @@ def write(path: FilePath, tracking: pd.DataFrame, *, epoch: str, rso: str) -> No
     ccsds.write(path, _lines(tracking, epoch, rso))
 
 
-def measurements(paths: Sequence[FilePath], *, epoch: str) -> pd.DataFrame:
+def measurements(paths: Sequence[FilePath], *, epoch: str, wanted: str | None = None) -> pd.DataFrame:
     """Read the measurements of TDMs of one RSO, in the order of the files.
+
+    wanted: its name, designator or number; None: the files have only one
 
     Columns: t [s since `epoch`]; azimuth, elevation [rad]; range [m]; range_rate [m/s], right_ascension,
     declination [rad] and two_way, whether there and back, where the files have any; station and
@@ -82,13 +84,12 @@ def measurements(paths: Sequence[FilePath], *, epoch: str) -> pd.DataFrame:
     numbers = count()
     for path in paths:
         message = ccsds.Message(path, version_key=_KEY, versions=_VERSIONS)
-        message.header()
-        segments.append(_segment(message, epoch, next(numbers)))
-        while message.peek():
-            segments.append(_segment(message, epoch, next(numbers)))
+        segments += [_segment(message, epoch, next(numbers)) for _ in message.segments()]
     table = pd.concat(segments, ignore_index=True)
     if table.empty:
         raise InputError(f"{paths[0]}: expected angles, ranges or their rates, got none")
+    if wanted is not None:
+        table = _of_object(table, wanted)
     for column, what in (("rso", "tracks of"), ("scale", "time system")):
         values = table[column].str.upper()
         other = (values != values.iloc[0]).to_numpy()
@@ -100,6 +101,17 @@ def measurements(paths: Sequence[FilePath], *, epoch: str) -> pd.DataFrame:
         table[name] = table.get(name, np.nan)
     table["two_way"] = table["two_way"].astype(bool)
     return table if table["two_way"].any() else table.drop(columns="two_way")
+
+
+def _of_object(table: pd.DataFrame, wanted: str) -> pd.DataFrame:
+    """Return the measurements of one object. Raises InputError where there are none."""
+    called = {name: ObjectId.of_word(name) for name in table["rso"].unique()}
+    ours = table["rso"].isin([name for name, one in called.items() if one.is_called(wanted)])
+    if not ours.any():
+        got = ", ".join(one.identifier or str(one) for one in called.values())
+        path = table["path"].iloc[0]
+        raise InputError(f"{path}: expected tracks of {wanted}, got those of {got}")
+    return table[ours].reset_index(drop=True)
 
 
 def identity(measurements: pd.DataFrame) -> ObjectId:

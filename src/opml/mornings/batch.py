@@ -18,26 +18,26 @@ from opml.base.files import FilePath
 from opml.base.provenance import settings_digest
 from opml.base.section import JobSettings
 from opml.catalog.fit.estimation_settings import Estimation
-from opml.catalog.flight import Flight, near_part
-from opml.catalog.predict import spread
-from opml.catalog.predict.spread import Weathers
+from opml.catalog.predict import weather_spread
+from opml.catalog.predict.weather_spread import Weathers
+from opml.catalog.propagator import Propagator, near_part
 from opml.dynamics import force_model
 from opml.dynamics.ensemble import Arcs
 from opml.dynamics.kernels.surroundings import ForceModel
 from opml.dynamics.settings import ForceModelSettings, Integrator
 from opml.dynamics.shared_blocks import SharedBlocks
 from opml.element_sets.catalogue import modified_julian_day
-from opml.element_sets.on_mornings import ImprovedHistory
+from opml.element_sets.improved_history import ImprovedHistory
 from opml.interop.element_sets import histories
 from opml.interop.element_sets.histories import History
 from opml.learning.models.learners import JobLearner
-from opml.mornings import days, measured
+from opml.mornings import days, measurement_files
 from opml.mornings.calendar import Calendar
 from opml.mornings.days import BatchTask, UnderWay
 from opml.mornings.kept.store import Store
-from opml.mornings.measured import MeasurementSource, Span
+from opml.mornings.measurement_files import MeasurementSource, Span
 from opml.mornings.outcomes import FAILED
-from opml.mornings.watched import FlightModel, MorningPlan, Watched
+from opml.mornings.watched_object import MorningPlan, ObjectPropagators, Watched
 from opml.mornings.weather_of_day import FIGURES
 from opml.orbits.sheets import Rso, Station
 from opml.tables import SCHEMAS, read_runs, read_table
@@ -122,7 +122,7 @@ class BatchSettings(JobSettings):
 
 @dataclass(frozen=True)
 class Surroundings:
-    """What all objects of a job share: force models as of `watched.FlightModel`, and the stations.
+    """What all objects of a job share: force models as of `watched.ObjectPropagators`, and the stations.
 
     The weather was seen until `seen_until` [s]. The models of fits and predictions stand with the parts of
     them that neighbours are propagated under, made once: arcs under one model propagate together. Mean
@@ -152,7 +152,7 @@ class Surroundings:
         )
         read = partial(force_model.read, epoch=settings.epoch)
         of_fits, of_predictions = (read(one, settings=settings.force_model) for one in (fits, predictions))
-        flattened = read(predictions, settings=spread.FLATTENED)
+        flattened = read(predictions, settings=weather_spread.FLATTENED)
         futures = _futures(files.futures, since=since) if files.futures else None
         activity = read_table(fits["solar_activity"], "solar_activity")
         return cls(
@@ -168,14 +168,14 @@ class Surroundings:
             propagate,
         )
 
-    def model(self, rso: Rso) -> FlightModel:
-        """Return the flight of an object."""
+    def model(self, rso: Rso) -> ObjectPropagators:
+        """Return the propagator of an object."""
         fits, predictions = (
-            Flight(model, rso, self.integrator, propagator=self.propagate, near=near)
+            Propagator(model, rso, self.integrator, ensemble=self.propagate, near=near)
             for model, near in (self.fits, self.predictions)
         )
-        flattened = Flight(self.weathers.model, rso, self.integrator, propagator=self.propagate)
-        return FlightModel(fits, predictions, flattened, self.weathers, self.orientation)
+        flattened = Propagator(self.weathers.model, rso, self.integrator, ensemble=self.propagate)
+        return ObjectPropagators(fits, predictions, flattened, self.weathers, self.orientation)
 
 
 def run(files: Any, settings: BatchSettings, *, metadata: Mapping[str, Any]) -> list[dict[str, Any]]:
@@ -286,7 +286,7 @@ def _begin(
     source = MeasurementSource(
         one.kind, one.files, one.taking, one.start, one.manoeuvres, surroundings.read_sets
     )
-    found = measured.read(
+    found = measurement_files.read(
         source,
         span,
         surroundings.stations,
@@ -296,7 +296,7 @@ def _begin(
     known = max(surroundings.seen_until, days.last_known(found.tracking))
     days.check_reached(calendar, settings.date, known)
     model = surroundings.model(one.rso)
-    given = measured.given_state(source, span, one.rso, found.tracking, model.predictions.model.gm)
+    given = measurement_files.given_state(source, span, one.rso, found.tracking, model.predictions.model.gm)
     watched = Watched(
         model,
         plan,

@@ -9,7 +9,7 @@ import pandas as pd
 
 from opml.base.constants import DAY
 from opml.base.errors import InputError
-from opml.catalog.predict import spread
+from opml.catalog.predict import weather_spread
 from opml.catalog.predict.prediction import predict_pairs
 from opml.ephemerides.along_track_shift import LEAST_EPOCHS
 from opml.ephemerides.corrected import expected, interpolate_spread
@@ -22,7 +22,7 @@ from opml.learning.models import learners
 from opml.learning.models.contract import Model, ResolvedSettings
 from opml.mornings.fits import Recent
 from opml.mornings.records import Records
-from opml.mornings.watched import Watched
+from opml.mornings.watched_object import Watched
 from opml.tables import SPREAD, STATE
 
 STEP = 300.0  # time between the epochs of these ephemerides [s]: decimetres from those of a minute
@@ -36,25 +36,25 @@ def known_at(now: float, watched: Watched, records: Records, recent: Recent) -> 
 
     records: with the estimates of the morning
     """
-    plan, flight = watched.plan, watched.model.predictions
+    plan, propagator = watched.plan, watched.model.predictions
     estimates = records.of_window(plan.base, watched.known_by(now))
     # Of an object that is seldom seen the newest estimates may be older than all that is read of its tracks.
     rows = estimates[estimates["track"].isin(recent.numbers)].tail(_LOOKED_AT + 1)
     tracking = recent.tracking.assign(track=recent.numbers[recent.tracking["track"]])
-    made = partial(dataset.of_estimates, tracking=tracking, gm=flight.model.gm, cleaning=Cleaning())
+    made = partial(dataset.of_estimates, tracking=tracking, gm=propagator.model.gm, cleaning=Cleaning())
     nothing = pd.DataFrame(columns=["i", "j", *STATE, "reason"])
     known = KnownTables(
         rows,
         made(rows, nothing),
         plan.base,
-        flight.model.gm,
+        propagator.model.gm,
         manoeuvres=watched.manoeuvres,
         epoch=plan.epoch,
     )
     pairs = _from_previous(known, longest=DAY * plan.max_days)
     # Where the newest may start one, nobody asks for the others.
     for propagated in (pairs.tail(1), pairs) if len(pairs) else ():
-        known = replace(known, at_estimates=made(rows, predict_pairs(flight, rows, propagated)))
+        known = replace(known, at_estimates=made(rows, predict_pairs(propagator, rows, propagated)))
         if known.may_depart().any():
             break
     return known
@@ -111,14 +111,16 @@ def _with_spread(reached: pd.DataFrame, watched: Watched, estimates: pd.DataFram
     """Return ephemerides with what more drag and the weather to come would do to them."""
     # From an estimate on the raster all are multiples of EVERY steps away.
     sparse = reached.iloc[EVERY - 1 :: EVERY]
-    spreads = spread.build(watched.model.flattened, estimates, sparse, weathers=watched.model.weathers)
+    spreads = weather_spread.build(
+        watched.model.flattened, estimates, sparse, weathers=watched.model.weathers
+    )
     causes = sparse[["t_j"]].join(spreads[SPREAD].set_axis(sparse.index))
     return interpolate_spread(reached, causes).drop(columns=["j", "reason"])
 
 
 def _held_arcs(settings: Iterable[ResolvedSettings]) -> list[tuple[float, float]]:
     """Return window [h] and memory [days] of the arcs with Cd held that models ask for, each once."""
-    asking = (one for one in settings if "held" in learners.tables_asked(one.variables))
+    asking = (one for one in settings if "held" in learners.needed_tables(one.variables))
     return list(dict.fromkeys(arc for arc in map(learners.arc_of, asking) if arc))
 
 

@@ -25,7 +25,7 @@ from opml.mornings.morning import MorningResult, morning
 from opml.mornings.outcomes import NOTHING
 from opml.mornings.records import Records
 from opml.mornings.verdicts import OLDEST
-from opml.mornings.watched import MorningPlan, Watched
+from opml.mornings.watched_object import MorningPlan, Watched
 from opml.orbits.elements import coe_from_cartesian
 from opml.tables import STATE
 
@@ -88,7 +88,7 @@ class UnderWay:
             "message": self._write_message(left),
             "past": past(self.records),
             "mornings": strip(self.records, plan),
-            "beside_sgp4": verdicts.medians_beside_sgp4(self.records.judged),
+            "beside_sgp4": verdicts.medians_with_sgp4(self.records.judged),
         }
         self.next = day + timedelta(days=1)
         _log.info("%s, %s: %s, %s", rso, day, left.verdict.word, left.verdict.reason)

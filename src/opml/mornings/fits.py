@@ -23,10 +23,10 @@ from opml.catalog.fit.estimation_settings import Estimation
 from opml.catalog.fit.first import first_orbit
 from opml.catalog.fit.first.first_orbit import TimedState
 from opml.catalog.fit.measurements import Measurements
-from opml.catalog.flight import Flight
+from opml.catalog.propagator import Propagator
 from opml.learning.judge.error_sizes import along_track
 from opml.mornings.records import Records
-from opml.mornings.watched import Watched
+from opml.mornings.watched_object import Watched
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import SCHEMAS, STATE
 
@@ -84,7 +84,7 @@ LOST = 2.0 * DAY  # after so long without an estimate that converged, an orbit i
 class Fitting:
     """What the fits of a morning share."""
 
-    flight: Flight
+    propagator: Propagator
     measured: Measurements  # the measurements of the recent tracks
     recent: Recent
     settings: Estimation  # of fits over the base window
@@ -107,7 +107,7 @@ class Fitting:
         if not len(tracks):
             return SCHEMAS["kept_estimates"].empty()
         found = estimate_further(
-            self.flight,
+            self.propagator,
             self.starts(kept),
             self.measured,
             settings=self.settings,
@@ -132,7 +132,7 @@ class Fitting:
             return SCHEMAS["kept_estimates"].empty()
         (track,) = np.flatnonzero(self.recent.numbers == start["track"].iloc[0])
         found = estimate_over_windows(
-            self.flight,
+            self.propagator,
             self._table(start.assign(track=track), age=0.0),
             self.measured,
             settings=self.settings,
@@ -147,7 +147,7 @@ class Fitting:
         newest = earlier["t"].to_numpy(float)[earlier["converged"].to_numpy(bool)].max(initial=-np.inf)
         if self.recent.at[-1] - newest > LOST:
             given = self.given if kept.empty else None
-            return first_orbit.starts(self.flight, self.measured, known=given, settings=self.settings)
+            return first_orbit.starts(self.propagator, self.measured, known=given, settings=self.settings)
         return self._table(earlier, age=np.inf)
 
     def _table(self, estimates: pd.DataFrame, *, age: float) -> pd.DataFrame:
@@ -196,7 +196,7 @@ def newest_burn(fitting: Fitting, kept: pd.DataFrame, *, since: float) -> Manoeu
     since: when the last burn was that is known [s]
     """
     found = quarantine.estimate_all(
-        fitting.flight,
+        fitting.propagator,
         fitting.starts(kept),
         fitting.measured,
         settings=fitting.settings.evolve(suspect_sigma=FAR),

@@ -18,7 +18,7 @@ from opml.mornings.issued import SelectedModel
 from opml.mornings.outcomes import DO_NOT_USE, UNPROVEN
 from opml.mornings.records import Paths, Records
 from opml.mornings.verdicts import Verdict
-from opml.mornings.watched import Watched
+from opml.mornings.watched_object import Watched
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import SCHEMAS
 
@@ -119,7 +119,7 @@ class _Morning:
         plan, burns = self.watched.plan, self.watched.manoeuvres
         past = self.whole.rows_unaffected_by_burns(plan.base, self.watched.known_by(self.now))
         judgement = verdicts.verdict(past, self.starts, now=self.now, burns=burns, window=plan.base * HOUR)
-        self.verdict = verdicts.beside_sgp4(judgement, past, now=self.now)
+        self.verdict = verdicts.compare_with_sgp4(judgement, past, now=self.now)
         selected = issued.choose_model(past, paths.models, now=self.now)
         self.ephemeris = issued.ephemeris(paths.table, selected, step=plan.step)
         self.selected = selected

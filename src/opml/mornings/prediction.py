@@ -22,15 +22,15 @@ from opml.base.files import FilePath
 from opml.base.progress import Progress, counted, with_time_left
 from opml.base.section import JobSettings
 from opml.catalog.fit.estimation_settings import Estimation
-from opml.catalog.flight import Flight, near_part
-from opml.catalog.predict import spread
-from opml.catalog.predict.spread import Weathers
+from opml.catalog.predict import weather_spread
+from opml.catalog.predict.weather_spread import Weathers
+from opml.catalog.propagator import Propagator, near_part
 from opml.dynamics.forces import build, tabulated, with_outlooks
 from opml.dynamics.settings import ForceModelSettings, Integrator
 from opml.element_sets import improve
-from opml.environment import knowledge, nodes
+from opml.environment import known_weather, nodes
 from opml.environment.forecasts.methods import AnyForecast
-from opml.environment.knowledge import Issues
+from opml.environment.known_weather import Issues
 from opml.environment.settings import EnvironmentSettings
 from opml.ephemerides.along_track_shift import NotSmoothError, through
 from opml.interop import ccsds, points_from_files, tdm
@@ -41,13 +41,13 @@ from opml.interop.predicted_orbit import STEP, PredictedOrbit
 from opml.learning.models import learners
 from opml.learning.models.contract import ResolvedSettings
 from opml.learning.models.learners import JobLearner, arc_of
-from opml.mornings import issued, measured, usual_sizes, verdicts
+from opml.mornings import issued, measurement_files, usual_errors, verdicts
 from opml.mornings.issued import SelectedModel
-from opml.mornings.measured import MeasurementSource, Span
+from opml.mornings.measurement_files import MeasurementSource, Span
 from opml.mornings.morning import MorningResult, morning
 from opml.mornings.records import Records
 from opml.mornings.verdicts import OLDEST, Verdict
-from opml.mornings.watched import FlightModel, MorningPlan, Watched
+from opml.mornings.watched_object import MorningPlan, ObjectPropagators, Watched
 from opml.orbits.sheets import Rso, Station
 from opml.tables import STATE_COVARIANCES, state_rows, symmetric_matrices
 
@@ -224,7 +224,7 @@ def predict(request: Request, settings: OrbitSettings, *, progress: Progress) ->
         _log.warning("%s: measurements are off their fit by %.0f sigma: %s", request.files[0], rms, asked)
     expected = f"{request.files[0]}: expected an orbit for {request.days:g} days, got"
     try:
-        light = usual_sizes.GUESSED if request.area_to_mass is None else usual_sizes.GIVEN
+        light = usual_errors.GUESSED if request.area_to_mass is None else usual_errors.GIVEN
         issued_last = _issued_last(watched, left, records, now=times.date, light=light)
     except NotSmoothError:
         raise InputError(f"{expected} fits over several windows that differ too fast") from None
@@ -253,20 +253,16 @@ def _text(epoch: str, t: float) -> str:
 def _span(request: Request) -> tuple[float, float]:
     """Return when the first and the last was measured [s since _ANY]."""
     if request.kind == "tracks":
-        found = tdm.measurements(request.files, epoch=_ANY)
-        tracked = tdm.identity(found)
-        if request.object is not None and not tracked.is_called(request.object):
-            got = f"expected tracks of {request.object}, got those of {tracked.identifier or tracked}"
-            raise InputError(f"{request.files[0]}: {got}")
+        found = tdm.measurements(request.files, epoch=_ANY, wanted=request.object)
         return float(found["t"].min()), float(found["t"].max())
     return points_from_files.reach(OrbitFiles(request.files, _ANY, np.inf, request.object))
 
 
 def _watched(request: Request, settings: OrbitSettings, times: _Times) -> Watched:
-    """Return what is measured of the object, and its flight."""
+    """Return what is measured of the object, and its propagators."""
     max_days = request.days + (OLDEST + _AFTER) / DAY
     rso = Rso("object", **_NO_ELEMENTS, area_to_mass=request.area_to_mass or GUESS, cd=2.2, cr=1.25)
-    model = _flight_model(rso, request.weather, settings, times, max_days)
+    model = _object_propagators(rso, request.weather, settings, times, max_days)
     sampling = {
         "sigmas": [SIGMA] * 3,
         "every_s": _EVERY,
@@ -275,7 +271,7 @@ def _watched(request: Request, settings: OrbitSettings, times: _Times) -> Watche
     }
     source = MeasurementSource(request.kind, list(map(str, request.files)), sampling)
     span = Span(times.epoch, times.date)
-    found = measured.read(source, span, request.stations, model.orientation, since=0.0)
+    found = measurement_files.read(source, span, request.stations, model.orientation, since=0.0)
     estimation = settings.estimation
     if request.kind == "tracks":
         windows = sorted({estimation.window_hours, *learners.arc_windows(settings.models.values())})
@@ -303,15 +299,15 @@ def _window(tracking: pd.DataFrame, windows: Sequence[float]) -> float:
     return windows[-1]
 
 
-def _flight_model(
+def _object_propagators(
     rso: Rso, weather: FilePath, settings: OrbitSettings, times: _Times, max_days: float
-) -> FlightModel:
-    """Return the flight of an object under the weather that was known at each time."""
+) -> ObjectPropagators:
+    """Return the propagator of an object under the weather that was known at each time."""
     weather, t = str(weather), nodes(times.epoch, times.duration)
-    sources, hours = settings.environment, settings.environment.issue_hours or knowledge.FIT_HOURS
+    sources, hours = settings.environment, settings.environment.issue_hours or known_weather.FIT_HOURS
     date = _text(times.epoch, times.date)
-    improve.check_newest(knowledge.read(weather), weather, date=date, oldest=OLDEST / DAY)
-    activity = knowledge.measured_activity(weather, times.epoch, t)
+    improve.check_newest(known_weather.read(weather), weather, date=date, oldest=OLDEST / DAY)
+    activity = known_weather.measured_activity(weather, times.epoch, t)
     environment = tabulated(
         times.epoch,
         t,
@@ -323,16 +319,16 @@ def _flight_model(
     issues = Issues(
         source=weather, epoch=times.epoch, forecast=settings.forecast, issue_hours=hours, max_days=max_days
     )
-    expected, futures = knowledge.outlooks_and_futures(issues, t, members=settings.futures)
-    three_hourly = issues.model_copy(update={"issue_hours": knowledge.FIT_HOURS, "max_days": _HISTORY})
-    still, flattened = (build(environment, one) for one in (settings.force_model, spread.FLATTENED))
-    fitting = with_outlooks(still, knowledge.outlooks(three_hourly, t))
+    expected, futures = known_weather.outlooks_and_futures(issues, t, members=settings.futures)
+    three_hourly = issues.model_copy(update={"issue_hours": known_weather.FIT_HOURS, "max_days": _HISTORY})
+    still, flattened = (build(environment, one) for one in (settings.force_model, weather_spread.FLATTENED))
+    fitting = with_outlooks(still, known_weather.outlooks(three_hourly, t))
     full, flat = (with_outlooks(model, expected) for model in (still, flattened))
-    flight = partial(Flight, rso=rso, integrator=settings.integrator, threads=os.cpu_count() or 1)
-    return FlightModel(
-        flight(fitting, near=near_part(fitting)),
-        flight(full, near=near_part(full)),
-        flight(flat),
+    propagator = partial(Propagator, rso=rso, integrator=settings.integrator, threads=os.cpu_count() or 1)
+    return ObjectPropagators(
+        propagator(fitting, near=near_part(fitting)),
+        propagator(full, near=near_part(full)),
+        propagator(flat),
         Weathers.of(flat, futures),
         environment.earth_orientation,
     )
@@ -357,15 +353,15 @@ def _issued_last(
     """
     base, paths, models = watched.plan.base, records.paths[-1], watched.plan.models
     rso = watched.model.fits.rso
-    formal = usual_sizes.formal_errors(records.estimates, records.paths, base=base, rso=rso, light=light)
+    formal = usual_errors.formal_errors(records.estimates, records.paths, base=base, rso=rso, light=light)
     known = records.rows_unaffected_by_burns(base, watched.known_by(now))
     try:
         model, _ = issued.best_model(known, list(models), now=now)
     except InputError:
-        is_vague = bool(formal.loc[paths.start, "c"] >= usual_sizes.VAGUE)
+        is_vague = bool(formal.loc[paths.start, "c"] >= usual_errors.VAGUE)
         model = next((name for name in models if _holds_cd(models[name]) == is_vague), next(iter(models)))
-    past = usual_sizes.with_sigmas(known[known["model"] == model], formal)
-    sizes = usual_sizes.sizes(past, formal, start=paths.start, now=now)
+    past = usual_errors.with_sigmas(known[known["model"] == model], formal)
+    sizes = usual_errors.sizes(past, formal, start=paths.start, now=now)
     table = issued.ephemeris(paths.table, SelectedModel(model, past, sizes), step=STEP)
     return _Issued(table, model, _verdict(watched, left, records, past, now=now), past)
 

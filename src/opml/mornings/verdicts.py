@@ -17,7 +17,7 @@ from opml.mornings import issued
 from opml.mornings.fits import FAR, Recent, sigmas_off
 from opml.mornings.outcomes import DO_NOT_USE, GOOD, UNPROVEN, WIDE
 from opml.mornings.records import Records
-from opml.mornings.watched import SGP4, Watched
+from opml.mornings.watched_object import SGP4, Watched
 from opml.orbits.manoeuvres import Manoeuvre, contain_any
 from opml.tables import DOUBT, SIGMA_STATE, SIGMAS, STATE
 
@@ -142,7 +142,7 @@ def _least_inside(off: np.ndarray, duration: np.ndarray) -> tuple[float, float]:
     return float(known.min()), float(known.idxmin())
 
 
-def beside_sgp4(judgement: Verdict, judged: pd.DataFrame, *, now: float) -> Verdict:
+def compare_with_sgp4(judgement: Verdict, judged: pd.DataFrame, *, now: float) -> Verdict:
     """Return a verdict, which is not good where SGP4 was nearer in the median of the last two weeks.
 
     judged: rows of that table of all mornings
@@ -156,7 +156,7 @@ def beside_sgp4(judgement: Verdict, judged: pd.DataFrame, *, now: float) -> Verd
     return Verdict(WIDE, f"SGP4 from the newest set was {theirs:.0f} m off where this was {ours:.0f}")
 
 
-def medians_beside_sgp4(judged: pd.DataFrame) -> list[dict[str, Any]]:
+def medians_with_sgp4(judged: pd.DataFrame) -> list[dict[str, Any]]:
     """Return by day ahead how far the selected model, and SGP4 at the same epochs, were off in the median
     [m].
 

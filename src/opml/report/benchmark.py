@@ -101,7 +101,7 @@ def score(task: FilePath, answers: FilePath, truth: FilePath | None = None) -> S
         scores.scores(asked, errors),
         scores.by_height(errors),
         scores.by_weather(errors.assign(highest_ap=weeks[told.is_answered])),
-        suspicions.told(asked, told, errors, true),
+        suspicions.sentences(asked, told, errors, true),
         told.about,
     )
 

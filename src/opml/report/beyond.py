@@ -46,12 +46,13 @@ def document(
     """
     results = Results(metrics)
     names = {pair: split for split, pair in report.pairs.items()}
+    intervals = [_interval_row(row, names) for row in coverage.to_dict("records")]
     return [
         *texts.blocks("beyond.head"),
         *_splits(report, results),
         *_transfers(report, results),
         *_left_out(report.left_out, results),
-        *_intervals(coverage, names, report.level),
+        *texts.blocks("beyond.intervals", intervals, level=report.level),
         *_budget(report, results, floors),
         *model_table({learner: report.learners[learner] for _, learner, _ in report.splits}),
     ]
@@ -67,17 +68,11 @@ def _splits(report: BeyondReport, results: Results) -> Iterator[Block]:
             for split, count in zip(columns, estimates, strict=True)
         ]
         paper = [percent(report.published.get((stations, first, split))) for split in columns]
-        rows = [["Peng & Bai, SVR", *paper], *_model_rows(experiments, columns, results)]
+        rows = [["Peng & Bai, SVR", *paper]] + [
+            [f"`{learner}`", *(results.p_ml_cell(experiments[learner, split]) for split in columns)]
+            for learner in dict.fromkeys(learner for learner, _ in experiments)
+        ]
         yield from texts.blocks("beyond.splits", rows, stations=stations, splits=texts.across(headers))
-
-
-def _model_rows(
-    experiments: Mapping[Pair, Experiment], splits: Sequence[str], results: Results
-) -> list[list[str]]:
-    return [
-        [f"`{learner}`", *(results.p_ml_cell(experiments[learner, split]) for split in splits)]
-        for learner in dict.fromkeys(learner for learner, _ in experiments)
-    ]
 
 
 def _transfers(report: BeyondReport, results: Results) -> Iterator[Block]:
@@ -107,11 +102,6 @@ def _left_out(experiments: Mapping[_Key, Experiment], results: Results) -> Itera
     ]
     told = {"train": first.train, "test": first.test, "names": _codes(names)}
     yield from texts.blocks("beyond.left_out", rows, **told)
-
-
-def _intervals(coverage: pd.DataFrame, names: Mapping[Pair, str], level: float) -> Iterator[Block]:
-    rows = [_interval_row(row, names) for row in coverage.to_dict("records")]
-    return texts.blocks("beyond.intervals", rows, level=level)
 
 
 def _interval_row(row: Mapping[str, Any], names: Mapping[Pair, str]) -> list[str]:

@@ -89,7 +89,7 @@ def card(outcome: Outcome) -> Card:
         [
             f"{why[:1].upper()}{why[1:]}.",
             f"Expected along the track, one sigma: {_expected(outcome)}.",
-            *_beside_sgp4(outcome),
+            *_sgp4_comparison(outcome),
             f"Message: {message}{_yesterday(outcome)}; newest estimate: {_newest(outcome)}; "
             f"model: {outcome['model'] or 'none'}.",
         ],
@@ -103,7 +103,7 @@ def _expected(outcome: Outcome) -> str:
     return ", ".join(parts) or "none, as none was issued"
 
 
-def _beside_sgp4(outcome: Outcome) -> Iterator[str]:
+def _sgp4_comparison(outcome: Outcome) -> Iterator[str]:
     """Yield how far the selected models were off, and SGP4 beside them, where mean elements were taken."""
     by_day = {one["day"]: one for one in outcome["beside_sgp4"]}
     parts = [

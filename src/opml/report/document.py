@@ -100,16 +100,13 @@ def markdown(blocks: Iterable[Block]) -> str:
 def html_page(blocks: Iterable[Block], *, title: str) -> str:
     """Return the document as one HTML page that needs nothing from outside to be read."""
     body = "\n".join(_html(block) for block in blocks)
+    style = (files("opml") / "data" / "report.css").read_text(encoding="utf-8").replace("\n", "")
     return (
         '<!DOCTYPE html>\n<html lang="en">\n<meta charset="utf-8">\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
         f"<title>{html.escape(title)}</title>\n"
-        f"<style>{_style()}</style>\n<body>\n{body}\n</body>\n</html>\n"
+        f"<style>{style}</style>\n<body>\n{body}\n</body>\n</html>\n"
     )
-
-
-def _style() -> str:
-    return "".join((files("opml") / "data" / "report.css").read_text(encoding="utf-8").splitlines())
 
 
 def tab_separated(table: Table) -> str:

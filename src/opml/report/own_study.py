@@ -20,7 +20,7 @@ from opml.learning.judge.rolling_origins import by_day
 from opml.learning.models.contract import LearnerSettings
 from opml.learning.models.learners import learns
 from opml.naming import SPLIT, Experiment, parse_test, parse_train, strip_seed
-from opml.report import absurd_fits, answer, conjunctions, instruments, mornings, texts, uncertainty
+from opml.report import absurd_fits, answer, conjunctions, measurement_residuals, mornings, texts, uncertainty
 from opml.report.answer import Sources
 from opml.report.beyond import model_table
 from opml.report.document import Block, Heading, Paragraph
@@ -122,7 +122,7 @@ def document(report: OwnStudyReport, tables: OwnStudyTables) -> list[Block]:
         *_splits(report, Results(tables.metrics), tables.evaluations, papers),
         *_rolling(report, tables.rolling),
         *_rows(report, tables, papers),
-        *instruments.section(tables.noise, tables.estimates, epoch=report.settings.epoch),
+        *measurement_residuals.section(tables.noise, tables.estimates, epoch=report.settings.epoch),
         *model_table(report.learners),
         *_forces(report),
     ]

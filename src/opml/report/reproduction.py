@@ -14,8 +14,8 @@ import pandas as pd
 from opml.base.constants import DAY
 from opml.naming import Experiment
 from opml.report import texts
-from opml.report.claims import Claim, judge_claim
 from opml.report.document import Block
+from opml.report.paper_claims import Claim, judge_claim
 from opml.report.results import NO_VALUE, Results, extent_cell, percent
 
 EXPLAINED = 0.5  # share of a difference that a run must remove to count as its likeliest cause
@@ -92,7 +92,15 @@ def document(
     counted = [[str(cell) for cell in row] for row in datasets.itertuples(index=False)]
     return [
         *texts.blocks("reproduction.summary", summary),
-        *_headlines(reproduction, comparisons, scales),
+        *texts.blocks(
+            "reproduction.headlines",
+            [_headline_row(comparison, scales, reproduction.calibrated) for comparison in comparisons],
+            rule=reproduction.rule,
+            splits=max((len(headline.over_splits) for headline in reproduction.headlines), default=0),
+            noises=max((len(headline.over_noise) for headline in reproduction.headlines), default=0),
+            scale=reproduction.fixed_scale,
+            calibrated=reproduction.calibrated,
+        ),
         *texts.blocks("reproduction.causes", causes, explained=EXPLAINED),
         *_readings(reproduction, results),
         *_kernel_scales(reproduction.scales, results),
@@ -167,20 +175,6 @@ def _cause(comparison: Comparison, results: Results) -> str:
         return "the seeds"
     text, run, explains = likeliest_cause(comparison, results)
     return f"{'' if explains else 'none found; the nearest: '}{text} ({percent(results.p_ml(run))})"
-
-
-def _headlines(
-    reproduction: Reproduction, comparisons: Sequence[Comparison], scales: Mapping[str, float]
-) -> Iterator[Block]:
-    return texts.blocks(
-        "reproduction.headlines",
-        [_headline_row(comparison, scales, reproduction.calibrated) for comparison in comparisons],
-        rule=reproduction.rule,
-        splits=max((len(headline.over_splits) for headline in reproduction.headlines), default=0),
-        noises=max((len(headline.over_noise) for headline in reproduction.headlines), default=0),
-        scale=reproduction.fixed_scale,
-        calibrated=reproduction.calibrated,
-    )
 
 
 def _headline_row(comparison: Comparison, scales: Mapping[str, float], calibrated: str) -> list[str]:

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from opml.base import epochs
-from opml.environment import knowledge
+from opml.environment import known_weather
 from opml.study.settings.merging import Settings
 from opml.study.settings.overlay import Source
 
@@ -38,4 +38,4 @@ def check_files(source: Source, settings: Settings) -> None:
                 raise source.wrong(key, f"{file}: no such file; expected element sets (TLE, OMM)")
     if settings.catalogue:
         with source.naming(("catalogue", "weather")):
-            knowledge.read(settings.catalogue.weather)
+            known_weather.read(settings.catalogue.weather)

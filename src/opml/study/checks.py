@@ -13,8 +13,8 @@ from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.files import PACKAGED
 from opml.catalog import kinds
-from opml.catalog.kinds import KINDS, Asked, Kind
-from opml.environment import knowledge
+from opml.catalog.kinds import KINDS, Kind, MeasurementRequest
+from opml.environment import known_weather
 from opml.interop import first_state, orbit_from_files
 from opml.learning.data.dataset import MEASUREMENT
 from opml.learning.data.error_components import CORRECTED
@@ -136,7 +136,7 @@ def _check_day(source: Source, settings: Settings) -> None:
                 variables=run.learning.variables,
             )
             fits = {"arcs", "cd_past", "held"}
-            if learners.learns(learner.own) or not fits.issuperset(learners.tables_asked(learner.variables)):
+            if learners.learns(learner.own) or not fits.issuperset(learners.needed_tables(learner.variables)):
                 raise InputError(f"expected a model that learns nothing, made of fits of one RSO, got {name}")
 
 
@@ -168,9 +168,9 @@ def _check_order(source: Source) -> None:
             raise source.wrong(lower, f"expected at most {upper[-1]}, got {low} and {high}")
     sources, known = source.values["environment"], source.values.get("forecasts", {})
     asked = sources.get("forecast")
-    if (asked is not None or sources.get("knowledge") == knowledge.FORECAST) and asked not in known:
+    if (asked is not None or sources.get("knowledge") == known_weather.FORECAST) and asked not in known:
         raise source.wrong(("environment", "forecast"), f"expected one of {', '.join(known)}, got {asked!r}")
-    if sources.get("knowledge") == knowledge.FORECAST and "issue_hours" not in sources:
+    if sources.get("knowledge") == known_weather.FORECAST and "issue_hours" not in sources:
         raise source.wrong(("environment", "issue_hours"), "expected a value, got none")
     _both(source, ("study", "cleaning", "fence"), ("study", "cleaning", "fence_days"))
     for key in (
@@ -211,7 +211,7 @@ def _check_paths(source: Source, settings: Settings) -> None:
     kinds: Mapping[str, Mapping[str, Any]] = {
         "orbits": settings.orbits,
         **{kind.name: settings.files_of(kind) for kind in KINDS},
-        **{kind.taking: settings.files_beside(kind) for kind in KINDS},
+        **{kind.taking: settings.companion_files(kind) for kind in KINDS},
         "starts": settings.starts,
         "manoeuvres": settings.manoeuvre_files,
         "environment": source.values["environment"],
@@ -235,7 +235,7 @@ def _check_measured(source: Source, settings: Settings, kind: Kind) -> None:
             rso = sheets.parse_rso(name, settings.rsos)
             if others := [other for other in KINDS if other is not kind and name in settings.files_of(other)]:
                 raise InputError(f"expected one of {kinds.names()}, got {kind.name} and {others[0].name}")
-            asked = Asked(
+            asked = MeasurementRequest(
                 paths,
                 settings.taking(kind, name),
                 settings.stations,

@@ -9,7 +9,7 @@ from typing import Any
 from opml import naming
 from opml.naming import Experiment
 from opml.orbits import sheets
-from opml.report.claims import Claim
+from opml.report.paper_claims import Claim
 from opml.report.reproduction import Headline, Reproduction
 from opml.report.sections import section_of
 from opml.study.experiments import Study, fence_of

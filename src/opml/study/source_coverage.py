@@ -10,7 +10,7 @@ from opml.environment import (
     celestial_bodies,
     earth_orientation,
     gravity_field,
-    knowledge,
+    known_weather,
     nodes,
     nrlmsis,
     solar_activity,
@@ -31,7 +31,7 @@ def check(run: RunSettings, *, is_measured: bool = False) -> None:
     celestial_bodies.tabulate(sources.ephemerides, epoch, ends)
     propagated = {"true_solar_activity": sources.true_solar_activity}
     # Measurements before a forecast need not reach into the days ahead.
-    if sources.knowledge != knowledge.FORECAST or not (is_measured or sources.true_solar_activity):
+    if sources.knowledge != known_weather.FORECAST or not (is_measured or sources.true_solar_activity):
         propagated = {"solar_activity": sources.solar_activity, **propagated}
     for setting, source in propagated.items():
         if source:
@@ -50,13 +50,13 @@ def _check_knowledge(run: RunSettings, ends: np.ndarray) -> None:
     sources, epoch = run.environment, run.epoch
     kind, source = sources.knowledge, sources.solar_activity
     try:
-        if kind == knowledge.MONTHLY:
-            knowledge.check_monthly(source)
-        if kind == knowledge.HINDCAST:
-            knowledge.hindcast(source, epoch, ends)
-        if kind == knowledge.FORECAST and sources.forecast and sources.issue_hours:
+        if kind == known_weather.MONTHLY:
+            known_weather.check_monthly(source)
+        if kind == known_weather.HINDCAST:
+            known_weather.hindcast(source, epoch, ends)
+        if kind == known_weather.FORECAST and sources.forecast and sources.issue_hours:
             forecast = run.forecasts[sources.forecast]
-            knowledge.check(source, epoch, ends, forecast=forecast, issue_hours=sources.issue_hours)
+            known_weather.check(source, epoch, ends, forecast=forecast, issue_hours=sources.issue_hours)
     except InputError as error:
         raise InputError(f"environment.knowledge: {kind}: {error}") from None
 

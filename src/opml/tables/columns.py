@@ -1,4 +1,4 @@
-"""Types for columns and schemas, and the groups of columns that several tables share."""
+"""Types for columns and schemas, and names of columns and tables that code asks for."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
@@ -18,6 +18,50 @@ COMPONENTS = tuple(f"e_{axis}" for axis in STATE)  # columns of the components o
 
 SPREAD = [f"{cause}_{axis}" for cause in ("drag", "weather") for axis in "xyz"]
 """Columns of the distances by which drag and the weather ahead may move a prediction."""
+
+SIGMAS = [f"sigma_{name}" for name in COMPONENTS]  # columns of a label's uncertainty, by error component
+
+FIX_SIGMAS = [f"sigma_{axis}" for axis in ("r", "s", "w", "vr", "vs", "vw")]
+"""Columns of the standard deviations of a point's position and velocity, in RSW."""
+
+DOUBT = [f"doubt_{axis}" for axis in "xyz"]
+"""Columns of the standard deviation of the reference state that an ephemeris is compared with."""
+
+SIGMA_STATE = [f"sigma_{name}" for name in STATE]
+"""Columns of the standard deviations behind a covariance (`rsw_covariance.rsw_covariances`)."""
+
+UNSEEN = ["unseen_x", "unseen_z"]
+"""Columns of the part of these that errors against states that err alike do not show."""
+
+ELEMENTS = ["mean_motion", "eccentricity", "inclination", "raan", "argp", "mean_anomaly", "bstar"]
+
+IMPROVED_MODELS = ("density", "learned")
+"""What improves sets of mean elements: their drag, scaled by the density, and what a catalogue taught."""
+
+IMPROVED_LEADS = (1, 3, 5, 7)  # days from the date to the errors that the table of improved sets expects
+
+MECHANISM_AXES = (
+    *("s", "v", "r", "l", "v_long", "floor", "l_arc", "v_arc", "h_arc", "sgp4"),
+    *IMPROVED_MODELS,
+)
+"""Prefixes of the mechanism's columns for each error component, such as `v_y` for e_y."""
+
+PLANE, ELLIPSOID, WHOLE = "plane", "ellipsoid", "state"
+"""Quantities of a calibration with several components: e_x and e_y, the position, the whole state."""
+
+LEVELS = (0.1, 0.25, 0.5, 0.75, 0.9, 0.95, 0.99)  # levels of the stated uncertainties
+
+TRUTH_GROUPS = "truth_groups"  # kind of the tables that list the RSOs whose truths one job made
+
+ENVIRONMENT = ("earth_orientation", "ephemerides", "solar_activity", "gravity_field")
+"""Tables from which every force model is made."""
+
+OUTLOOKS = "outlooks"  # table of forecast activity, where the assumed model knows forecasts only
+
+THERMOSPHERE = "thermosphere"
+"""Table of densities, where the truth is propagated through another atmosphere than DTM2000's."""
+
+OPTIONAL = (OUTLOOKS, THERMOSPHERE)  # tables that only some force models need
 
 
 @dataclass(frozen=True)
@@ -81,20 +125,16 @@ def flag(name: str, meaning: str) -> Column:
     return Column(name, "bool", "", "", meaning)
 
 
-def _unit(parameter: str) -> str:
+def unit_of(parameter: str) -> str:
+    """Return the unit of an estimated parameter."""
     return "1" if parameter == "cd" else "m/s" if parameter.startswith("v") else "m"
-
-
-def state_columns(frame: str, meaning: str, *, prefix: str = "", suffix: str = "") -> tuple[Column, ...]:
-    """Return the six columns of position and velocity."""
-    return tuple(real(f"{prefix}{axis}{suffix}", _unit(axis), f"{meaning}, {axis}", frame) for axis in STATE)
 
 
 def covariance(parameters: Sequence[str], frame: str) -> tuple[Column, ...]:
     """Return the columns of the covariance of parameters: the lower triangle, row by row."""
     columns = []
     for name, (a, b) in zip(covariance_names(parameters), _lower_triangle(parameters), strict=True):
-        units = [unit for unit in (_unit(a), _unit(b)) if unit != "1"]
+        units = [unit for unit in (unit_of(a), unit_of(b)) if unit != "1"]
         columns.append(real(name, " ".join(units) or "1", f"covariance of {a} and {b}", frame))
     return tuple(columns)
 
@@ -112,28 +152,7 @@ STATE_COVARIANCES = covariance_names(STATE)
 
 PARAMETER_COVARIANCES = covariance_names(PARAMETERS)
 
-SINCE = "elapsed SI seconds since the epoch"
-
-TIME = real("t", "s", SINCE)
-
-PAIR = (
-    count("i", "track of the estimate the prediction starts from"),
-    count("j", "track whose start is predicted"),
-)
-
-SPREAD_COLUMNS = (
-    *(real(f"drag_{axis}", "m", f"how far a tenth more drag takes it, {axis}", "RSW") for axis in "xyz"),
-    *(
-        real(f"weather_{axis}", "m", f"root mean square distance of the weather's futures, {axis}", "RSW")
-        for axis in "xyz"
-    ),
-)
-
-ERRORS = state_columns("RSW of the true state at t_j", "predicted minus true state at t_j", prefix="e_")
-
-NO_TRUTH = "; NaN where there is no truth"
-
-PREDICTED = "RSW of the predicted state at t_j"
+POSITION_COVARIANCES = covariance_names("xyz")
 
 
 def state_rows(table: pd.DataFrame) -> np.ndarray:

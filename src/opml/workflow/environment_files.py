@@ -5,7 +5,7 @@ from functools import cached_property
 from pathlib import Path
 
 from opml import tables
-from opml.environment import knowledge, nrlmsis
+from opml.environment import known_weather, nrlmsis
 from opml.environment.forecasts import methods, persistence
 from opml.environment.forecasts.method import ForecastSettings
 from opml.environment.settings import EnvironmentSettings
@@ -39,7 +39,7 @@ class EnvironmentFiles:
     @property
     def is_forecast(self) -> bool:
         """Whether predictions are propagated under a forecast of the space weather."""
-        return self.knowledge == knowledge.FORECAST
+        return self.knowledge == known_weather.FORECAST
 
     @property
     def true_activity(self) -> str:
@@ -57,7 +57,7 @@ class EnvironmentFiles:
     @cached_property
     def fits(self) -> dict[str, str]:
         """Tables that fits read; with a forecast, all that was measured by the time of each fit."""
-        return self._known(outlooks_every=knowledge.FIT_HOURS)
+        return self._known(outlooks_every=known_weather.FIT_HOURS)
 
     @cached_property
     def predictions(self) -> dict[str, str]:
@@ -70,7 +70,7 @@ class EnvironmentFiles:
 
     def _known(self, *, outlooks_every: int | None) -> dict[str, str]:
         paths = self._all
-        if self.knowledge in knowledge.KNOWN:
+        if self.knowledge in known_weather.KNOWN:
             paths["solar_activity"] = self.path("hindcast")
         if self.is_forecast:
             paths[tables.OUTLOOKS] = self.path(f"{tables.OUTLOOKS}_{outlooks_every}h")

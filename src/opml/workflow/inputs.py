@@ -96,7 +96,7 @@ def _tables_asked(settings: ResolvedSettings) -> list[tuple[str, str]]:
     if arc := learners.arc_of(settings):
         suffixes["arcs"] = naming.arc_suffix(arc[0])
         suffixes["cd_past"] = suffixes["held"] = suffixes["arcs"] + naming.memory_suffix(arc[1])
-    return [(kind, suffixes.get(kind, "")) for kind in learners.tables_asked(settings.variables)]
+    return [(kind, suffixes.get(kind, "")) for kind in learners.needed_tables(settings.variables)]
 
 
 def _input_function(

@@ -18,7 +18,8 @@ def page(name: str) -> str:
     Raises InputError where there is no such page.
     """
     if name not in _names():
-        near = " or ".join(_pages_of_command(name) or get_close_matches(name, _names(), n=3, cutoff=0.5))
+        close = get_close_matches(name, _names(), n=3, cutoff=0.75)
+        near = " or ".join(_pages_with(f"opml {name} ") or close or _pages_with(name))
         expected = f"a page such as {near}" if near else "a page that `opml docs` lists"
         raise InputError(f"docs: expected {expected}, got {name}")
     return _INCLUDED.sub(lambda found: (MANUAL / found[1]).read_text(encoding="utf-8"), _text(name)).rstrip(
@@ -34,9 +35,10 @@ def contents() -> str:
     return "\n".join(lines)
 
 
-def _pages_of_command(name: str) -> list[str]:
-    """Return the pages that show `opml NAME`, at most two, those that show it most often first."""
-    counts = Counter({one: _text(one).count(f"opml {name} ") for one in _names()})
+def _pages_with(text: str) -> list[str]:
+    """Return the pages that have a text, at most two and none of tables, that with most of it first."""
+    pages = [one for one in _names() if "/" not in one]
+    counts = Counter({one: _text(one).lower().count(text.lower()) for one in pages})
     return [one for one, count in counts.most_common(2) if count]
 
 

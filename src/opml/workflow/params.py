@@ -8,7 +8,7 @@ from opml import naming
 from opml.base.errors import InputError
 from opml.base.section import Section
 from opml.catalog import kinds
-from opml.environment import knowledge
+from opml.environment import known_weather
 from opml.figures.display_names import describe_run
 from opml.learning.data import error_components
 from opml.learning.data.dataset import MEASUREMENT
@@ -250,7 +250,7 @@ class Params:
     @property
     def measured_weather(self) -> str:
         """The weather under which mean elements are improved."""
-        return str(knowledge.measured_source(self.run.environment.solar_activity))
+        return str(known_weather.measured_source(self.run.environment.solar_activity))
 
     def page_of_day(self, wildcards: Wildcards) -> dict[str, Any]:
         """Return the params of the page of the wildcard `date`."""
@@ -341,12 +341,13 @@ class Params:
     @property
     def catalogue_seasons(self) -> dict[str, Any]:
         """Dates of all of a catalogue's tests, who taught, and what figures call them."""
-        tests = self.plan.settings.catalogue.tests if self.plan.settings.catalogue else {}
+        asked = self.plan.settings.catalogue
+        tests = asked.tests if asked else {}
         return {
             "epoch": self.run.epoch,
             "seasons_of_tests": {name: _seasons(test) for name, test in tests.items()},
             "teachers": {name: test.teachers for name, test in tests.items()},
-            "labels": {name: test.words for name, test in tests.items()},
+            "labels": {name: asked.words(name) for name in tests} if asked else {},
         }
 
     def catalogue_season(self, wildcards: Wildcards) -> dict[str, Any]:

@@ -14,7 +14,7 @@ from opml.catalog import kinds
 from opml.environment.solar_activity import OBSERVED
 from opml.report.catalogue_pages.day_of_many import MOST
 from opml.report.settings_tables import weather
-from opml.study import shared_truths
+from opml.study import truth_groups
 from opml.study.beyond import Beyond
 from opml.study.experiments import Study
 from opml.study.own_study import OwnStudy
@@ -23,7 +23,7 @@ from opml.study.settings.merging import Settings
 from opml.study.settings.model.catalogue import SeasonSettings
 from opml.study.settings.model.run import RandomSeeds
 from opml.workflow.environment_files import EnvironmentFiles
-from opml.workflow.products import Product
+from opml.workflow.product_paths import Product
 
 _JOBS, _FEW = 4, 32  # jobs of a morning that are enough, and objects of one up to which there are fewer
 
@@ -124,8 +124,8 @@ class Plan:
     @cached_property
     def truth_groups(self) -> list[tuple[str, ...]]:
         """The RSOs of the studies, by the job that propagates their truths together."""
-        rsos = shared_truths.named_rsos(self.paper, self.beyond, self.own_study)
-        return shared_truths.groups(self.study, dict.fromkeys(rsos), results=Path(self.settings.run.results))
+        rsos = truth_groups.named_rsos(self.paper, self.beyond, self.own_study)
+        return truth_groups.groups(self.study, dict.fromkeys(rsos), results=Path(self.settings.run.results))
 
     @cached_property
     def weather(self) -> str:

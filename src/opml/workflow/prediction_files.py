@@ -8,10 +8,10 @@ from typing import Any
 
 from opml.base.errors import InputError
 from opml.base.files import FilePath, replacing, suffix_of
-from opml.element_sets.passes import Place, passes
 from opml.element_sets.prediction import Prediction
+from opml.element_sets.station_passes import Place, passes
 from opml.interop import czml
-from opml.interop.element_sets import element_fits, omm, rewriting, tle
+from opml.interop.element_sets import omm, rewriting, tle
 from opml.interop.predicted_orbit import PredictedOrbit
 from opml.tables import write_as
 
@@ -37,10 +37,6 @@ def write(path: FilePath, prediction: PredictedOrbit, places: Sequence[Place]) -
     WRITERS[Path(path).suffix.lower()](path, prediction, places)
 
 
-def _oem(path: FilePath, prediction: PredictedOrbit, _: Sequence[Place]) -> None:
-    prediction.to_oem(path)
-
-
 def _set(path: FilePath, prediction: PredictedOrbit, _: Sequence[Place]) -> None:
     if not isinstance(prediction, Prediction):
         _fitted_set(path, prediction)
@@ -50,6 +46,8 @@ def _set(path: FilePath, prediction: PredictedOrbit, _: Sequence[Place]) -> None
 
 def _fitted_set(path: FilePath, prediction: PredictedOrbit) -> None:
     """Write the set by which SGP4 comes nearest to a prediction."""
+    from opml.interop.element_sets import element_fits  # SciPy's optimizers: a quarter of a second
+
     ephemeris, epoch, identity = prediction.segment(), prediction.date, prediction.identity
     satellite = element_fits.fit_ephemeris(ephemeris, epoch=epoch)
     if Path(path).suffix.lower() == ".tle":
@@ -70,9 +68,9 @@ def _czml(path: FilePath, prediction: PredictedOrbit, _: Sequence[Place]) -> Non
 
 
 def _page(path: FilePath, prediction: PredictedOrbit, places: Sequence[Place]) -> None:
-    from opml.figures import predicted as figures
+    from opml.figures import prediction_figures as figures
     from opml.figures.style import save_png
-    from opml.report import predicted as report
+    from opml.report import prediction_page as report
     from opml.report.document import Picture, html_page
 
     drawn = {
@@ -90,7 +88,7 @@ def _page(path: FilePath, prediction: PredictedOrbit, places: Sequence[Place]) -
 
 
 WRITERS: dict[str, Writer] = {
-    ".oem": _oem,
+    ".oem": lambda path, prediction, _: prediction.to_oem(path),
     ".tle": _set,
     ".kvn": _set,
     ".xml": _set,

@@ -19,7 +19,7 @@ from support import REPOSITORY, refusal, refusals
 
 from opml import cli
 from opml.base.errors import InputError
-from opml.benchmark import answers, baselines, freezing, recipes, tasks
+from opml.benchmark import answers, baselines, recipes, task_folders, tasks
 from opml.benchmark.scores import crps, log_score
 from opml.environment import solar_activity
 from opml.environment.weather import Weather
@@ -498,7 +498,10 @@ def test_forecasts_are_those_issued_last(recipe, tmp_path):
     )
     early = recipe.evolve(first=date(2025, 12, 23), last=date(2025, 12, 23), groups=1)
     folder = tmp_path / "task"
-    folders, known = freezing.Folders(folder, tmp_path / "truth"), freezing.WeatherSources(forecasts=issued)
+    folders, known = (
+        task_folders.Folders(folder, tmp_path / "truth"),
+        task_folders.WeatherSources(forecasts=issued),
+    )
     recipes.make(early, sets, folders, known)
     text = (folder / "inputs/2025-12-23T060000/forecast.csv").read_text()
     assert text == "issued,valid,f107\n2025-12-20T03:00:00Z,2025-12-21,150\n"
@@ -506,12 +509,12 @@ def test_forecasts_are_those_issued_last(recipe, tmp_path):
         (early.evolve(digest="0" * 64), known, "digest: expected 0000"),
         (
             early,
-            freezing.WeatherSources(forecasts=tmp_path / "none.csv"),
+            task_folders.WeatherSources(forecasts=tmp_path / "none.csv"),
             "none.csv: expected comma-separated values",
         ),
         (
             early,
-            freezing.WeatherSources(_until(tmp_path / "weather.csv", "2025-11-20")),
+            task_folders.WeatherSources(_until(tmp_path / "weather.csv", "2025-11-20")),
             "measured up to 2025-12-23",
         ),
     ):
@@ -532,8 +535,8 @@ def test_a_task_takes_the_place_of_no_other_files(folder, recipe, tmp_path):
     (tmp_path / "sets").mkdir()
     (tmp_path / "sets" / "one.tle").write_text("whatever it holds\n")
     for task, truth in ((tmp_path / folder, tmp_path / "new"), (tmp_path / "new", tmp_path / folder)):
-        folders = freezing.Folders(task, truth)
-        told = refusal(recipes.make, recipe, [tmp_path / "sets"], folders, freezing.WeatherSources())
+        folders = task_folders.Folders(task, truth)
+        told = refusal(recipes.make, recipe, [tmp_path / "sets"], folders, task_folders.WeatherSources())
         assert "expected a new folder, an empty one" in told
     assert (tmp_path / "sets" / "one.tle").is_file()
 
@@ -606,7 +609,7 @@ def test_the_highest_ap_is_that_of_the_week_after(tmp_path):
     folder = tmp_path / "truth"
     folder.mkdir()
     asked = [(1, f"2023-03-{day:02d}T06:00:00", 1, "") for day in (1, 2, 9, 10)]
-    freezing.write_truth(folder, asked, [np.zeros(6)] * len(asked), weather)
+    task_folders.write_truth(folder, asked, [np.zeros(6)] * len(asked), weather)
     found = pd.read_csv(folder / "weeks.csv")["highest_ap"]
     np.testing.assert_array_equal(found, [7.0, 48.0, 48.0, np.nan])  # the last week is not over
 

@@ -11,7 +11,7 @@ from support import REPOSITORY, refusal, refusals
 
 from opml.base import epochs
 from opml.benchmark import recipes, tasks
-from opml.benchmark.freezing import Folders, WeatherSources
+from opml.benchmark.task_folders import Folders, WeatherSources
 from opml.interop import tdm
 from opml.report import benchmark
 

@@ -6,7 +6,7 @@ import pytest
 from fits import fitted
 
 from opml.base.constants import DAY
-from opml.catalog.flight import Flight
+from opml.catalog.propagator import Propagator
 from opml.catalog.simulate import tracking, truth
 
 
@@ -19,13 +19,13 @@ def smooth(iss):
 @pytest.fixture(scope="session")
 def smooth_orbit(assumed_model, smooth):
     """A day of it."""
-    return truth.simulate(Flight(assumed_model, smooth), duration=DAY, step=20.0)
+    return truth.simulate(Propagator(assumed_model, smooth), duration=DAY, step=20.0)
 
 
 @pytest.fixture(scope="session")
-def known_flight(assumed_model, iss):
+def known_propagator(assumed_model, iss):
     """The RSO under the assumed model, which errs in nothing here."""
-    return Flight(assumed_model, iss)
+    return Propagator(assumed_model, iss)
 
 
 @pytest.fixture(scope="module")
@@ -35,9 +35,9 @@ def rows(orbit, earth_orientation, three_stations):
 
 
 @pytest.fixture(scope="session")
-def known_orbit(known_flight):
+def known_orbit(known_propagator):
     """A day of it."""
-    return truth.simulate(known_flight, duration=DAY, step=20.0)
+    return truth.simulate(known_propagator, duration=DAY, step=20.0)
 
 
 @pytest.fixture(scope="session")
@@ -47,10 +47,10 @@ def known_rows(known_orbit, earth_orientation, three_stations):
 
 
 @pytest.fixture(scope="session")
-def fits_to(known_flight, known_orbit, earth_orientation, three_stations):
+def fits_to(known_propagator, known_orbit, earth_orientation, three_stations):
     """The table of estimates of rows, with settings, and how far they are `off` [m]."""
 
     def fit(rows, settings):
-        return fitted(known_flight, known_orbit, rows, earth_orientation, three_stations, settings)
+        return fitted(known_propagator, known_orbit, rows, earth_orientation, three_stations, settings)
 
     return fit

@@ -4,9 +4,9 @@ import numpy as np
 import pandas as pd
 
 from opml.base.constants import DAY
-from opml.catalog.flight import Flight
 from opml.catalog.predict import prediction
 from opml.catalog.predict.covariance import of_positions, propagated
+from opml.catalog.propagator import Propagator
 from opml.orbits.elements import cartesian_from_coe, in_rsw
 from opml.tables import PARAMETER_COVARIANCES, POSITION_COVARIANCES, SCHEMAS, STATE, symmetric_matrices
 
@@ -30,15 +30,15 @@ def test_carried_covariances_are_those_of_many_arcs(assumed_model, iss):
     table = pd.DataFrame({"track": 10 + np.arange(3), "t": TIMES, "converged": True, "cd": 2.2})
     table[STATE] = cartesian_from_coe(coe, assumed_model.gm)
     table = table.assign(**dict(zip(PARAMETER_COVARIANCES, fit[np.tril_indices(7)], strict=True)))
-    flight = Flight(assumed_model, iss)
-    pairs = prediction.predict_all(flight, table[["t", *STATE]], table, max_days=2.0)
-    carried = propagated(flight, table, pairs)
+    propagator = Propagator(assumed_model, iss)
+    pairs = prediction.predict_all(propagator, table[["t", *STATE]], table, max_days=2.0)
+    carried = propagated(propagator, table, pairs)
     found = of_positions(pairs, carried)
     assert list(found.columns) == SCHEMAS["covariances"].names
     assert found[["i", "j"]].to_numpy().tolist() == [[10, 11], [10, 12], [11, 12]]
 
     draws = np.random.default_rng(1).multivariate_normal(np.zeros(7), fit, DRAWS)
-    arcs = flight.propagate(
+    arcs = propagator.propagate(
         TIMES,
         table.loc[0, STATE].to_numpy(float) + draws[:, :6],
         cd=2.2 + draws[:, 6],

@@ -10,10 +10,10 @@ from support import BOUNDED_ESTIMATION as SETTINGS
 from support import rsos
 
 from opml.base.constants import DAY, HOUR
-from opml.catalog.fit import estimation, neighbour_arcs, sightings, start_states
+from opml.catalog.fit import estimation, neighbour_arcs, observations, start_states
 from opml.catalog.fit.least_squares import NOT_CONVERGED, UNDERDETERMINED
 from opml.catalog.fit.starts import Solution, Starts
-from opml.catalog.flight import Flight
+from opml.catalog.propagator import Propagator
 from opml.catalog.simulate import tracking, truth
 from opml.tables import PARAMETER_COVARIANCES, PARAMETERS, STATE
 
@@ -22,8 +22,8 @@ TRUE = {name: f"{name}_true" for name in tracking.QUANTITIES}
 
 
 def estimates(model, orbit, rows, earth_orientation, stations, rso, *, threads=1, seed=42, **settings):
-    flight, settings = Flight(model, rso, threads=threads), SETTINGS.evolve(**settings)
-    return fits.fitted(flight, orbit, rows, earth_orientation, stations, settings, seed=seed)
+    propagator, settings = Propagator(model, rso, threads=threads), SETTINGS.evolve(**settings)
+    return fits.fitted(propagator, orbit, rows, earth_orientation, stations, settings, seed=seed)
 
 
 def without_noise(rows):
@@ -41,7 +41,7 @@ def covariances(table):
 @pytest.fixture(scope="module")
 def orbit(assumed_model, iss):
     """Two days of the paper's RSO under the assumed model itself."""
-    return truth.simulate(Flight(assumed_model, iss), duration=2 * DAY, step=20.0)
+    return truth.simulate(Propagator(assumed_model, iss), duration=2 * DAY, step=20.0)
 
 
 @pytest.fixture(scope="module")
@@ -62,7 +62,7 @@ def table(rows, fitted):
 def test_perfect_measurements_give_the_truth(assumed_model, earth_orientation, three_stations, iss):
     """Without radiation pressure: the shadow's edge inside a step makes two grids differ by a decimetre."""
     smooth = replace(iss, cr=0.0)
-    orbit = truth.simulate(Flight(assumed_model, smooth), duration=DAY, step=20.0)
+    orbit = truth.simulate(Propagator(assumed_model, smooth), duration=DAY, step=20.0)
     rows = without_noise(tracking.simulate(orbit, earth_orientation, three_stations, rso="iss", seed=1))
     found = estimates(assumed_model, orbit, rows, earth_orientation, three_stations, smooth, convergence=1e-6)
     many = found["tracks_used"] >= 3
@@ -123,17 +123,17 @@ def test_fewer_measurements_leave_more_doubt(table):
 
 @pytest.fixture
 def measured(rows, earth_orientation, three_stations):
-    return sightings.Measured(rows, earth_orientation, three_stations)
+    return observations.Measured(rows, earth_orientation, three_stations)
 
 
 @pytest.fixture
 def evaluated(assumed_model, iss, measured):
     """The evaluation of a window at parameters (7,)."""
-    flight = Flight(assumed_model, iss)
+    propagator = Propagator(assumed_model, iss)
 
     def evaluate(window, parameters):
         (around,), (lost,) = neighbour_arcs.propagate_around(
-            flight, measured.epochs, [window], parameters[None]
+            propagator, measured.epochs, [window], parameters[None]
         )
         assert not lost
         return measured.evaluation(window, around.states)
@@ -243,7 +243,7 @@ def test_a_start_that_decays_is_a_row_and_spoils_no_other(fitted, rows):
 
 def test_high_orbits_leave_cd_at_its_a_priori_value(assumed_model, earth_orientation, three_stations):
     lageos = rsos()["lageos1"]
-    high = truth.simulate(Flight(assumed_model, lageos), duration=0.6 * DAY, step=20.0)
+    high = truth.simulate(Propagator(assumed_model, lageos), duration=0.6 * DAY, step=20.0)
     rows = tracking.simulate(high, earth_orientation, three_stations, rso="lageos1", seed=1)
     found = estimates(assumed_model, high, rows, earth_orientation, three_stations, lageos)
     assert found["converged"].all()
@@ -281,10 +281,10 @@ def test_a_fit_without_a_start_takes_the_newest_estimate_whatever_it_says_of_cd(
     first = rows[rows["track"] < 12]
     starts = start_states.perturbed(orbit, first, rso="iss", settings=SETTINGS, seed=1)
     lost = starts.assign(**{name: starts[name].where(starts["track"] < 4) for name in STATE})
-    measured = sightings.Measured(first, earth_orientation, three_stations)
+    measured = observations.Measured(first, earth_orientation, three_stations)
     settings = SETTINGS.evolve(cd_bounds=(9.0, 9.1))
     found, known, none = (
-        estimation.estimate_all(Flight(assumed_model, iss), table, measured, settings=settings)
+        estimation.estimate_all(Propagator(assumed_model, iss), table, measured, settings=settings)
         for table in (lost, starts, lost.assign(x=np.nan))
     )
     assert found["converged"].all()
@@ -294,7 +294,7 @@ def test_a_fit_without_a_start_takes_the_newest_estimate_whatever_it_says_of_cd(
 
 
 def test_an_absurd_estimate_is_nobodys_start(assumed_model, iss):
-    starts = Starts(None, Flight(assumed_model, iss), None, None, None)
+    starts = Starts(None, Propagator(assumed_model, iss), None, None, None)
     normal = np.linalg.inv(np.diag([1e4] * 3 + [1e-2] * 3 + [1.0]) + 0.9 * (_tied() + _tied().T))
     for cd, kept in ((4.2, True), (-424469.0, False)):
         best = np.append(np.full(6, 7e6), cd)
@@ -341,17 +341,17 @@ def test_windows_of_several_lengths_side_by_side_have_the_bits_of_each_alone(
     assumed_model, orbit, rows, table, earth_orientation, three_stations, iss
 ):
     """One starts from an earlier fit, the other from the state that is given."""
-    flight, last = Flight(assumed_model, iss), int(table["track"].iloc[-1])
-    measured = sightings.Measured(rows, earth_orientation, three_stations)
+    propagator, last = Propagator(assumed_model, iss), int(table["track"].iloc[-1])
+    measured = observations.Measured(rows, earth_orientation, three_stations)
     starts = start_states.perturbed(orbit, rows, rso="iss", settings=SETTINGS, seed=1)
     earlier = {6.0: table.iloc[:0], 12.0: table.iloc[:-1]}
     found = estimation.estimate_over_windows(
-        flight, starts, measured, settings=SETTINGS, track=last, earlier=earlier
+        propagator, starts, measured, settings=SETTINGS, track=last, earlier=earlier
     )
     assert found["window_hours"].tolist() == [6.0, 12.0]
     for hours, known in earlier.items():
         alone = estimation.estimate_further(
-            flight,
+            propagator,
             starts,
             measured,
             settings=SETTINGS.evolve(window_hours=hours),

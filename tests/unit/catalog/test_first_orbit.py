@@ -15,8 +15,8 @@ from opml.base.errors import InputError
 from opml.catalog.fit import estimation, measured_tracks, start_states
 from opml.catalog.fit.estimation import Run
 from opml.catalog.fit.first import first_orbit
-from opml.catalog.fit.sightings import Measured
-from opml.catalog.flight import Flight
+from opml.catalog.fit.observations import Measured
+from opml.catalog.propagator import Propagator
 from opml.catalog.simulate import tracking, truth
 from opml.interop import first_state, oem, tdm
 from opml.interop.object_ids import ObjectId
@@ -26,7 +26,7 @@ from opml.tables import STATE
 @pytest.fixture(scope="module")
 def orbit(truth_model, iss):
     """Two days of the paper's RSO under another model than the assumed one."""
-    return truth.simulate(Flight(truth_model, iss), duration=2 * DAY, step=20.0)
+    return truth.simulate(Propagator(truth_model, iss), duration=2 * DAY, step=20.0)
 
 
 @pytest.fixture(scope="module")
@@ -35,8 +35,8 @@ def measured(rows, earth_orientation, three_stations):
 
 
 @pytest.fixture(scope="module")
-def starts(flight, measured):
-    return first_orbit.determined(flight, measured, settings=SETTINGS)
+def starts(propagator, measured):
+    return first_orbit.determined(propagator, measured, settings=SETTINGS)
 
 
 def apart(table, orbit):
@@ -50,11 +50,11 @@ def test_almost_every_single_track_gives_an_orbit(
     assumed_model, truth_model, earth_orientation, three_stations, name
 ):
     rso = rsos()[name]
-    orbit = truth.simulate(Flight(truth_model, rso), duration=DAY, step=20.0)
+    orbit = truth.simulate(Propagator(truth_model, rso), duration=DAY, step=20.0)
     rows = tracking.simulate(orbit, earth_orientation, three_stations, rso=name, seed=1)
     measured = Measured(rows, earth_orientation, three_stations)
     none = np.empty((0, 6))
-    run = Run.of_states(Flight(assumed_model, rso), none, measured, SETTINGS, ages=np.empty(0))
+    run = Run.of_states(Propagator(assumed_model, rso), none, measured, SETTINGS, ages=np.empty(0))
     found = first_orbit.single_tracks(run)
     assert len(found) >= 0.9 * rows["track"].nunique()
     true = orbit.set_index("t")[STATE]
@@ -69,10 +69,10 @@ def test_the_first_orbit_is_near_the_true_one_at_every_track(starts, rows, orbit
     assert apart(starts, orbit).max() < 5e3
 
 
-def test_fits_from_it_are_those_from_the_perturbed_truth(flight, starts, measured, rows, orbit):
+def test_fits_from_it_are_those_from_the_perturbed_truth(propagator, starts, measured, rows, orbit):
     with_truth = start_states.perturbed(orbit, rows, rso="iss", settings=SETTINGS, seed=1)
     ours, theirs = (
-        estimation.estimate_all(flight, one, measured, settings=SETTINGS) for one in (starts, with_truth)
+        estimation.estimate_all(propagator, one, measured, settings=SETTINGS) for one in (starts, with_truth)
     )
     assert ours["converged"].all()
     assert theirs["converged"].all()
@@ -81,21 +81,23 @@ def test_fits_from_it_are_those_from_the_perturbed_truth(flight, starts, measure
 
 
 def test_what_was_exported_and_read_gives_the_same_estimates_to_the_bit(
-    flight, starts, rows, earth_orientation, three_stations, tmp_path
+    propagator, starts, rows, earth_orientation, three_stations, tmp_path
 ):
     tdm.write(tmp_path / "iss.tdm", rows, epoch=EPOCH, rso="iss")
     back = measured_tracks.tracks(tdm.measurements([tmp_path / "iss.tdm"], epoch=EPOCH), three_stations)
     both = (Measured(one, earth_orientation, three_stations) for one in (rows, back))
-    found = [estimation.estimate_all(flight, starts, one, settings=SETTINGS) for one in both]
+    found = [estimation.estimate_all(propagator, starts, one, settings=SETTINGS) for one in both]
     pd.testing.assert_frame_equal(*found, check_exact=True)
 
 
-def test_elements_are_carried_to_every_track(flight, measured, orbit):
-    table = first_orbit.starts_from_state(flight, measured, first_orbit.of_sheet(flight.rso, flight.model.gm))
+def test_elements_are_carried_to_every_track(propagator, measured, orbit):
+    table = first_orbit.starts_from_state(
+        propagator, measured, first_orbit.of_sheet(propagator.rso, propagator.model.gm)
+    )
     assert apart(table, orbit).max() < 50e3
     # From a state in the middle, forward and backward.
     middle = orbit[STATE].iloc[4320].to_numpy()
-    table = first_orbit.starts_from_state(flight, measured, (DAY, middle))
+    table = first_orbit.starts_from_state(propagator, measured, (DAY, middle))
     assert apart(table, orbit).max() < 20e3
     assert apart(table[np.abs(table["t"] - DAY) < 20e3], orbit).max() < 2e3
 
@@ -104,23 +106,25 @@ def test_elements_that_are_not_known_are_none(assumed_model, iss):
     assert first_orbit.of_sheet(replace(iss, a=np.nan), assumed_model.gm) is None
 
 
-def test_tracks_of_another_rso_are_told(flight, measured):
-    other = first_orbit.of_sheet(replace(flight.rso, mean_anomaly=1.0), flight.model.gm)
+def test_tracks_of_another_rso_are_told(propagator, measured):
+    other = first_orbit.of_sheet(replace(propagator.rso, mean_anomaly=1.0), propagator.model.gm)
     with pytest.raises(
         InputError, match=r"iss: expected tracks near the orbit .*, got tracks that are \d+ km"
     ):
-        first_orbit.starts_from_state(flight, measured, other)
+        first_orbit.starts_from_state(propagator, measured, other)
 
 
-def test_tracks_that_give_no_orbit_are_told(flight, rows, earth_orientation, three_stations):
+def test_tracks_that_give_no_orbit_are_told(propagator, rows, earth_orientation, three_stations):
     short = Measured(rows.groupby("track").head(2), earth_orientation, three_stations)
     with pytest.raises(InputError, match=r"iss: expected a track .* of two angles, 30 s long, with 5 ranges"):
-        first_orbit.determined(flight, short, settings=SETTINGS)
+        first_orbit.determined(propagator, short, settings=SETTINGS)
 
 
-def test_the_log_tells_what_was_done(flight, measured, caplog):
+def test_the_log_tells_what_was_done(propagator, measured, caplog):
     caplog.set_level(logging.INFO)
-    first_orbit.starts_from_state(flight, measured, first_orbit.of_sheet(flight.rso, flight.model.gm))
+    first_orbit.starts_from_state(
+        propagator, measured, first_orbit.of_sheet(propagator.rso, propagator.model.gm)
+    )
     assert "km from the first day's tracks" in caplog.text
 
 

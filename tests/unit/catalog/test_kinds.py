@@ -14,7 +14,7 @@ from opml.base.yaml_files import read_yaml
 from opml.catalog import kinds
 from opml.catalog.fit import estimation, fixes
 from opml.catalog.fit.first import first_orbit
-from opml.catalog.flight import Flight
+from opml.catalog.propagator import Propagator
 from opml.catalog.simulate import truth
 from opml.figures.display_names import display_stations
 from opml.study.experiments import Study
@@ -46,14 +46,14 @@ def toy(monkeypatch):
 
 
 def test_fits_are_made_to_a_kind_that_is_declared(toy, assumed_model, iss):
-    flight = Flight(assumed_model, replace(iss, cr=0.0))
-    orbit = truth.simulate(flight, duration=12 * HOUR, step=240.0)
+    propagator = Propagator(assumed_model, replace(iss, cr=0.0))
+    orbit = truth.simulate(propagator, duration=12 * HOUR, step=240.0)
     table = orbit[["t", *HEIGHTS]].rename(columns=HEIGHTS)
     assert kinds.of_table(table) is toy
     settings = BOUNDED_ESTIMATION.evolve(window_hours=9.0)
     measured = fixes.measurements(table, pd.DataFrame(), [])
-    starts = first_orbit.starts(flight, measured, known=None, settings=settings)
-    last = estimation.estimate_all(flight, starts, measured, settings=settings).iloc[-1]
+    starts = first_orbit.starts(propagator, measured, known=None, settings=settings)
+    last = estimation.estimate_all(propagator, starts, measured, settings=settings).iloc[-1]
     at = orbit.loc[orbit["t"] == last["t"], STATE[:3]].to_numpy()[0]
     assert last["converged"]
     assert np.linalg.norm(last[PARAMETERS[:3]].to_numpy(float) - at) < 1.0
@@ -74,7 +74,9 @@ def test_the_name_of_a_kind_stands_in_the_place_of_stations(toy):
 
 def test_the_code_of_fits_is_that_of_all_kinds():
     """Else a change of one would run no fit again."""
-    assert {"opml.catalog.fit.sightings", "opml.catalog.fit.laser_ranges"} < closure("opml.catalog.fit.fixes")
+    assert {"opml.catalog.fit.observations", "opml.catalog.fit.laser_ranges"} < closure(
+        "opml.catalog.fit.fixes"
+    )
 
 
 def test_a_table_of_no_kind_is_refused():

@@ -6,14 +6,14 @@ import pytest
 from support import BOUNDED_ESTIMATION as SETTINGS
 
 from opml.base.constants import DAY, HOUR
-from opml.catalog.fit import estimation, sightings, start_states
-from opml.catalog.flight import Flight
+from opml.catalog.fit import estimation, observations, start_states
 from opml.catalog.predict import labels, other_windows, prediction, sensitivity
+from opml.catalog.propagator import Propagator
 from opml.catalog.simulate import truth
 from opml.learning.data import dataset, splits
 from opml.learning.data.cleaning import Cleaning
 from opml.learning.models import learners
-from opml.learning.models.inputs import Training, inverse_variances
+from opml.learning.models.training_inputs import Training, inverse_variances
 from opml.tables import (
     COMPONENTS,
     LEARNING_VARIABLES,
@@ -116,39 +116,39 @@ def test_equal_weights_change_nothing_and_useless_rows_no_model(name):
 
 @pytest.fixture(scope="module")
 def orbit(truth_model, iss):
-    return truth.simulate(Flight(truth_model, iss), duration=1.7 * DAY, step=20.0)
+    return truth.simulate(Propagator(truth_model, iss), duration=1.7 * DAY, step=20.0)
 
 
 @pytest.fixture(scope="module")
 def chain(assumed_model, orbit, earth_orientation, three_stations, iss):
     """From tracks to datasets by label: what the workflow does without a truth."""
-    flight = Flight(assumed_model, iss)
+    propagator = Propagator(assumed_model, iss)
 
     def estimated(tracks, **settings):
         settings = SETTINGS.evolve(cd_bounds=None, **settings)
         starts = start_states.perturbed(orbit, tracks, rso="iss", settings=settings, seed=42)
-        measured = sightings.Measured(tracks, earth_orientation, three_stations)
-        return estimation.estimate_all(flight, starts, measured, settings=settings)
+        measured = observations.Measured(tracks, earth_orientation, three_stations)
+        return estimation.estimate_all(propagator, starts, measured, settings=settings)
 
     def predicted(estimates):
-        return prediction.predict_all(flight, orbit, estimates, max_days=0.5)
+        return prediction.predict_all(propagator, orbit, estimates, max_days=0.5)
 
     def chained(tracks):
         short, long = estimated(tracks), estimated(tracks, window_hours=24)
         smoothed = estimated(tracks, after_hours=6)
         pairs = predicted(short)
         beside = (
-            sensitivity.sensitivities(flight, short, pairs, bounds=None),
-            other_windows.build_arcs(flight, pairs, arc_estimates=long, arc_predictions=predicted(long)),
+            sensitivity.sensitivities(propagator, short, pairs, bounds=None),
+            other_windows.build_arcs(propagator, pairs, arc_estimates=long, arc_predictions=predicted(long)),
             other_windows.build_past(pairs, arc_estimates=long, apriori=iss.cd, memory_days=30),
-            other_windows.build_held(flight, pairs, arc_estimates=long, memory_days=30),
+            other_windows.build_held(propagator, pairs, arc_estimates=long, memory_days=30),
         )
         made = {}
         for label, later, after in (("later", short, 0.0), ("smoothed", smoothed, 6 * HOUR)):
             known = labels.build(pairs, later, tracks, after=after)
             table = dataset.build(short, pairs, tracks, gm=assumed_model.gm, cleaning=CLEANING, labels=known)
             for other in beside:
-                table = dataset.join_beside(table, other)
+                table = dataset.join_table(table, other)
             made[label] = table
         return made
 

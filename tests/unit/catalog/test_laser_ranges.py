@@ -12,7 +12,7 @@ from opml.catalog.fit import fixes, laser_ranges, range_corrections
 from opml.catalog.fit.estimate import Estimate
 from opml.catalog.fit.estimation import Run
 from opml.catalog.fit.least_squares import Fit
-from opml.catalog.flight import Flight
+from opml.catalog.propagator import Propagator
 from opml.catalog.simulate import truth
 from opml.catalog.simulate.observing import StationStates, horizon, predicted
 from opml.tables import SCHEMAS, STATE, read_measured, write_table
@@ -85,13 +85,13 @@ def sites():
 
 
 @pytest.fixture(scope="module")
-def flight(assumed_model):
-    return Flight(assumed_model, rsos()["lageos1"])
+def propagator(assumed_model):
+    return Propagator(assumed_model, rsos()["lageos1"])
 
 
 @pytest.fixture(scope="module")
-def orbit(flight):
-    return truth.simulate(flight, duration=DAY, step=120.0)
+def orbit(propagator):
+    return truth.simulate(propagator, duration=DAY, step=120.0)
 
 
 @pytest.fixture(scope="module")
@@ -161,7 +161,7 @@ def test_stations_stand_where_they_moved_to(sites):
             sites.position(station, system, date)
 
 
-def test_a_fit_finds_the_orbit_behind_ranges(tmp_path, points, sites, orbit, flight, earth_orientation):
+def test_a_fit_finds_the_orbit_behind_ranges(tmp_path, points, sites, orbit, propagator, earth_orientation):
     table = laser_ranges.table(points, sites, **environmental(), sigma=SIGMA, offset=OFFSET)
     path = tmp_path / "ranges.parquet"
     write_table(path, table, "laser_ranges", metadata={})
@@ -171,11 +171,11 @@ def test_a_fit_finds_the_orbit_behind_ranges(tmp_path, points, sites, orbit, fli
     true = orbit.set_index("t")[STATE]
     states = true.loc[measured.epochs[measured.at].round(6)].to_numpy()
     settings = ESTIMATION.evolve(window_hours=24.0, max_iterations=20, least_drag_m=1e3)
-    run = Run.of_states(flight, states, measured, settings, ages=np.empty(0))
+    run = Run.of_states(propagator, states, measured, settings, ages=np.empty(0))
     last = measured.tracks - 1
     off = states[last] + [30.0, -20.0, 10.0, 0.02, 0.01, -0.02]
     free = np.arange(7) < 6
-    estimate = Estimate(measured.window(last, DAY), Fit(np.append(off, flight.rso.cd), run.method(free)))
+    estimate = Estimate(measured.window(last, DAY), Fit(np.append(off, propagator.rso.cd), run.method(free)))
     run.fit([estimate])
     assert estimate.fit.converged
     assert estimate.window.tracks > 5

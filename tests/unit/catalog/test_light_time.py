@@ -7,8 +7,8 @@ from scipy.interpolate import CubicHermiteSpline
 from support import BOUNDED_ESTIMATION as SETTINGS
 
 from opml.base.constants import EARTH_RATE, HOUR, SPEED_OF_LIGHT
-from opml.catalog.fit.sightings import Measured
-from opml.catalog.flight import Flight
+from opml.catalog.fit.observations import Measured
+from opml.catalog.propagator import Propagator
 from opml.catalog.simulate import tracking
 from opml.catalog.simulate.observing import observe, retarded, site
 from opml.dynamics.frames import gcrf_to_itrf
@@ -61,7 +61,7 @@ def received(geometric, followed, sites):
 
 def estimates(model, orbit, rows, earth_orientation, stations, rso, **settings):
     settings = SETTINGS.evolve(convergence=1e-6, **settings)
-    found = fitted(Flight(model, rso), orbit, rows, earth_orientation, stations, settings)
+    found = fitted(Propagator(model, rso), orbit, rows, earth_orientation, stations, settings)
     return found[found["tracks_used"] >= 3]
 
 

@@ -13,8 +13,8 @@ from opml.catalog.fit.estimation import Run
 from opml.catalog.fit.first import first_orbit
 from opml.catalog.fit.first.round_orbits import eccentricity, round_orbits
 from opml.catalog.fit.first.track_fits import start_estimate_there
-from opml.catalog.fit.sightings import Measured
-from opml.catalog.flight import Flight
+from opml.catalog.fit.observations import Measured
+from opml.catalog.propagator import Propagator
 from opml.catalog.simulate import tracking, truth
 from opml.catalog.simulate.observing import OBSERVABLES
 from opml.orbits.elements import cartesian_from_coe
@@ -34,7 +34,7 @@ def rsos(iss):
 def orbits(truth_model, rsos):
     """Orbits of them in steps of ten seconds."""
     return {
-        name: truth.simulate(Flight(truth_model, rso), duration=0.7 * DAY, step=10.0)
+        name: truth.simulate(Propagator(truth_model, rso), duration=0.7 * DAY, step=10.0)
         for name, rso in rsos.items()
     }
 
@@ -109,7 +109,7 @@ def test_short_tracks_of_angles_are_linked(
 ):
     rows, stations = seen(name, sigmas, minutes=minutes)
     measured = Measured(rows, earth_orientation, stations)
-    starts = first_orbit.determined(Flight(assumed_model, rsos[name]), measured, settings=SETTINGS)
+    starts = first_orbit.determined(Propagator(assumed_model, rsos[name]), measured, settings=SETTINGS)
     assert starts["track"].tolist() == rows["track"].unique().tolist()
     assert errors(starts, orbits[name]).max() < most
 
@@ -117,9 +117,9 @@ def test_short_tracks_of_angles_are_linked(
 def test_fits_go_on_from_telescopes_tracks(assumed_model, iss, orbits, seen, earth_orientation):
     rows, stations = seen("iss", STARS, minutes=3.0)
     measured = Measured(rows, earth_orientation, stations)
-    flight = Flight(assumed_model, iss)
-    starts = first_orbit.determined(flight, measured, settings=SETTINGS)
-    found = estimation.estimate_all(flight, starts, measured, settings=SETTINGS)
+    propagator = Propagator(assumed_model, iss)
+    starts = first_orbit.determined(propagator, measured, settings=SETTINGS)
+    found = estimation.estimate_all(propagator, starts, measured, settings=SETTINGS)
     many = found["tracks_used"] >= 3
     assert found["converged"][many].all()
     assert errors(found[many], orbits["iss"]).max() < 1e3
@@ -128,7 +128,9 @@ def test_fits_go_on_from_telescopes_tracks(assumed_model, iss, orbits, seen, ear
 def test_no_arc_is_flown_that_is_faster_than_any_orbit(assumed_model, iss, seen, earth_orientation):
     rows, stations = seen("iss", STARS)
     measured = Measured(rows, earth_orientation, stations)
-    run = Run.of_states(Flight(assumed_model, iss), np.empty((0, 6)), measured, SETTINGS, ages=np.empty(0))
+    run = Run.of_states(
+        Propagator(assumed_model, iss), np.empty((0, 6)), measured, SETTINGS, ages=np.empty(0)
+    )
     start = np.array([7e6, 0.0, 0.0, 0.0, 1.3e7, 0.0, 2.2])
     estimate = start_estimate_there(run, measured.track(0), start)
     run.fit([estimate])
@@ -146,4 +148,4 @@ def test_tracks_of_several_objects_are_told(assumed_model, iss, seen, earth_orie
     with pytest.raises(
         InputError, match=r"iss: expected tracks of angles that fit one orbit, got \d+ in 12 h"
     ):
-        first_orbit.determined(Flight(assumed_model, iss), others, settings=SETTINGS)
+        first_orbit.determined(Propagator(assumed_model, iss), others, settings=SETTINGS)

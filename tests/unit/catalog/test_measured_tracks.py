@@ -10,8 +10,8 @@ from support import EPOCH, refusals, stations
 
 from opml.base.constants import DAY
 from opml.base.errors import InputError
-from opml.catalog.fit import air, measured_tracks
-from opml.catalog.flight import Flight
+from opml.catalog.fit import measured_tracks, refraction
+from opml.catalog.propagator import Propagator
 from opml.catalog.simulate import tracking, truth
 from opml.catalog.simulate.observing import observe, place, site
 from opml.interop import tdm
@@ -22,7 +22,7 @@ A_DAY = DAY
 @pytest.fixture(scope="module")
 def table(kepler_model, iss, earth_orientation, three_stations):
     """A day of the paper's RSO over the paper's stations."""
-    orbit = truth.simulate(Flight(kepler_model, iss), duration=A_DAY, step=20.0)
+    orbit = truth.simulate(Propagator(kepler_model, iss), duration=A_DAY, step=20.0)
     return tracking.simulate(orbit, earth_orientation, three_stations, rso="iss", seed=42)
 
 
@@ -56,8 +56,8 @@ def test_air_is_taken_off_what_a_station_measures_through_it(table, message, thr
     station = three_stations[0]
     ours, before = (rows[rows["station"] == station.name] for rows in (found, given))
     high = before["elevation"].to_numpy()
-    lifted = air.bending(high, station.altitude, radio=True)
-    late = air.delay(high - lifted, station.latitude, station.altitude)
+    lifted = refraction.bending(high, station.altitude, radio=True)
+    late = refraction.delay(high - lifted, station.latitude, station.altitude)
     assert late.max() > 20.0
     np.testing.assert_allclose(ours["elevation"], high - lifted)
     np.testing.assert_allclose(ours["range"], before["range"] - late)

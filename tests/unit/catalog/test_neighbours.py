@@ -5,11 +5,11 @@ import pytest
 from support import BOUNDED_ESTIMATION, force_model
 
 from opml.base.constants import DAY
-from opml.catalog import flight as flights
-from opml.catalog.fit import estimation, sightings, start_states
+from opml.catalog import propagator as propagators
+from opml.catalog.fit import estimation, observations, start_states
 from opml.catalog.fit import iterations as iterations_of_fits
-from opml.catalog.flight import Flight, beside
 from opml.catalog.predict import covariance, prediction, sensitivity
+from opml.catalog.propagator import Propagator, neighbour_path
 from opml.catalog.simulate import tracking, truth
 from opml.tables import PARAMETERS, STATE
 
@@ -17,25 +17,25 @@ SIGMAS = [f"cov_{name}_{name}" for name in PARAMETERS]
 
 
 @pytest.fixture(scope="module")
-def flight(iss):
+def propagator(iss):
     """The paper's RSO in a field that is large."""
-    return Flight(force_model(28), iss)
+    return Propagator(force_model(28), iss)
 
 
 @pytest.fixture(scope="module")
-def orbit(flight):
+def orbit(propagator):
     """Two days of it."""
-    return truth.simulate(flight, duration=2 * DAY, step=20.0)
+    return truth.simulate(propagator, duration=2 * DAY, step=20.0)
 
 
 @pytest.fixture(scope="module")
-def fit(flight, orbit, earth_orientation, three_stations):
+def fit(propagator, orbit, earth_orientation, three_stations):
     """How its estimates are made."""
     rows = tracking.simulate(orbit, earth_orientation, three_stations, rso="iss", seed=1)
     starts = start_states.perturbed(orbit, rows, rso="iss", settings=BOUNDED_ESTIMATION, seed=42)
-    measured = sightings.Measured(rows, earth_orientation, three_stations)
+    measured = observations.Measured(rows, earth_orientation, three_stations)
 
-    return lambda: estimation.estimate_all(flight, starts, measured, settings=BOUNDED_ESTIMATION)
+    return lambda: estimation.estimate_all(propagator, starts, measured, settings=BOUNDED_ESTIMATION)
 
 
 @pytest.fixture(scope="module")
@@ -46,7 +46,7 @@ def estimates(fit):
 @pytest.fixture
 def whole_field(monkeypatch):
     """Have neighbours fly under the whole field."""
-    return lambda: monkeypatch.setattr(flights, "_LARGE", 1000)
+    return lambda: monkeypatch.setattr(propagators, "_LARGE", 1000)
 
 
 def test_a_part_of_a_field_is_the_field_to_that_degree():
@@ -57,8 +57,8 @@ def test_a_part_of_a_field_is_the_field_to_that_degree():
 
 
 def test_a_small_field_is_that_of_the_neighbours_too(iss):
-    flight = Flight(force_model(20), iss)
-    assert flight.for_neighbours() is flight
+    propagator = Propagator(force_model(20), iss)
+    assert propagator.for_neighbours() is propagator
 
 
 def test_fits_come_to_the_same_answer(estimates, fit, whole_field):
@@ -72,14 +72,14 @@ def test_fits_come_to_the_same_answer(estimates, fit, whole_field):
 
 def test_the_first_trial_of_a_fit_alone_flies_under_the_whole_field(fit, monkeypatch):
     counts = []
-    fly = Flight.propagate
+    fly = Propagator.propagate
 
-    def counted(flight, epochs, states, **arguments):
-        if flight.model.degree > 20 and epochs[0] > epochs[-1]:
+    def counted(propagator, epochs, states, **arguments):
+        if propagator.model.degree > 20 and epochs[0] > epochs[-1]:
             counts.append(len(states))
-        return fly(flight, epochs, states, **arguments)
+        return fly(propagator, epochs, states, **arguments)
 
-    monkeypatch.setattr(Flight, "propagate", counted)
+    monkeypatch.setattr(Propagator, "propagate", counted)
     estimates = fit()
     iterations = estimates["iterations"].sum()
     assert estimates["converged"].all()
@@ -95,7 +95,7 @@ def test_the_first_trial_of_a_fit_alone_flies_under_the_whole_field(fit, monkeyp
 @pytest.mark.parametrize(
     ("ahead", "faster", "part"), [(0.0, 0.01, 3e-4), (0.0, -0.3, 3e-4), (300.0, 0.0, 3e-3)]
 )
-def test_an_arc_beside_another_is_where_it_would_have_flown(flight, iss, ahead, faster, part):
+def test_an_arc_beside_another_is_where_it_would_have_flown(propagator, iss, ahead, faster, part):
     """Two days: one as fast as the other but ahead [m], others faster [m/s]."""
     start = np.array([6.8e6, 0.0, 0.0, 0.0, 4.7e3, 6.0e3])
     angle = ahead / 6.8e6
@@ -106,23 +106,23 @@ def test_an_arc_beside_another_is_where_it_would_have_flown(flight, iss, ahead, 
     states, ends = np.array([start, other]), {"first": [0, 0], "last": [len(epochs) - 1] * 2}
     whole, near = (
         one.propagate(epochs, states, cd=2.2, **ends).states.reshape(2, -1, 6)
-        for one in (flight, flight.for_neighbours())
+        for one in (propagator, propagator.for_neighbours())
     )
-    found = beside(whole[0], *near)
+    found = neighbour_path(whole[0], *near)
     distance, off = (np.linalg.norm((one - whole[1])[:, :3], axis=1) for one in (whole[0], found))
     assert distance.max() > 250.0
     assert 0.0 < off.max() < part * distance.max()
 
 
 def test_sensitivities_and_covariances_are_the_same_but_for_a_part_of_a_percent(
-    flight, orbit, estimates, whole_field
+    propagator, orbit, estimates, whole_field
 ):
-    predictions = prediction.predict_all(flight, orbit, estimates, max_days=2.0)
-    near = sensitivity.sensitivities(flight, estimates, predictions, bounds=None)
-    carried = covariance.propagated(flight, estimates, predictions)
+    predictions = prediction.predict_all(propagator, orbit, estimates, max_days=2.0)
+    near = sensitivity.sensitivities(propagator, estimates, predictions, bounds=None)
+    carried = covariance.propagated(propagator, estimates, predictions)
     whole_field()
-    whole = sensitivity.sensitivities(flight, estimates, predictions, bounds=None)
-    expected = covariance.propagated(flight, estimates, predictions)
+    whole = sensitivity.sensitivities(propagator, estimates, predictions, bounds=None)
+    expected = covariance.propagated(propagator, estimates, predictions)
     for name in (f"{family}_{axis}" for family in "sv" for axis in STATE):
         assert np.abs(near[name] - whole[name]).max() < 0.01 * np.abs(whole[name]).max(), name
     sigmas, expected_sigmas = (np.sqrt(np.diagonal(one, axis1=1, axis2=2)) for one in (carried, expected))

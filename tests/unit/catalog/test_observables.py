@@ -11,9 +11,9 @@ from support import EPOCH, environment, kepler_orbit
 
 from opml.base.constants import DAY, HOUR, WGS84_A
 from opml.base.errors import InputError
-from opml.catalog.fit import measured_tracks, sequential, sightings
+from opml.catalog.fit import measured_tracks, observations, sequential
 from opml.catalog.fit.first import first_orbit
-from opml.catalog.flight import Flight
+from opml.catalog.propagator import Propagator
 from opml.catalog.simulate import tracking
 from opml.catalog.simulate.observing import OBSERVABLES, StationStates, difference, measured_by, site
 from opml.dynamics.frames import gcrf_to_itrf
@@ -70,7 +70,7 @@ def test_fits_of_any_measurements_find_the_truth(
     stations = [measuring(station, *names) for station in three_stations]
     seen = tracking.simulate(orbit[orbit["t"] < 0.6 * DAY], earth_orientation, stations, rso="iss", seed=1)
     found = fitted(
-        Flight(assumed_model, smooth), orbit, without_noise(seen), earth_orientation, stations, PRECISE
+        Propagator(assumed_model, smooth), orbit, without_noise(seen), earth_orientation, stations, PRECISE
     )
     late = found[found["tracks_used"] >= 5]
     assert len(late) > 1
@@ -100,21 +100,21 @@ def test_a_radar_measures_the_same_beside_others(rows, orbit, earth_orientation,
 
 
 def test_residuals_weigh_what_was_measured(assumed_model, orbit, rows, earth_orientation, mixed, smooth):
-    found = fitted(Flight(assumed_model, smooth), orbit, rows, earth_orientation, mixed, PRECISE)
+    found = fitted(Propagator(assumed_model, smooth), orbit, rows, earth_orientation, mixed, PRECISE)
     late = found[found["tracks_used"] >= 3]
     assert late["converged"].all()
     assert late["weighted_rms"].median() == pytest.approx(1.0, abs=0.1)
-    measured = sightings.Measured(rows, earth_orientation, mixed)
+    measured = observations.Measured(rows, earth_orientation, mixed)
     window = measured.track(0)
     numbers = rows.loc[rows["track"] == 0, OBSERVABLES].notna().to_numpy().sum()
     assert measured.count(window.rows) == numbers < 3 * window.measurements
-    filtered = sequential.filter_all(Flight(assumed_model, smooth), found, measured)
+    filtered = sequential.filter_all(Propagator(assumed_model, smooth), found, measured)
     assert filtered["weighted_rms"].tail(10).median() == pytest.approx(1.0, abs=0.3)
 
 
 def test_what_a_station_has_no_sigma_of_does_not_count(rows, earth_orientation, mixed):
     blind = [measuring(station, "range") if station.is_radar else station for station in mixed]
-    measured = sightings.Measured(rows, earth_orientation, blind)
+    measured = observations.Measured(rows, earth_orientation, blind)
     held = rows.assign(station=rows["station"].replace("eglin", "clear"))
     for_radar = measured.counting[(held["station"] != rows["station"]).to_numpy()]
     assert measured.names == ["range", "range_rate", "right_ascension", "declination"]
@@ -137,7 +137,7 @@ def test_stars_lie_where_horizons_say(orbit, earth_orientation, three_stations):
     by_stars = measuring(three_stations[0], "range", "right_ascension", "declination")
     at = orbit.set_index("t").loc[seen["t"], STATE[:3]].to_numpy()
     for station in (every, by_stars, three_stations[0]):
-        measured = sightings.Measured(seen, earth_orientation, [station])
+        measured = observations.Measured(seen, earth_orientation, [station])
         np.testing.assert_allclose(measured.places(np.arange(len(seen))), at, atol=1e-5)
 
 
@@ -184,13 +184,13 @@ def test_a_known_state_is_carried_to_tracks_of_angles(
 ):
     stars = [measuring(station, "right_ascension", "declination") for station in three_stations]
     seen = tracking.simulate(orbit, earth_orientation, stars, rso="iss", seed=1)
-    measured = sightings.Measured(seen, earth_orientation, stars)
-    flight, first = Flight(assumed_model, smooth), orbit[STATE].to_numpy()[0]
-    near = first_orbit.starts(flight, measured, known=(0.0, first), settings=SETTINGS)
+    measured = observations.Measured(seen, earth_orientation, stars)
+    propagator, first = Propagator(assumed_model, smooth), orbit[STATE].to_numpy()[0]
+    near = first_orbit.starts(propagator, measured, known=(0.0, first), settings=SETTINGS)
     at = orbit.set_index("t").loc[near["t"], STATE].to_numpy()
     np.testing.assert_allclose(near[STATE[:3]], at[:, :3], atol=1.0)
     with pytest.raises(InputError, match="iss: expected tracks near the orbit of the given elements"):
-        first_orbit.starts(flight, measured, known=(HOUR, first), settings=SETTINGS)
+        first_orbit.starts(propagator, measured, known=(HOUR, first), settings=SETTINGS)
 
 
 @pytest.mark.parametrize(
@@ -206,7 +206,7 @@ def test_how_far_a_place_is_from_measurements(orbit, earth_orientation, three_st
     """Moved along the line of sight, across it, and both."""
     station = measuring(three_stations[0], *names)
     seen = without_noise(tracking.simulate(orbit, earth_orientation, [station], rso="iss", seed=1))
-    measured, rows = sightings.Measured(seen, earth_orientation, [station]), np.array([3, 30, 60])
+    measured, rows = observations.Measured(seen, earth_orientation, [station]), np.array([3, 30, 60])
     at = orbit.set_index("t").loc[seen["t"].iloc[rows], STATE[:3]].to_numpy()
     stands = StationStates.at(seen["t"].to_numpy()[rows], [station], np.zeros(3, int), earth_orientation)
     away = at - np.einsum("nji,nj->ni", stands.from_gcrf, stands.position)

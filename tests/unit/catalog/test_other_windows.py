@@ -5,8 +5,8 @@ import pandas as pd
 import pytest
 
 from opml.base.constants import DAY
-from opml.catalog.flight import Flight
 from opml.catalog.predict import other_windows, prediction
+from opml.catalog.propagator import Propagator
 from opml.orbits.elements import cartesian_from_coe
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import PARAMETER_COVARIANCES, SCHEMAS, STATE
@@ -27,17 +27,17 @@ def estimates(gm, cd, *, sigma=0.1, converged=True, shift=0.0):
 
 def predicted(model, table, iss):
     truth = estimates(model.gm, 2.2)[["t", *STATE]]
-    return prediction.predict_all(Flight(model, iss), truth, table, max_days=2.5)
+    return prediction.predict_all(Propagator(model, iss), truth, table, max_days=2.5)
 
 
 def built(model, iss, short, arc, memory_days=30.0):
     """The tables of arcs beside each other."""
-    flight, pairs = Flight(model, iss), predicted(model, short, iss)
+    propagator, pairs = Propagator(model, iss), predicted(model, short, iss)
     arcs = other_windows.build_arcs(
-        flight, pairs, arc_estimates=arc, arc_predictions=predicted(model, arc, iss)
+        propagator, pairs, arc_estimates=arc, arc_predictions=predicted(model, arc, iss)
     )
     past = other_windows.build_past(pairs, arc_estimates=arc, apriori=iss.cd, memory_days=memory_days)
-    held = other_windows.build_held(flight, pairs, arc_estimates=arc, memory_days=memory_days)
+    held = other_windows.build_held(propagator, pairs, arc_estimates=arc, memory_days=memory_days)
     for kind, table in (("arcs", arcs), ("cd_past", past), ("held", held)):
         assert list(table.columns) == SCHEMAS[kind].names
         pd.testing.assert_frame_equal(table[["i", "j"]], pairs[["i", "j"]])

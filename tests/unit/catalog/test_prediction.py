@@ -7,8 +7,8 @@ import pandas as pd
 import pytest
 
 from opml.base.constants import DAY
-from opml.catalog.flight import Flight
 from opml.catalog.predict import prediction
+from opml.catalog.propagator import Propagator
 from opml.orbits.elements import cartesian_from_coe
 from opml.tables import COMPONENTS, STATE
 
@@ -37,7 +37,7 @@ def free(iss):
 def predicted(model, rso, estimates, *, cd=0.0, max_days=7, track=None):
     truth = table(TIMES, circular(TIMES, model.gm))
     rows = table(TIMES, estimates, cd=cd, track=np.arange(len(TIMES)) if track is None else track)
-    return prediction.predict_all(Flight(model, rso), truth, rows, max_days=max_days)
+    return prediction.predict_all(Propagator(model, rso), truth, rows, max_days=max_days)
 
 
 def test_pairs_reach_to_seven_days_and_no_further(kepler_model, free):
@@ -131,11 +131,11 @@ def test_threads_change_nothing(assumed_model, iss):
     estimates = table(t, circular(t, assumed_model.gm), cd=2.2, track=np.arange(40))
     truth = table(t, circular(t, assumed_model.gm))
     one, two = (
-        prediction.predict_all(Flight(assumed_model, iss, threads=n), truth, estimates, max_days=0.5)
+        prediction.predict_all(Propagator(assumed_model, iss, threads=n), truth, estimates, max_days=0.5)
         for n in (1, 2)
     )
     pd.testing.assert_frame_equal(one, two, check_exact=True)
     # Cd and Cr are those of the estimate and of the RSO.
-    flight = Flight(assumed_model, iss)
-    draggier = prediction.predict_all(flight, truth, estimates.assign(cd=22.0), max_days=0.5)
+    propagator = Propagator(assumed_model, iss)
+    draggier = prediction.predict_all(propagator, truth, estimates.assign(cd=22.0), max_days=0.5)
     assert np.abs(draggier["e_y"] - one["e_y"]).max() > 10.0

@@ -11,7 +11,7 @@ from support import BOUNDED_ESTIMATION as SETTINGS
 from opml.base.constants import DAY, HOUR
 from opml.catalog.associate import quarantine
 from opml.catalog.associate.innovations import ReferenceOrbit
-from opml.catalog.fit import sequential, sightings
+from opml.catalog.fit import observations, sequential
 from opml.catalog.fit.least_squares import Method
 from opml.catalog.simulate import tracking, truth
 from opml.catalog.simulate.observing import QUANTITIES, sigmas, wrapped
@@ -25,18 +25,20 @@ LENGTH = 1.4 * DAY
 
 
 @pytest.fixture(scope="module")
-def orbit(flight):
-    return truth.simulate(flight, duration=LENGTH, step=20.0)
+def orbit(propagator):
+    return truth.simulate(propagator, duration=LENGTH, step=20.0)
 
 
 @pytest.fixture(scope="module")
-def burnt(flight, orbit):
+def burnt(propagator, orbit):
     """The orbit with a burn."""
     t = orbit["t"].to_numpy()
     first = int(np.searchsorted(t, BURN_AT))
     state = orbit[STATE].to_numpy()[first].copy()
     state[3:] += rsw_rotation(state[None])[0].T @ CHANGE
-    arcs = flight.propagate(t[first:], state[None], cd=flight.rso.cd, first=[0], last=[len(t) - first - 1])
+    arcs = propagator.propagate(
+        t[first:], state[None], cd=propagator.rso.cd, first=[0], last=[len(t) - first - 1]
+    )
     behind = orbit.copy()
     behind.loc[first + 1 :, STATE] = arcs.path(0)
     return behind
@@ -53,12 +55,12 @@ def seen(earth_orientation, three_stations):
 
 
 @pytest.fixture(scope="module")
-def estimates(flight, earth_orientation, three_stations):
+def estimates(propagator, earth_orientation, three_stations):
     """The table of estimates of rows, with settings, and how far they are off."""
 
     def made(orbit, rows, settings=WATCHING):
         watched = {"estimate": quarantine.estimate_all}
-        return fitted(flight, orbit, rows, earth_orientation, three_stations, settings, **watched)
+        return fitted(propagator, orbit, rows, earth_orientation, three_stations, settings, **watched)
 
     return made
 
@@ -156,11 +158,11 @@ def test_smoothed_fits_do_without_what_was_held_back(orbit, estimates, foreign):
 
 
 def test_filters_pass_over_what_is_held_back(
-    orbit, burnt, seen, estimates, foreign, after_burn, flight, earth_orientation, three_stations
+    orbit, burnt, seen, estimates, foreign, after_burn, propagator, earth_orientation, three_stations
 ):
     def filtered(rows, table):
-        measured = sightings.Measured(rows, earth_orientation, three_stations)
-        return sequential.filter_all(flight, table, measured, bank=sequential.BANK[:1])
+        measured = observations.Measured(rows, earth_orientation, three_stations)
+        return sequential.filter_all(propagator, table, measured, bank=sequential.BANK[:1])
 
     rows, track = foreign
     table = estimates(orbit, rows).drop(columns="off")

@@ -5,8 +5,8 @@ import pandas as pd
 import pytest
 
 from opml.base.constants import DAY
-from opml.catalog.flight import Flight
 from opml.catalog.predict import prediction, sensitivity
+from opml.catalog.propagator import Propagator
 from opml.orbits.elements import cartesian_from_coe, rsw_rotation
 from opml.tables import PARAMETER_COVARIANCES, SCHEMAS, STATE
 
@@ -34,9 +34,9 @@ def run(assumed_model, iss):
     def make(covariance=ALONE, keep=lambda pairs: pairs):
         table = estimates(assumed_model.gm, covariance)
         truth = table[["t", *STATE]]
-        flight = Flight(assumed_model, iss)
-        pairs = keep(prediction.predict_all(flight, truth, table, max_days=2.5))
-        found = sensitivity.sensitivities(flight, table, pairs, bounds=BOUNDS)
+        propagator = Propagator(assumed_model, iss)
+        pairs = keep(prediction.predict_all(propagator, truth, table, max_days=2.5))
+        found = sensitivity.sensitivities(propagator, table, pairs, bounds=BOUNDS)
         return table, pairs, found
 
     return make
@@ -44,7 +44,9 @@ def run(assumed_model, iss):
 
 def flown(model, rso, state, cd, span):
     """State after `span` [s] of an arc."""
-    return Flight(model, rso).propagate(np.array(span), state[None], cd=cd, first=[0], last=[1]).path(0)[-1]
+    return (
+        Propagator(model, rso).propagate(np.array(span), state[None], cd=cd, first=[0], last=[1]).path(0)[-1]
+    )
 
 
 def turned(pairs, row, difference):

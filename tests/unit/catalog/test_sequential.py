@@ -9,8 +9,8 @@ from support import ESTIMATION
 
 from opml.base.constants import DAY, HOUR
 from opml.catalog.fit.estimation import Run
+from opml.catalog.fit.observations import Measured
 from opml.catalog.fit.sequential import Filtering, Leg, Noise, filter_all
-from opml.catalog.fit.sightings import Measured
 from opml.catalog.simulate import tracking, truth
 from opml.tables import PARAMETER_COVARIANCES, PARAMETERS, STATE
 
@@ -27,8 +27,8 @@ CD_COVARIANCES = [name for name in PARAMETER_COVARIANCES if "cd" in name]
 class Case:
     """A simulated orbit, its tracks, and estimates of known errors in the place of batch fits."""
 
-    def __init__(self, flight, orbit, earth_orientation, stations, *, seed):
-        self.flight, self.orbit, self.seed = flight, orbit, seed
+    def __init__(self, propagator, orbit, earth_orientation, stations, *, seed):
+        self.propagator, self.orbit, self.seed = propagator, orbit, seed
         self.earth_orientation, self.stations = earth_orientation, stations
         self.rows = tracking.simulate(orbit, earth_orientation, stations, rso="iss", seed=seed)
         self.estimates = self._estimates()
@@ -49,11 +49,11 @@ class Case:
 
     def filtered(self, *bank, estimates=None):
         estimates = self.estimates if estimates is None else estimates
-        return filter_all(self.flight, estimates, self.measured(), bank=bank)
+        return filter_all(self.propagator, estimates, self.measured(), bank=bank)
 
     def true(self, table):
         states = self.orbit.set_index("t").loc[table["t"], STATE].to_numpy()
-        return np.column_stack([states, np.full(len(table), self.flight.rso.cd)])
+        return np.column_stack([states, np.full(len(table), self.propagator.rso.cd)])
 
     def errors(self, table):
         return table[PARAMETERS].to_numpy() - self.true(table)
@@ -71,15 +71,15 @@ def covariances(table):
     return full
 
 
-def blown(flight, *, gust, seed, duration):
+def blown(propagator, *, gust, seed, duration):
     """Truth whose Cd is another in each half hour; gust: what its mean over a day is off by, as a part."""
-    [state] = truth.simulate(flight, duration=STEP, step=STEP)[STATE].to_numpy()[:1]
+    [state] = truth.simulate(propagator, duration=STEP, step=STEP)[STATE].to_numpy()[:1]
     noise, pieces = np.random.default_rng(seed), [state[None]]
     for begin in np.arange(0.0, duration, PIECE):
         epochs = np.arange(begin, begin + PIECE + STEP, STEP)
-        cd = flight.rso.cd * (1.0 + gust * np.sqrt(DAY / PIECE) * noise.normal())
+        cd = propagator.rso.cd * (1.0 + gust * np.sqrt(DAY / PIECE) * noise.normal())
         pieces.append(
-            flight.propagate(epochs, pieces[-1][-1:], cd=cd, first=[0], last=[len(epochs) - 1]).path(0)
+            propagator.propagate(epochs, pieces[-1][-1:], cd=cd, first=[0], last=[len(epochs) - 1]).path(0)
         )
     states = np.concatenate(pieces)
     t = STEP * np.arange(len(states))
@@ -87,17 +87,19 @@ def blown(flight, *, gust, seed, duration):
 
 
 @pytest.fixture(scope="module")
-def calm(flight, earth_orientation, three_stations):
+def calm(propagator, earth_orientation, three_stations):
     """The drag keeps its value; several noises of the measurements."""
-    orbit = truth.simulate(flight, duration=1.5 * DAY, step=STEP)
-    return [Case(flight, orbit, earth_orientation, three_stations, seed=seed) for seed in range(6)]
+    orbit = truth.simulate(propagator, duration=1.5 * DAY, step=STEP)
+    return [Case(propagator, orbit, earth_orientation, three_stations, seed=seed) for seed in range(6)]
 
 
 @pytest.fixture(scope="module")
-def gusty(flight, earth_orientation, three_stations):
+def gusty(propagator, earth_orientation, three_stations):
     """The mean of the drag over a day scatters by a tenth; several gusts and noises."""
-    orbits = [blown(flight, gust=0.1, seed=seed, duration=1.5 * DAY) for seed in range(3)]
-    return [Case(flight, orbit, earth_orientation, three_stations, seed=k) for k, orbit in enumerate(orbits)]
+    orbits = [blown(propagator, gust=0.1, seed=seed, duration=1.5 * DAY) for seed in range(3)]
+    return [
+        Case(propagator, orbit, earth_orientation, three_stations, seed=k) for k, orbit in enumerate(orbits)
+    ]
 
 
 @pytest.fixture(scope="module")
@@ -126,7 +128,7 @@ def test_without_noise_the_last_row_is_the_batch_fit_of_all_tracks(calm):
     filtered = table.iloc[-1]
     states, t = case.estimates[STATE].to_numpy(), case.estimates["t"].to_numpy()
     settings = ESTIMATION.evolve(window_hours=(t[-1] - t[1]) / HOUR + 0.1)
-    run = Run.of_states(case.flight, states, case.measured(), settings, ages=np.zeros(len(states)))
+    run = Run.of_states(case.propagator, states, case.measured(), settings, ages=np.zeros(len(states)))
     window = run.window(len(states) - 1)
     starts = run.starts.in_turn([window], None, None)
     [estimate] = run.fit_windows([window], starts, [run.method(np.ones(7, dtype=bool))])
@@ -173,7 +175,7 @@ def test_later_tracks_change_no_earlier_row(gusty):
     case, half = gusty[0], gusty[0].estimates["track"].max() // 2
     rows = case.rows.copy()
     rows.loc[rows["track"] > half, "range"] += 500.0
-    moved = filter_all(case.flight, case.estimates, case.measured(rows), bank=[CALM, GUSTY])
+    moved = filter_all(case.propagator, case.estimates, case.measured(rows), bank=[CALM, GUSTY])
     table = case.filtered(CALM, GUSTY)
     pd.testing.assert_frame_equal(moved[: half + 1], table[: half + 1], check_exact=True)
     assert abs(moved["x"].iloc[-1] - table["x"].iloc[-1]) > 1.0
@@ -181,7 +183,7 @@ def test_later_tracks_change_no_earlier_row(gusty):
 
 def test_threads_change_no_bit(gusty):
     case = gusty[0]
-    two = filter_all(replace(case.flight, threads=2), case.estimates, case.measured(), bank=[CALM, GUSTY])
+    two = filter_all(replace(case.propagator, threads=2), case.estimates, case.measured(), bank=[CALM, GUSTY])
     pd.testing.assert_frame_equal(two, case.filtered(CALM, GUSTY), check_exact=True)
 
 
@@ -226,23 +228,23 @@ def test_a_drag_that_fits_hold_is_no_obstacle(calm):
 
 def test_progress_is_told_to_the_end(calm):
     shares = []
-    flight = replace(calm[0].flight, progress=shares.append)
-    table = filter_all(flight, calm[0].estimates, calm[0].measured(), bank=[CALM])
+    propagator = replace(calm[0].propagator, progress=shares.append)
+    table = filter_all(propagator, calm[0].estimates, calm[0].measured(), bank=[CALM])
     assert shares == [(k + 1) / len(table) for k in range(len(table))]
 
 
 def propagated(case, leg, noise, mean, root):
     """Mean and root of a single filter at the end of a leg."""
-    run = Filtering(case.flight, case.measured(), [noise], light_time=False)
+    run = Filtering(case.propagator, case.measured(), [noise], light_time=False)
     means, roots = run.propagated(mean[None], root[None], leg)
     return means[0], roots[0]
 
 
-def test_a_leg_carries_its_neighbours_as_they_fly(flight, calm, start):
+def test_a_leg_carries_its_neighbours_as_they_fly(propagator, calm, start):
     seen = 5.3 * HOUR + np.arange(3) * STEP
-    leg = Leg.propagate(flight, start, 0.0, seen)
+    leg = Leg.propagate(propagator, start, 0.0, seen)
     beside = start + [30.0, -20.0, 10.0, 0.02, 0.03, -0.01, 0.3]
-    flown = flight.propagate(np.append(0.0, seen), beside[None, :6], cd=2.5, first=[0], last=[3]).path(0)
+    flown = propagator.propagate(np.append(0.0, seen), beside[None, :6], cd=2.5, first=[0], last=[3]).path(0)
     assert np.linalg.norm(flown[0, :3] - leg.path[-1, :3]) > 500.0
     mean, root = propagated(calm[0], leg, Noise(0.0, 0.0, 0.0), beside, np.eye(7))
     assert mean[6] == 2.5
@@ -252,8 +254,8 @@ def test_a_leg_carries_its_neighbours_as_they_fly(flight, calm, start):
     assert np.linalg.slogdet(root)[1] == pytest.approx(0.0, abs=0.01)
 
 
-def test_gusts_move_the_state_as_arcs_with_gusts_are_moved(flight, calm, start):
-    leg = Leg.propagate(flight, start, 0.0, np.array([6.0 * HOUR]))
+def test_gusts_move_the_state_as_arcs_with_gusts_are_moved(propagator, calm, start):
+    leg = Leg.propagate(propagator, start, 0.0, np.array([6.0 * HOUR]))
     root = propagated(calm[0], leg, Noise(0.0, 0.1, 0.0), start, np.zeros((7, 7)))[1]
     pieces = 12
     states = np.tile(start[:6], (pieces + 1, 1))
@@ -261,7 +263,7 @@ def test_gusts_move_the_state_as_arcs_with_gusts_are_moved(flight, calm, start):
         cd = np.full(pieces + 1, 2.2)
         cd[k] += 0.01
         epochs = np.array([k, k + 1]) * PIECE
-        states = flight.propagate(
+        states = propagator.propagate(
             epochs, states, cd=cd, first=[0] * (pieces + 1), last=[1] * (pieces + 1)
         ).states
     moved = (states[:-1] - states[-1]) / 0.01 * 0.1 * 2.2 * np.sqrt(DAY / PIECE)
@@ -270,11 +272,11 @@ def test_gusts_move_the_state_as_arcs_with_gusts_are_moved(flight, calm, start):
     assert np.linalg.norm(root[6]) == 0.0
 
 
-def test_walks_and_kicks_add_up_to_those_of_a_day(flight, calm, start):
-    leg = Leg.propagate(flight, start, 0.0, np.array([6.0 * HOUR]))
+def test_walks_and_kicks_add_up_to_those_of_a_day(propagator, calm, start):
+    leg = Leg.propagate(propagator, start, 0.0, np.array([6.0 * HOUR]))
     root = propagated(calm[0], leg, Noise(0.1, 0.0, 0.0), start, np.zeros((7, 7)))[1]
     assert np.linalg.norm(root[6]) == pytest.approx(0.1 * 2.2 * np.sqrt(0.25))
-    short = Leg.propagate(flight, start, 0.0, np.array([1.0]))
+    short = Leg.propagate(propagator, start, 0.0, np.array([1.0]))
     root = propagated(calm[0], short, Noise(0.0, 0.0, 1e-3), start, np.zeros((7, 7)))[1]
     covariance = root[3:6] @ root[3:6].T
     assert np.trace(covariance) == pytest.approx(2.0 * 1e-6 / DAY, rel=1e-3)
@@ -282,7 +284,7 @@ def test_walks_and_kicks_add_up_to_those_of_a_day(flight, calm, start):
     assert along @ covariance @ along < 1e-3 * np.trace(covariance)
 
 
-def test_a_leg_flies_under_what_is_known_when_its_track_begins(assumed_model, flight, start):
+def test_a_leg_flies_under_what_is_known_when_its_track_begins(assumed_model, propagator, start):
     """Of three outlooks the newest before the track counts, not that before the leg, nor a later one."""
     quiet = assumed_model.activity
     active = quiet * [1.5, 1.5, 1.0, 1.0]
@@ -290,7 +292,7 @@ def test_a_leg_flies_under_what_is_known_when_its_track_begins(assumed_model, fl
     issued, known = np.array([-1.0, 2.0, 8.0]) * HOUR, np.zeros(3, int)
     model = assumed_model._replace(issued=issued, known=known, outlooks=outlooks)
     paths = [
-        Leg.propagate(replace(flight, model=model), start, 0.0, np.array([6.0 * HOUR])).path
+        Leg.propagate(replace(propagator, model=model), start, 0.0, np.array([6.0 * HOUR])).path
         for model in (model, assumed_model._replace(activity=active), assumed_model)
     ]
     np.testing.assert_array_equal(paths[0], paths[1])

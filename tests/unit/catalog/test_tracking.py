@@ -9,7 +9,7 @@ import pytest
 
 from opml.base.constants import DAY, WGS84_A
 from opml.base.errors import InputError
-from opml.catalog.flight import Flight
+from opml.catalog.propagator import Propagator
 from opml.catalog.simulate import tracking, truth
 from opml.catalog.simulate.observing import observe, site
 from opml.dynamics.frames import gcrf_to_itrf
@@ -20,7 +20,7 @@ from opml.tables import STATE
 @pytest.fixture(scope="module")
 def orbit(truth_model, iss):
     """Three days of the paper's RSO."""
-    return truth.simulate(Flight(truth_model, iss), duration=3 * DAY, step=20.0)
+    return truth.simulate(Propagator(truth_model, iss), duration=3 * DAY, step=20.0)
 
 
 @pytest.fixture(scope="module")

@@ -8,7 +8,7 @@ from support import rsos
 
 from opml.base.constants import DAY, HOUR, WGS84_A
 from opml.base.errors import InputError
-from opml.catalog.flight import Flight
+from opml.catalog.propagator import Propagator
 from opml.catalog.simulate import truth
 from opml.orbits.elements import coe_from_cartesian
 from opml.tables import STATE
@@ -36,7 +36,7 @@ def test_initial_state_has_the_sheets_elements(name):
 
 
 def test_states_on_the_whole_grid(truth_model, iss):
-    table = truth.simulate(Flight(truth_model, iss), duration=HOUR, step=20.0)
+    table = truth.simulate(Propagator(truth_model, iss), duration=HOUR, step=20.0)
     assert list(table.columns) == ["t", *STATE]
     np.testing.assert_array_equal(table["t"], np.arange(181) * 20.0)
     np.testing.assert_array_equal(table[STATE].iloc[0], truth.initial_state(iss, truth_model.gm))
@@ -48,7 +48,7 @@ def test_states_on_the_whole_grid(truth_model, iss):
 
 def test_drag_and_radiation_pressure_are_the_rsos_own(truth_model, iss):
     def end(rso):
-        table = truth.simulate(Flight(truth_model, rso), duration=6000.0, step=3000.0)
+        table = truth.simulate(Propagator(truth_model, rso), duration=6000.0, step=3000.0)
         return table[STATE].to_numpy()[-1]
 
     assert (
@@ -63,21 +63,21 @@ def test_an_rso_that_comes_down_is_an_input_error(truth_model, iss):
     with pytest.raises(
         InputError, match=r"iss_a-200: .* lasts 2 days, but it decayed below 120 km after 0\.\d\d"
     ) as error:
-        truth.simulate(Flight(truth_model, low), duration=2 * DAY, step=20.0)
+        truth.simulate(Propagator(truth_model, low), duration=2 * DAY, step=20.0)
     assert "\n" not in str(error.value)
 
 
 def test_orbits_that_fly_together_are_those_that_fly_alone(truth_model, iss):
     grid = {"duration": HOUR, "step": 600.0}
     others = [rsos()[name] for name in ("swarma", "lageos1")]
-    together = truth.simulate_together(Flight(truth_model, iss), others, **grid)
+    together = truth.simulate_together(Propagator(truth_model, iss), others, **grid)
     for rso, table in zip([iss, *others], together, strict=True):
-        alone = truth.simulate(Flight(truth_model, rso), **grid)
+        alone = truth.simulate(Propagator(truth_model, rso), **grid)
         assert table.to_numpy().tobytes() == alone.to_numpy().tobytes()
 
 
 def test_a_truth_is_known_between_the_epochs_of_its_grid_but_in_no_gap(truth_model, iss):
-    flown = truth.simulate(Flight(truth_model, iss), duration=600.0, step=10.0)
+    flown = truth.simulate(Propagator(truth_model, iss), duration=600.0, step=10.0)
     coarse = flown[::2].reset_index(drop=True)
     t = flown["t"].to_numpy()
     off = truth.interpolate(coarse, t) - flown[STATE].to_numpy()

@@ -6,12 +6,12 @@ import pytest
 from support import EPOCH, environment, force_model
 
 from opml.base.constants import DAY, HOUR
-from opml.catalog.flight import Flight
 from opml.catalog.predict import prediction, weather_futures
+from opml.catalog.propagator import Propagator
 from opml.catalog.simulate.truth import initial_state
 from opml.dynamics.forces import with_outlooks
-from opml.environment import knowledge
-from opml.environment.knowledge import Issues
+from opml.environment import known_weather
+from opml.environment.known_weather import Issues
 from opml.tables import PARAMETER_COVARIANCES, SCHEMAS, STATE
 
 RNG = np.random.default_rng(3)
@@ -66,7 +66,7 @@ def test_predictions_without_numbers_are_not_scored():
 def test_the_future_that_was_forecast_has_no_difference_and_a_calmer_one_leads(iss):
     model = force_model(2)
     t = environment()["solar_activity"]["t"].to_numpy()[:60]
-    outlook = knowledge.outlooks(
+    outlook = known_weather.outlooks(
         Issues(source="OBSERVED", epoch=EPOCH, forecast={"kind": "persistence"}, issue_hours=24, max_days=1),
         t,
     )
@@ -78,10 +78,10 @@ def test_the_future_that_was_forecast_has_no_difference_and_a_calmer_one_leads(i
     known = dict.fromkeys(PARAMETER_COVARIANCES, 0.0)
     estimates = pd.DataFrame({"track": range(3), "t": times, **states, "cd": 2.2, "converged": True, **known})
     truth = estimates[["t", *STATE]]
-    forecasting = Flight(with_outlooks(model, outlook), iss)
+    forecasting = Propagator(with_outlooks(model, outlook), iss)
     predictions = prediction.predict_all(forecasting, truth, estimates, max_days=1)
-    flight = Flight(model, iss)
-    found = weather_futures.sample(flight, futures, estimates, predictions, window=DAY, seed=1)
+    propagator = Propagator(model, iss)
+    found = weather_futures.sample(propagator, futures, estimates, predictions, window=DAY, seed=1)
     assert list(found.columns) == SCHEMAS["ensemble"].names
     forecast, calmer = (found[found["member"] == k] for k in (0, 1))
     assert (forecast[["d_x", "d_y", "d_z"]] == 0.0).all(axis=None)
@@ -91,7 +91,7 @@ def test_the_future_that_was_forecast_has_no_difference_and_a_calmer_one_leads(i
     uncertain = estimates.assign(cov_cd_cd=0.1**2)
     same = pd.concat([outlook.assign(member=k) for k in range(2)], ignore_index=True)
     draws = [
-        weather_futures.sample(flight, same, uncertain, predictions, window=DAY, seed=seed)
+        weather_futures.sample(propagator, same, uncertain, predictions, window=DAY, seed=seed)
         for seed in (1, 1, 2)
     ]
     pd.testing.assert_frame_equal(draws[0], draws[1], check_exact=True)

@@ -10,7 +10,7 @@ from support import shared
 from opml.base.constants import EARTH_GM
 from opml.conjunctions import as_text, cdm, long_encounter
 from opml.conjunctions.conjunction import Conjunction, Participant
-from opml.conjunctions.likeliest import UncertainPairs
+from opml.conjunctions.likeliest_collision import UncertainPairs
 from opml.interop.object_ids import ObjectId
 from opml.orbits.elements import rsw_rotation
 from opml.orbits.equinoctial import cartesian_from_equinoctial, equinoctial_from_cartesian

@@ -9,9 +9,9 @@ from test_approaches import kepler
 
 from opml.base.constants import DAY, EARTH_GM, WGS84_A
 from opml.conjunctions import screening
-from opml.conjunctions.approaches import Path
+from opml.conjunctions.approaches import EPOCH, Path
 from opml.conjunctions.screening import ScreenedObject
-from opml.conjunctions.trajectories import EPOCH, Trajectory
+from opml.conjunctions.trajectories import Trajectory
 from opml.interop import oem
 from opml.interop.element_sets import element_set, mean_elements, tle
 from opml.interop.object_ids import ObjectId
@@ -40,7 +40,7 @@ def turned(vector, axis, angle):
     return vector * cosine + np.cross(axis, vector) * sine + axis * (axis @ vector) * (1.0 - cosine)
 
 
-def flight(rng, out, distance, most_eccentric):
+def propagator(rng, out, distance, most_eccentric):
     """The velocity of an orbit with a perigee above 6450 km, at a distance from the Earth in a direction."""
     e, nu = rng.uniform(0.0, most_eccentric), rng.uniform(-2.5, 2.5)
     if distance * (1.0 + e * np.cos(nu)) / (1.0 + e) < 6.45e6:
@@ -53,7 +53,7 @@ def flight(rng, out, distance, most_eccentric):
 def met(rng, most_eccentric):
     """The states of two objects on crossing orbits that pass each other within two kilometres."""
     out, distance = direction(rng), rng.uniform(6.5e6, 9e6)
-    velocities = [flight(rng, out, distance, most_eccentric) for _ in range(2)]
+    velocities = [propagator(rng, out, distance, most_eccentric) for _ in range(2)]
     return beside(rng, distance * out, *velocities)
 
 
@@ -66,7 +66,7 @@ def beside(rng, position, one, other):
 def keeping_up(rng):
     """The states of two objects that hardly move relative to each other, or not at all."""
     out, distance = direction(rng), rng.uniform(6.6e6, 8.5e6)
-    velocity = flight(rng, out, distance, 0.3)
+    velocity = propagator(rng, out, distance, 0.3)
     slowly = rng.choice([0.0, 1e-3, 0.1, 1.0, 10.0]) * direction(rng)
     return beside(rng, distance * out, velocity, velocity + slowly)
 

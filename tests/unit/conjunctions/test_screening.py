@@ -15,7 +15,7 @@ from opml import cli
 from opml.base.constants import EARTH_GM
 from opml.base.errors import InputError
 from opml.conjunctions import as_text, cdm, screening
-from opml.conjunctions.trajectories import EPOCH
+from opml.conjunctions.approaches import EPOCH
 from opml.interop import ccsds, oem
 from opml.interop.element_sets import element_set, omm, tle
 from opml.interop.object_ids import UNKNOWN, ObjectId
@@ -339,6 +339,12 @@ def in_metres(lines, columns):
     ]
 
 
+def moved(line, x):
+    """The line of a state that is moved along the first axis [km]."""
+    time, value, *rest = line.split()
+    return " ".join([time, str(float(value) + x), *rest])
+
+
 FIRST = 14  # line of the first state, counted from 0
 DAMAGES = {
     "a state before its time": (lambda lines: swapped(lines, FIRST + 3), "line 19: expected a later epoch"),
@@ -353,6 +359,10 @@ DAMAGES = {
     ),
     "metres": (lambda lines: in_metres(lines, range(1, 7)), "short: expected positions 6000 to 1e\\+06 km"),
     "metres per second": (lambda lines: in_metres(lines, range(4, 7)), "velocities that lead from position"),
+    "a state 5 km off": (
+        lambda lines: [*lines[:20], moved(lines[20], 5.0), *lines[21:]],
+        "short: expected velocities that lead .* got 5 km off at 2023-05-01T00:06:00",
+    ),
     "three states": (lambda lines: [*lines[: FIRST + 3], *lines[FIRST + 21 :]], "at least 4 states, got 3"),
     "cut": (lambda lines: lines[: FIRST + 12], "line 26: expected states up to STOP_TIME = 2023-05-01T00:20"),
     "a gap": (lambda lines: [*lines[:20], *lines[30:]], "short: expected states at most 300 s apart"),

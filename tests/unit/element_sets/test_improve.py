@@ -10,8 +10,8 @@ import sinking_histories
 from support import refusal
 
 from opml import cli
-from opml.element_sets import catalogue, corrector, density, features, improve, pairs, ways
-from opml.element_sets import model as models
+from opml.element_sets import catalogue, corrector, density, features, improve, set_errors, weighting
+from opml.element_sets import trained_model as models
 from opml.element_sets.catalogue import modified_julian_day
 from opml.environment import solar_activity
 from opml.interop.element_sets import element_set, mean_elements
@@ -84,20 +84,20 @@ def _with_storms_after(day: str, text: str) -> str:
     return "\n".join(lines) + "\n"
 
 
-@pytest.mark.parametrize("way", [ways.DENSITY, "learned: payloads"])
+@pytest.mark.parametrize("way", [weighting.DENSITY, "learned: payloads"])
 def test_sets_flown_by_plain_sgp4_carry_the_correction(
     way: str, folder: Path, model: models.CatalogueModel, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Two numbers come as near to what four leads ask for as least squares does, and the epoch stays."""
-    weights = ways.whole(pd.Series(way, index=[*NUMBERS]))
-    monkeypatch.setattr(ways, "weights", lambda rows, tried: weights)
+    weights = weighting.one_way(pd.Series(way, index=[*NUMBERS]))
+    monkeypatch.setattr(weighting, "weights", lambda rows, tried: weights)
     known = improve.read([folder], date=DATE, weather="OBSERVED")
     improve.improve(known, model).write(tmp_path / "better.tle")
     old = {one.number: one.satellite for one in mean_elements.read_sets(folder / "known.tle")}
     new = {one.number: one.satellite for one in mean_elements.read_sets(tmp_path / "better.tle")}
     today = catalogue.modified_julian_day(DATE)
-    rows = improve.replayed(known, model, np.arange(-ways.PAST, 1) + today)
-    wanted = ways.candidates(rows, model.correctors, corrector.jumps(rows))[way]["correction"][
+    rows = improve.replayed(known, model, np.arange(-weighting.PAST, 1) + today)
+    wanted = weighting.candidates(rows, model.correctors, corrector.jumps(rows))[way]["correction"][
         rows["morning"] == today
     ]
 
@@ -105,7 +105,7 @@ def test_sets_flown_by_plain_sgp4_carry_the_correction(
         assert new[number].jdsatepochF == old[number].jdsatepochF
         minutes = 1440.0 * own["tau"].to_numpy()
         flown = [element_set.propagate(one[number], minutes) for one in (old, new)]
-        taken = pairs.along_track(flown[0][0], flown[1][0], flown[1][1])
+        taken = set_errors.along_track(flown[0][0], flown[1][0], flown[1][1])
         tau, response, sought = (part.to_numpy() for part in (own["tau"], own["response"], wanted[own.index]))
         design, weight = np.column_stack([tau, response]), tau**-1.5
         nearest = design @ np.linalg.lstsq(design * weight[:, None], sought * weight)[0]
@@ -118,7 +118,7 @@ def test_each_object_says_what_was_done_and_why(
     assert set(better.table["why"]) == {""}
     assert better.table["number"].tolist() == list(NUMBERS)
     assert better.table["weight"].between(0.25, 1.0).all()  # the heaviest of four ways
-    for lead in pairs.LEADS:
+    for lead in set_errors.LEADS:
         expected, left = better.table[f"sgp4_{lead}d"], better.table[f"sigma_{lead}d"]
         assert (left > 0.0).all()
         assert (expected >= left).all()
@@ -137,7 +137,7 @@ def test_each_object_says_what_was_done_and_why(
         known = improve.read([path], date=DATE, weather="OBSERVED")
         (row,) = improve.improve(known, model).table.itertuples()
         assert row.why == why
-        assert row.applied == (ways.DENSITY if why == "first sets" else ways.UNCHANGED)
+        assert row.applied == (weighting.DENSITY if why == "first sets" else weighting.UNCHANGED)
 
 
 def _with_drag(lines: list[str], bstar: float) -> list[str]:
@@ -204,7 +204,7 @@ def test_own_misses_count_once_their_judge_was_public(folder: Path, model: model
     """A target of the last days touches no own miss of a morning before its judge."""
     known = improve.read([folder], date=DATE, weather="OBSERVED")
     today = catalogue.modified_julian_day(DATE)
-    rows = improve.replayed(known, model, np.arange(-ways.PAST, 1) + today)
+    rows = improve.replayed(known, model, np.arange(-weighting.PAST, 1) + today)
     changed = rows.assign(target=rows["target"].where(rows["judged"] <= today - 4.0, 99.0))
 
     before = changed["morning"] <= today - 4.0
@@ -219,9 +219,11 @@ def test_a_tenth_of_the_drag_stays_whatever_is_asked(
     """A correction of twice what drag does along the track would make an orbit rise."""
 
     def twice(rows: pd.DataFrame, *_: object) -> dict[str, pd.DataFrame]:
-        return {ways.DENSITY: pd.DataFrame({"correction": 2e-4 * rows["response"], "sigma": rows["scale"]})}
+        return {
+            weighting.DENSITY: pd.DataFrame({"correction": 2e-4 * rows["response"], "sigma": rows["scale"]})
+        }
 
-    monkeypatch.setattr(ways, "candidates", twice)
+    monkeypatch.setattr(weighting, "candidates", twice)
 
     table = improve.improve(improve.read([folder], date=DATE, weather="OBSERVED"), model).table
 

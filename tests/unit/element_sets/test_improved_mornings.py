@@ -9,12 +9,12 @@ import pytest
 import sinking_histories
 
 from opml.base.errors import InputError
-from opml.element_sets import catalogue, density, improve, model, on_mornings, ways
+from opml.element_sets import catalogue, density, improve, improved_history, trained_model, weighting
 from opml.element_sets.catalogue import ElementCatalogue
 from opml.element_sets.density import Outlook
-from opml.element_sets.on_mornings import ImprovedHistory
-from opml.element_sets.ways import DENSITY, LEARNED
-from opml.environment import knowledge
+from opml.element_sets.improved_history import ImprovedHistory
+from opml.element_sets.weighting import DENSITY, LEARNED
+from opml.environment import known_weather
 from opml.environment.space_weather import INTERVALS
 from opml.environment.weather import Weather
 from opml.interop.element_sets import histories
@@ -40,19 +40,19 @@ def numbers(improved: ImprovedHistory, name: str) -> list[tuple[float, float]]:
 def test_sets_are_those_that_the_command_writes(history: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     found = numbers(ImprovedHistory.read([history], "OBSERVED"), DENSITY)
     known = improve.read([history], date=DATE, weather="OBSERVED", latency=0.0)
-    weights = ways.weights
-    monkeypatch.setattr(ways, "weights", lambda rows, tried: weights(rows, {DENSITY: tried[DENSITY]}))
-    table = improve.improve(known, model.read()).table
+    weights = weighting.weights
+    monkeypatch.setattr(weighting, "weights", lambda rows, tried: weights(rows, {DENSITY: tried[DENSITY]}))
+    table = improve.improve(known, trained_model.read()).table
     assert (table["applied"] == DENSITY).all()
     np.testing.assert_allclose(found, table[["motion", "bstar"]], rtol=1e-13)
 
 
 @pytest.mark.parametrize("name", [DENSITY, LEARNED])
 def test_no_later_set_and_no_later_weather_changes_one(history: Path, name: str) -> None:
-    sets, weather = catalogue.read([history], latency=0.0), density.clean(knowledge.read("OBSERVED"))
+    sets, weather = catalogue.read([history], latency=0.0), density.clean(known_weather.read("OBSERVED"))
     whole, cut = (
-        ImprovedHistory(sets, weather, model.read()),
-        ImprovedHistory(sets.until(MORNING), weather.keep_known(MORNING), model.read()),
+        ImprovedHistory(sets, weather, trained_model.read()),
+        ImprovedHistory(sets.until(MORNING), weather.keep_known(MORNING), trained_model.read()),
     )
     found = numbers(whole, name)
     assert len(found) == len(NUMBERS)
@@ -65,9 +65,9 @@ def test_the_numbers_of_a_morning_are_made_once_for_all_jobs(
     history: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """And again when a newer set has come, by that of the job that has it."""
-    sets, weather = catalogue.read([history], latency=0.0), density.clean(knowledge.read("OBSERVED"))
-    whole = ImprovedHistory(sets, weather, model.read())
-    fewer = ImprovedHistory(sets.until(MORNING - 1.0), weather, model.read())
+    sets, weather = catalogue.read([history], latency=0.0), density.clean(known_weather.read("OBSERVED"))
+    whole = ImprovedHistory(sets, weather, trained_model.read())
+    fewer = ImprovedHistory(sets.until(MORNING - 1.0), weather, trained_model.read())
     ends = MORNING - 7.0, MORNING
     made: list[float] = []
     improve_sets = ImprovedHistory._improve
@@ -95,16 +95,16 @@ def test_the_numbers_of_a_morning_are_made_again_of_other_weather_and_by_another
 ) -> None:
     sets, weather, trained = (
         catalogue.read([history], latency=0.0),
-        density.clean(knowledge.read("OBSERVED")),
-        model.read(),
+        density.clean(known_weather.read("OBSERVED")),
+        trained_model.read(),
     )
     ends = MORNING - 7.0, MORNING
     other = replace(trained, outlook=Outlook(0.5 * trained.outlook.coefficients))
-    model.write(tmp_path / "other.parquet", other)
+    trained_model.write(tmp_path / "other.parquet", other)
     old = {
         "late": ImprovedHistory(sets, weather.keep_known(MORNING - 10.0), trained),
         "revised": ImprovedHistory(sets, revised(weather), trained),
-        "model": ImprovedHistory(sets, weather, model.read(tmp_path / "other.parquet")),
+        "model": ImprovedHistory(sets, weather, trained_model.read(tmp_path / "other.parquet")),
     }[change]
     before = numbers(old.within(*ends, kept=tmp_path), LEARNED)
     whole = ImprovedHistory(sets, weather, trained)
@@ -112,8 +112,8 @@ def test_the_numbers_of_a_morning_are_made_again_of_other_weather_and_by_another
 
 
 def test_sets_are_as_published_where_the_weather_ends_too_early(history: Path) -> None:
-    sets, weather = catalogue.read([history], latency=0.0), density.clean(knowledge.read("OBSERVED"))
-    old = ImprovedHistory(sets, weather.keep_known(MORNING - 10.0), model.read())
+    sets, weather = catalogue.read([history], latency=0.0), density.clean(known_weather.read("OBSERVED"))
+    old = ImprovedHistory(sets, weather.keep_known(MORNING - 10.0), trained_model.read())
     published = {(one.no_kozai, one.bstar) for one in sets.satellites}
     assert {(round(n, 15), b) for n, b in numbers(old, LEARNED)} <= {(round(n, 15), b) for n, b in published}
     assert old.newest(LEARNED, 101, float(sets.table["t"].min()) - 1.0) is None
@@ -128,7 +128,7 @@ def improved_sets(improved: ImprovedHistory, path: Path, *, created: float = np.
     sets = histories.of_object(histories.read([path], epoch=BEGIN).sets, 101)
     sets = sets[sets["t"].between(0.0, 86400.0 * DAYS)].reset_index(drop=True)
     sets.loc[DAYS - 1, "t_created"] = 86400.0 * created
-    return on_mornings.history(improved, sets, epoch=BEGIN)
+    return improved_history.history(improved, sets, epoch=BEGIN)
 
 
 @pytest.fixture(scope="module")
@@ -150,14 +150,14 @@ def test_a_history_has_each_set_as_it_was_improved_when_it_was_known(
 
 
 def test_nothing_later_changes_a_byte_of_a_history(table: pd.DataFrame, history: Path) -> None:
-    sets, weather = catalogue.read([history], latency=0.0), density.clean(knowledge.read("OBSERVED"))
+    sets, weather = catalogue.read([history], latency=0.0), density.clean(known_weather.read("OBSERVED"))
     day = round(catalogue.modified_julian_day(BEGIN)) + 1
     # Other sets and other weather come later.
     later = sets.table.assign(bstar=sets.table["bstar"].mask(sets.table["known"] > day, 9e-3))
     flux, kp = weather.flux.copy(), weather.kp.copy()
     flux[day - weather.first :], kp[INTERVALS * (day - weather.first) :] = 300.0, 9.0
     other = ImprovedHistory(
-        ElementCatalogue(later, sets.satellites), Weather(weather.first, flux, kp), model.read()
+        ElementCatalogue(later, sets.satellites), Weather(weather.first, flux, kp), trained_model.read()
     )
     found = improved_sets(other, history)
     known = table["t"] < 86400.0

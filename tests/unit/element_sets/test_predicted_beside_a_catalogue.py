@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 import sinking_histories
 
-from opml.element_sets import catalogue, improve, model, prediction, ways
+from opml.element_sets import catalogue, improve, prediction, trained_model, weighting
 
 DATE = "2026-01-08T06:00:00"
 NUMBER = 101
@@ -26,8 +26,8 @@ def learned():
     """Every object gets what the package's model of payloads learned."""
     with pytest.MonkeyPatch.context() as patch:
         numbers = range(NUMBER, NUMBER + 12)
-        weights = ways.whole(pd.Series("learned: payloads", index=numbers))
-        patch.setattr(ways, "weights", lambda rows, tried: weights)
+        weights = weighting.one_way(pd.Series("learned: payloads", index=numbers))
+        patch.setattr(weighting, "weights", lambda rows, tried: weights)
         yield
 
 
@@ -40,7 +40,7 @@ def test_the_set_is_that_of_the_whole_catalogue(folder, beside):
     known = improve.read(
         [folder / "own.tle", folder / "others"], date=DATE, weather="OBSERVED", latency=catalogue.LATENCY
     )
-    table = improve.improve(known, model.read(None)).table.set_index("number")
+    table = improve.improve(known, trained_model.read(None)).table.set_index("number")
     assert len(table) == 12
     assert beside.identity.number == NUMBER
     assert beside.way == "set improved by forecast density and a correction learned from payloads"

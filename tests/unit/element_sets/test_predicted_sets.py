@@ -18,9 +18,9 @@ from opml import cli
 from opml.base import epochs
 from opml.base.constants import DAY
 from opml.base.errors import InputError
-from opml.element_sets import catalogue, corrector, passes, prediction, ways
+from opml.element_sets import catalogue, corrector, prediction, station_passes, weighting
 from opml.interop import oem
-from opml.interop.element_sets import element_set, mean_elements, tle, usual_errors
+from opml.interop.element_sets import element_set, mean_elements, sgp4_errors, tle
 from opml.report.results import with_unit
 from opml.workflow import prediction_files
 
@@ -41,8 +41,8 @@ def made(file):
 
 
 def test_it_is_the_better_set_flown_by_sgp4(file, tmp_path, monkeypatch):
-    weights = ways.whole(pd.Series(ways.DENSITY, index=[NUMBER]))
-    monkeypatch.setattr(ways, "weights", lambda rows, tried: weights)
+    weights = weighting.one_way(pd.Series(weighting.DENSITY, index=[NUMBER]))
+    monkeypatch.setattr(weighting, "weights", lambda rows, tried: weights)
     made = prediction.predict(file, date=DATE)
     assert made.way == "set improved by forecast density"
     prediction_files.write(tmp_path / "better.tle", made, [])
@@ -84,7 +84,7 @@ def test_an_ephemeris_tells_what_other_objects_share(made, tmp_path):
     made.to_oem(tmp_path / "made.oem")
     (found,) = oem.read(tmp_path / "made.oem", epoch=DATE)
     shifts = [found.density.at(DAY * day).effect[1] for day in (1.0, 7.0)]
-    held = np.sqrt(usual_errors.COMMON) * made.sizes.loc[[1, 7], "s"]
+    held = np.sqrt(sgp4_errors.COMMON) * made.sizes.loc[[1, 7], "s"]
     assert 0.0 < shifts[0] < shifts[1]
     assert (np.array(shifts) <= held + 1e-6).all()
 
@@ -151,15 +151,15 @@ def test_where_nothing_improves_the_own_past_tells(tmp_path):
 
 
 def test_passes_rise_and_set_at_five_degrees(made):
-    place = passes.place("52.2,21.0,110")
-    found = passes.passes(made, place)
+    place = station_passes.place("52.2,21.0,110")
+    found = station_passes.passes(made, place)
     assert len(found) > 20
     for row in found.head(5).to_dict("records"):
         t = tuple(epochs.seconds_to(made.date, row[name]) for name in ("rise", "highest", "set"))
-        low, high, end = (float(np.degrees(passes._elevation(made, place, one)[0])) for one in t)
+        low, high, end = (float(np.degrees(station_passes._elevation(made, place, one)[0])) for one in t)
         assert (low, end) == pytest.approx((5.0, 5.0), abs=0.2)
         assert high == pytest.approx(row["elevation"], abs=1e-3)
-        around = passes._elevation(made, place, t[1] + np.array([-60.0, 60.0]))
+        around = station_passes._elevation(made, place, t[1] + np.array([-60.0, 60.0]))
         assert np.degrees(around).max() < high
     late = found["early_or_late"].to_numpy()
     assert late[-1] > late[0]
@@ -171,7 +171,7 @@ def test_passes_rise_and_set_at_five_degrees(made):
 @pytest.mark.parametrize("text", ["52.2", "91,0,0", "a,b,c", "1,2,3,4"])
 def test_a_place_is_latitude_longitude_altitude(text):
     with pytest.raises(InputError, match=f"--station: expected .* got {text}"):
-        passes.place(text)
+        station_passes.place(text)
 
 
 SUFFIXES = ("oem", "tle", "kvn", "xml", "csv", "json", "czml", "html")
@@ -219,7 +219,7 @@ def test_the_lines_of_the_readme_run(file, made, tmp_path, monkeypatch, capsys):
 
 
 def test_a_phone_shows_all_of_the_page(made, tmp_path):
-    prediction_files.write(tmp_path / "mine.html", made, [passes.place("52.2,21.0,110")])
+    prediction_files.write(tmp_path / "mine.html", made, [station_passes.place("52.2,21.0,110")])
     page = laid_out((tmp_path / "mine.html").read_text(), tmp_path, width=390)
     assert page["across"] <= 390
     assert len(page["pictures"]) == 2
@@ -252,13 +252,12 @@ def test_of_an_object_that_decays_the_days_that_it_has_are_told(file, tmp_path):
     low = [16.2 / element_set.PER_DAY, 1e-3, 1.0, 1.0, 1.0, 1.0, 0.02]
     lines = tle.lines(element_set.satellite("2026-01-08T02:00:00", low), NUMBER)
     (tmp_path / "low.tle").write_text(file.read_text() + "\n".join(lines) + "\n")
-    made = prediction.predict(tmp_path / "low.tle")
     with pytest.raises(InputError, match=r"decays by SGP4 before .*: give at most --days") as refused:
-        made.to_oem(tmp_path / "low.oem")
+        prediction.predict(tmp_path / "low.tle")
     days = float(str(refused.value).rsplit(" ", 1)[1])
     prediction.predict(tmp_path / "low.tle", days=days).to_oem(tmp_path / "low.oem")
     with pytest.raises(InputError, match="decays by SGP4"):
-        prediction.predict(tmp_path / "low.tle", days=days + 0.02).to_oem(tmp_path / "lower.oem")
+        prediction.predict(tmp_path / "low.tle", days=days + 0.02)
 
 
 def test_of_sets_that_cannot_be_read_the_first_tells_why(file, tmp_path):

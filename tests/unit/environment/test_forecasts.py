@@ -7,7 +7,7 @@ from support import paper_values, refusal, refusals
 from opml.base.errors import InputError
 from opml.environment import solar_activity, space_weather
 from opml.environment.forecasts import methods
-from opml.environment.forecasts.bursts import remove_bursts
+from opml.environment.forecasts.radio_bursts import remove_bursts
 from opml.environment.weather import Weather
 from validation import forecast_skill as report
 

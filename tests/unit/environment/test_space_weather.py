@@ -12,7 +12,7 @@ from opml.base import epochs
 from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
 from opml.base.thermosphere_grid import DENSITIES
-from opml.environment import knowledge, nodes, nrlmsis, solar_activity, space_weather
+from opml.environment import known_weather, nodes, nrlmsis, solar_activity, space_weather
 
 EPOCH = "2016-09-28T12:09:45"
 CSV = """# a comment
@@ -215,8 +215,8 @@ def test_what_cannot_be_used_is_named_in_one_line(weather, old, new, message):
 
 def test_a_predicted_day_between_measured_ones_is_told(weather):
     path = weather(CSV.replace("80.0,1.0,OBS", "80.0,1.0,PRD"))
-    assert "line 4: expected a measured day, as line 5 has, got none" in refusal(knowledge.read, path)
-    assert len(knowledge.read(weather(CSV)).flux) == 3
+    assert "line 4: expected a measured day, as line 5 has, got none" in refusal(known_weather.read, path)
+    assert len(known_weather.read(weather(CSV)).flux) == 3
 
 
 @pytest.mark.parametrize(

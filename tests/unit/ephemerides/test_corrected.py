@@ -10,18 +10,18 @@ from support import force_model
 
 from opml.base.constants import DAY
 from opml.base.errors import InputError
-from opml.catalog.flight import Flight
 from opml.catalog.predict import covariance, mechanism, other_windows, prediction
 from opml.catalog.predict.mechanism import FittedArcs
 from opml.catalog.predict.resonance import Resonances
 from opml.catalog.predict.sensitivity import sensitivities
+from opml.catalog.propagator import Propagator
 from opml.ephemerides import corrected
 from opml.ephemerides.ephemeris_task import Task, departures
 from opml.ephemerides.known_tables import KnownTables
 from opml.ephemerides.task_part import Grid, TaskPart
 from opml.figures import errors_at_later_tracks
 from opml.interop import oem
-from opml.interop.element_sets import baseline
+from opml.interop.element_sets import sgp4_baseline
 from opml.interop.object_ids import ObjectId
 from opml.learning.judge.error_sizes import Sizes
 from opml.learning.models.linear_law import LinearLaw
@@ -116,49 +116,52 @@ def known(assumed_model):
     )
 
 
-def built(flight, known, starts, *, grid=GRID, replay=REPLAY):
+def built(propagator, known, starts, *, grid=GRID, replay=REPLAY):
     """Ephemerides from the `starts` that are taught the law."""
-    return corrected.build(Task(flight, known, starts, grid), Taught(), replay, **OPTIONS)
+    return corrected.build(Task(propagator, known, starts, grid), Taught(), replay, **OPTIONS)
 
 
 @pytest.fixture(scope="module")
-def table(flight, known):
-    return built(flight, known, known.estimates.iloc[[1, 2]])
+def table(propagator, known):
+    return built(propagator, known, known.estimates.iloc[[1, 2]])
 
 
-def test_sgp4_flies_to_the_grid_from_the_newest_set(flight, known):
+def test_sgp4_flies_to_the_grid_from_the_newest_set(propagator, known):
     sets = history([0.1, 0.3, 0.6])
     grid = Grid(step=0.01 * DAY, max_days=0.8, end=2.0 * DAY)
     part = TaskPart(
-        flight, replace(known, epoch=EPOCH, histories={"element_sets": sets}), known.estimates.iloc[1:3], grid
+        propagator,
+        replace(known, epoch=EPOCH, histories={"element_sets": sets}),
+        known.estimates.iloc[1:3],
+        grid,
     )
     columns = part.columns(("sgp4_y",))
-    expected = baseline.build(part.pairs(), sets, epoch=EPOCH)
+    expected = sgp4_baseline.build(part.pairs(), sets, epoch=EPOCH)
     assert columns["sgp4_y"].tolist() == expected["sgp4_y"].tolist()
     assert np.isfinite(columns["sgp4_y"]).all()
     improved = pd.concat([sets.assign(model=name) for name in IMPROVED_MODELS])
     beside = replace(known, epoch=EPOCH, histories={"improved_history": improved})
-    columns = TaskPart(flight, beside, known.estimates.iloc[1:3], grid).columns(("learned_y",))
+    columns = TaskPart(propagator, beside, known.estimates.iloc[1:3], grid).columns(("learned_y",))
     assert columns["learned_y"].tolist() == expected["sgp4_y"].tolist()
     for name in ("sgp4_y", "density_y"):
         with pytest.raises(InputError, match="ephemeris: expected mean elements, as the learner asks"):
-            TaskPart(flight, known, known.estimates.iloc[1:3], grid).columns((name,))
+            TaskPart(propagator, known, known.estimates.iloc[1:3], grid).columns((name,))
 
 
-def test_columns_on_the_grid_are_those_at_tracks(flight, known):
+def test_columns_on_the_grid_are_those_at_tracks(propagator, known):
     """What the tables say of pairs of tracks, they say of the grid's epochs, too."""
     grid = Grid(step=0.01 * DAY, max_days=0.8, end=2.0 * DAY)
-    part = TaskPart(flight, known, known.estimates.iloc[1:3], grid)
+    part = TaskPart(propagator, known, known.estimates.iloc[1:3], grid)
     dense = part.columns(("v_y", "l_y", "h_arc_y"), arc=(24.0, 30.0)).set_index(["i", "j"])
     at_tracks = {"arrivals": known.estimates.set_index("track")["t"], "max_days": 0.8}
     fits = known.estimates, known.other(24.0)
-    pairs, long = (prediction.predict(flight, fit, **at_tracks) for fit in fits)
+    pairs, long = (prediction.predict(propagator, fit, **at_tracks) for fit in fits)
     arcs = (
-        FittedArcs(fit, predicted, sensitivities(flight, fit, predicted, bounds=None))
+        FittedArcs(fit, predicted, sensitivities(propagator, fit, predicted, bounds=None))
         for fit, predicted in zip(fits, (pairs, long), strict=True)
     )
     own = mechanism.build(*arcs, bounds=None, resonances=Resonances(known.resonances, 24.0, known.gm))
-    held = other_windows.build_held(flight, pairs, arc_estimates=known.other(24.0), memory_days=30.0)
+    held = other_windows.build_held(propagator, pairs, arc_estimates=known.other(24.0), memory_days=30.0)
     for row in np.flatnonzero(pairs["i"].isin([1, 2])):
         there = dense.loc[(pairs["i"][row], round(pairs["t_j"][row] / grid.step))]
         assert there["t_j"] == pytest.approx(pairs["t_j"][row], abs=1e-6)
@@ -174,8 +177,8 @@ def test_columns_on_the_grid_are_those_at_tracks(flight, known):
 @pytest.mark.parametrize("degree", [20, 28])
 def test_arcs_that_fly_together_are_those_that_fly_alone(degree, known, iss):
     """In a large field they fly beside the first, 40 m ahead of it and with another Cd, to a decimetre."""
-    flight, start = Flight(force_model(degree), iss), known.estimates.iloc[1:2]
-    together, alone = (TaskPart(flight, known, start, replace(GRID, step=300.0)) for _ in range(2))
+    propagator, start = Propagator(force_model(degree), iss), known.estimates.iloc[1:2]
+    together, alone = (TaskPart(propagator, known, start, replace(GRID, step=300.0)) for _ in range(2))
     together.propagate_together([24.0], [24.0], [(24.0, 30.0)])
     np.testing.assert_array_equal(together.pairs()[STATE], alone.pairs()[STATE])
     for found, expected in (
@@ -191,8 +194,8 @@ def test_arcs_that_fly_together_are_those_that_fly_alone(degree, known, iss):
         assert off[3:].max() < 1e-4
 
 
-def test_what_parts_an_arc_is_told_without_further_arcs(flight, known, monkeypatch):
-    part = TaskPart(flight, known, known.estimates.iloc[1:3], replace(GRID, step=300.0))
+def test_what_parts_an_arc_is_told_without_further_arcs(propagator, known, monkeypatch):
+    part = TaskPart(propagator, known, known.estimates.iloc[1:3], replace(GRID, step=300.0))
     whole, expected = part.arcs(24.0), part.columns(("l_arc_y", "v_arc_y"), arc=(24.0, 30.0))
     monkeypatch.setattr(other_windows, "nudged", None)
     found = part.columns(("l_arc_y",), arc=(24.0, 30.0))
@@ -215,8 +218,10 @@ def test_the_grid_is_regular_and_begins_after_the_estimate(table):
         assert own["t"].iloc[-1] - own["t_i"].iloc[-1] == pytest.approx(0.8 * DAY, abs=60.0)
 
 
-def test_the_orbit_is_moved_by_what_the_model_says(table, flight, known):
-    rows = TaskPart(flight, known, known.estimates.iloc[[1, 2]], GRID).columns(LAW.variables, arc=Taught.arc)
+def test_the_orbit_is_moved_by_what_the_model_says(table, propagator, known):
+    rows = TaskPart(propagator, known, known.estimates.iloc[[1, 2]], GRID).columns(
+        LAW.variables, arc=Taught.arc
+    )
     said = LAW.predict(rows[list(LAW.variables)].to_numpy())
     states = table[STATE].to_numpy()
     moved = in_rsw(table[[f"{name}_predicted" for name in STATE]].to_numpy() - states, states)
@@ -224,15 +229,15 @@ def test_the_orbit_is_moved_by_what_the_model_says(table, flight, known):
     np.testing.assert_allclose(moved[:, 1], said, rtol=1e-4, atol=0.02)
 
 
-def test_it_ends_with_the_run(flight, known):
+def test_it_ends_with_the_run(propagator, known):
     last = known.estimates.iloc[[4]]
-    cut = built(flight, known, last, grid=replace(GRID, end=1.6 * DAY))
+    cut = built(propagator, known, last, grid=replace(GRID, end=1.6 * DAY))
     assert cut["t"].max() <= 1.6 * DAY
     with pytest.raises(InputError, match=r"expected 16 epochs 60 s apart .* before the run ends, got fewer"):
-        built(flight, known, last, grid=replace(GRID, end=1.5 * DAY + 600.0))
+        built(propagator, known, last, grid=replace(GRID, end=1.5 * DAY + 600.0))
 
 
-def test_what_comes_after_t_i_changes_nothing(table, flight, known):
+def test_what_comes_after_t_i_changes_nothing(table, propagator, known):
     """Every later estimate is moved by 10 km, with another Cd."""
 
     def later(one):
@@ -247,7 +252,7 @@ def test_what_comes_after_t_i_changes_nothing(table, flight, known):
     # Mornings that were over after t_i were off by ten times as much.
     unknown = REPLAY.assign(t_known=2.0 * DAY, **{name: 10.0 * REPLAY[name] for name in COMPONENTS})
     told = pd.concat([REPLAY, unknown], ignore_index=True)
-    again = built(flight, moved, moved.estimates.iloc[[1, 2]], replay=told)
+    again = built(propagator, moved, moved.estimates.iloc[[1, 2]], replay=told)
     pd.testing.assert_frame_equal(again, table, check_exact=True)
 
 
@@ -265,9 +270,9 @@ def test_it_starts_from_the_newest_usable_estimate(known):
         departures(known, known_until=0.2 * DAY, each=True)
 
 
-def test_a_learner_needs_the_fits_that_it_asks_for(flight, known):
+def test_a_learner_needs_the_fits_that_it_asks_for(propagator, known):
     with pytest.raises(InputError, match="expected fits over another window"):
-        built(flight, replace(known, others={}), known.estimates.iloc[[1]])
+        built(propagator, replace(known, others={}), known.estimates.iloc[[1]])
 
 
 def test_covariances_have_the_sizes_of_the_past_and_no_shape_of_the_fits(table):
@@ -286,16 +291,16 @@ def test_covariances_have_the_sizes_of_the_past_and_no_shape_of_the_fits(table):
     assert (tied < -0.9).all()
 
 
-def test_a_formal_covariance_is_that_of_many_perturbed_arcs(flight, known):
+def test_a_formal_covariance_is_that_of_many_perturbed_arcs(propagator, known):
     starts = known.estimates.iloc[[1]]
     grid = {"arrivals": pd.Series([TIMES[1] + 0.5 * DAY], index=[7]), "max_days": 1.0}
-    pairs = prediction.predict(flight, starts, **grid)
-    (formal,) = covariance.propagated(flight, known.estimates, pairs)
+    pairs = prediction.predict(propagator, starts, **grid)
+    (formal,) = covariance.propagated(propagator, known.estimates, pairs)
     drawn = np.random.default_rng(1).multivariate_normal(
         starts[PARAMETERS].to_numpy(float)[0], symmetric_matrices(starts, PARAMETER_COVARIANCES)[0], size=400
     )
     perturbed = pd.DataFrame(drawn, columns=PARAMETERS).assign(track=np.arange(400), t=TIMES[1])
-    arrived = prediction.predict(flight, perturbed, **grid)[STATE].to_numpy()
+    arrived = prediction.predict(propagator, perturbed, **grid)[STATE].to_numpy()
     predicted = np.repeat(pairs[STATE].to_numpy(), 400, axis=0)
     sample = in_rsw(arrived - predicted, predicted).std(axis=0)
     np.testing.assert_allclose(np.sqrt(np.diag(formal)), sample, rtol=0.15)
@@ -346,7 +351,7 @@ def test_it_is_held_against_later_estimates(table, known):
     later.loc[2, "converged"] = False
     later = later.assign(**dict.fromkeys(PARAMETER_COVARIANCES, 0.0))
     later[["cov_x_x", "cov_y_y", "cov_z_z"]] = 9.0
-    errors = corrected.held_against(own, later)
+    errors = corrected.errors_at_estimates(own, later)
     assert len(errors) == 4
     np.testing.assert_allclose(errors[["before_x", "before_y", "before_z"]], 0.0, atol=1e-6)
     assert (errors["after_y"].abs() > 1.0).all()

@@ -6,11 +6,11 @@ import pytest
 from support import EPOCH, environment, force_model
 
 from opml.base.constants import DAY, HOUR
-from opml.catalog.flight import Flight
+from opml.catalog.propagator import Propagator
 from opml.catalog.simulate.truth import initial_state
 from opml.dynamics.forces import with_outlooks
-from opml.environment import knowledge
-from opml.environment.knowledge import Issues
+from opml.environment import known_weather
+from opml.environment.known_weather import Issues
 from opml.ephemerides import forecast
 from opml.ephemerides.ephemeris_task import Grid, Task
 from opml.ephemerides.known_tables import KnownTables
@@ -33,15 +33,15 @@ GRID = Grid(step=600.0, max_days=0.5, end=2.0 * DAY)
 @pytest.fixture(scope="module")
 def outlook():
     t = environment()["solar_activity"]["t"].to_numpy()[:60]
-    return knowledge.outlooks(
+    return known_weather.outlooks(
         Issues(source="OBSERVED", epoch=EPOCH, forecast={"kind": "persistence"}, issue_hours=24, max_days=1),
         t,
     )
 
 
 @pytest.fixture(scope="module")
-def flight(iss, outlook):
-    return Flight(with_outlooks(force_model(2), outlook), iss)
+def propagator(iss, outlook):
+    return Propagator(with_outlooks(force_model(2), outlook), iss)
 
 
 @pytest.fixture(scope="module")
@@ -56,8 +56,8 @@ def known(iss):
 
 
 @pytest.fixture(scope="module")
-def task(flight, known):
-    return Task(flight, known, known.estimates, GRID)
+def task(propagator, known):
+    return Task(propagator, known, known.estimates, GRID)
 
 
 def built(task, outlook, storms):

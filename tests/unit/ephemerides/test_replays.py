@@ -9,10 +9,10 @@ from support import EPOCH, ESTIMATION, refusal
 
 from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
-from opml.catalog.fit import estimation, sightings, start_states
-from opml.catalog.flight import Flight
-from opml.catalog.predict import prediction, spread
-from opml.catalog.predict.spread import Weathers
+from opml.catalog.fit import estimation, observations, start_states
+from opml.catalog.predict import prediction, weather_spread
+from opml.catalog.predict.weather_spread import Weathers
+from opml.catalog.propagator import Propagator
 from opml.catalog.simulate import tracking, truth
 from opml.ephemerides import corrected, replays
 from opml.ephemerides.ephemeris_task import Task
@@ -40,16 +40,16 @@ TRAIN = (0.0, 2.0)
 @pytest.fixture(scope="module")
 def tables(truth_model, assumed_model, iss, earth_orientation, three_stations):
     """Three days of the paper's RSO: estimates, predictions, tracks and labelled rows."""
-    orbit = truth.simulate(Flight(truth_model, iss), duration=3 * DAY, step=20.0)
+    orbit = truth.simulate(Propagator(truth_model, iss), duration=3 * DAY, step=20.0)
     tracks = tracking.simulate(orbit, earth_orientation, three_stations, rso="iss", seed=1)
-    flight = Flight(assumed_model, iss)
+    propagator = Propagator(assumed_model, iss)
     estimates = estimation.estimate_all(
-        flight,
+        propagator,
         start_states.perturbed(orbit, tracks, rso="iss", settings=ESTIMATION, seed=1),
-        sightings.Measured(tracks, earth_orientation, three_stations),
+        observations.Measured(tracks, earth_orientation, three_stations),
         settings=ESTIMATION,
     )
-    predictions = prediction.predict_all(flight, orbit, estimates, max_days=1.0)
+    predictions = prediction.predict_all(propagator, orbit, estimates, max_days=1.0)
     options = {"gm": assumed_model.gm, "cleaning": Cleaning()}
     rows = dataset.build(estimates, predictions, tracks, **options)
     at = dataset.of_estimates(estimates, predictions, tracks, **options)
@@ -57,28 +57,30 @@ def tables(truth_model, assumed_model, iss, earth_orientation, three_stations):
     return {"known": known, "predictions": predictions, "rows": rows}
 
 
-def series_of(flight, tables, learner=LAW, rows=None):
+def series_of(propagator, tables, learner=LAW, rows=None):
     """What is to be replayed of a learner."""
     known, predictions = tables["known"], tables["predictions"]
     lessons = Lessons(tables["rows"] if rows is None else rows, learner, seed=1)
     first = replays.first_day(lessons, known, train_days=TRAIN)
     starts = replays.morning_departures(known, every_hours=3.0, first_day=first)
     pairs = predictions[predictions["i"].isin(starts["track"])]
-    spreads = spread.build(flight, known.estimates, pairs, weathers=Weathers.of(flight.model, None))
+    spreads = weather_spread.build(
+        propagator, known.estimates, pairs, weathers=Weathers.of(propagator.model, None)
+    )
     judge = replays.at_starts(replays.judge(tables["rows"], predictions, None), starts, spreads)
     return replays.ReplaySeries(lessons, starts, judge)
 
 
-def replayed(flight, tables, learner=LAW, rows=None):
+def replayed(propagator, tables, learner=LAW, rows=None):
     """The table of a learner that is replayed alone."""
-    series = series_of(flight, tables, learner, rows)
-    (table,) = replays.build(flight, tables["known"], [series], max_days=1.0)
+    series = series_of(propagator, tables, learner, rows)
+    (table,) = replays.build(propagator, tables["known"], [series], max_days=1.0)
     return table
 
 
 @pytest.fixture(scope="module")
-def table(flight, tables):
-    return replayed(flight, tables)
+def table(propagator, tables):
+    return replayed(propagator, tables)
 
 
 def test_the_table_is_the_schemas_and_comes_back(table, tmp_path):
@@ -88,24 +90,24 @@ def test_the_table_is_the_schemas_and_comes_back(table, tmp_path):
     )
 
 
-def test_rows_against_fits_to_mean_elements_are_marked(flight, tables, tmp_path):
-    series = series_of(flight, tables, NONE)
+def test_rows_against_fits_to_mean_elements_are_marked(propagator, tables, tmp_path):
+    series = series_of(propagator, tables, NONE)
     later = tables["known"].estimates
     judge = replays.judge(tables["rows"], tables["predictions"], later, alike=True)
     assert "alike" not in replays.judge(tables["rows"], tables["predictions"], later)
     assert judge["alike"].all()
     marked = replace(series, starts=series.starts[:3], judge=series.judge.assign(alike=True))
-    (table,) = replays.build(flight, tables["known"], [marked], max_days=0.3)
+    (table,) = replays.build(propagator, tables["known"], [marked], max_days=0.3)
     write_table(tmp_path / "r.parquet", table, "replay", metadata={})
     assert read_table(tmp_path / "r.parquet", "replay")["alike"].all()
 
 
-def test_rows_that_a_burn_spoils_tell_when_it_was_found(flight, tables, tmp_path):
+def test_rows_that_a_burn_spoils_tell_when_it_was_found(propagator, tables, tmp_path):
     """From a day and a half on nobody is to learn from what the burn at 1.2 days did."""
-    series, burn = series_of(flight, tables, NONE), Manoeuvre(1.2 * DAY, 1.5 * DAY, anew=True)
+    series, burn = series_of(propagator, tables, NONE), Manoeuvre(1.2 * DAY, 1.5 * DAY, anew=True)
     series = replace(series, starts=series.starts[:6])
     unaware, aware = (
-        replays.build(flight, replace(tables["known"], manoeuvres=burns), [series], max_days=0.6)[0]
+        replays.build(propagator, replace(tables["known"], manoeuvres=burns), [series], max_days=0.6)[0]
         for burns in ([], [burn])
     )
     assert "burn_known" not in unaware
@@ -135,9 +137,9 @@ def test_a_law_learns_nothing_of_a_burn_once_it_is_known(tables):
         assert np.array_equal(calm, spoiled) is alike
 
 
-def test_without_a_correction_errors_are_those_of_the_predictions(flight, tables):
+def test_without_a_correction_errors_are_those_of_the_predictions(propagator, tables):
     """The path through states two minutes apart is the arc itself."""
-    table = replayed(flight, tables, NONE)
+    table = replayed(propagator, tables, NONE)
     assert table["t_i"].min() >= 12.0 * HOUR  # a window of tracks is full
     at = tables["predictions"].set_index(["i", "j"]).loc[pd.MultiIndex.from_frame(table[["i", "j"]])]
     np.testing.assert_allclose(table[list(COMPONENTS[:3])], at[list(COMPONENTS[:3])], atol=0.5)
@@ -150,23 +152,23 @@ def test_a_law_waits_until_half_of_the_training_is_over(table):
     assert (table["morning"] <= table["t_i"]).all()
 
 
-def test_learners_share_their_arcs_and_keep_their_tables(flight, tables, table, monkeypatch):
+def test_learners_share_their_arcs_and_keep_their_tables(propagator, tables, table, monkeypatch):
     """Each has the table that it has alone; what several ask for is flown once a part."""
     settings = [NONE, LAW, HELD, RUNNING, learners.of_job(RUNS | {"memory_days": 3.0})]
     known = replace(tables["known"], others={12.0: tables["known"].estimates})
     beside = dict.fromkeys([*HELD.variables, *RUNNING.variables], 0.0)
     tables = tables | {"known": known, "rows": tables["rows"].assign(**beside)}
-    alone = [replayed(flight, tables, learner) for learner in settings]
+    alone = [replayed(propagator, tables, learner) for learner in settings]
     flown = []
 
-    def counted(flight, pairs, *arguments, **options):
+    def counted(propagator, pairs, *arguments, **options):
         flown.append(pairs["i"].nunique())
-        return fly_pairs(flight, pairs, *arguments, **options)
+        return fly_pairs(propagator, pairs, *arguments, **options)
 
-    fly_pairs = Flight.propagate_pairs
-    series = [series_of(flight, tables, learner) for learner in settings]
-    monkeypatch.setattr(Flight, "propagate_pairs", counted)
-    together = replays.build(flight, known, series, max_days=1.0)
+    fly_pairs = Propagator.propagate_pairs
+    series = [series_of(propagator, tables, learner) for learner in settings]
+    monkeypatch.setattr(Propagator, "propagate_pairs", counted)
+    together = replays.build(propagator, known, series, max_days=1.0)
     for one, other in zip(together, alone, strict=True):
         pd.testing.assert_frame_equal(one, other, check_exact=True)
     pd.testing.assert_frame_equal(together[1], table, check_exact=True)
@@ -176,12 +178,12 @@ def test_learners_share_their_arcs_and_keep_their_tables(flight, tables, table, 
     assert sum(flown) == later + 4 * earlier
 
 
-def test_what_is_known_later_changes_no_morning(flight, tables, table):
+def test_what_is_known_later_changes_no_morning(propagator, tables, table):
     """Errors that were known after the second morning are moved; only what is stated later knows of it."""
     rows = tables["rows"]
     later = rows["t_j"] > 1.0 * DAY
     moved = rows.assign(e_y=rows["e_y"].where(~later, rows["e_y"] + 1e5))
-    again = replayed(flight, tables, rows=moved)
+    again = replayed(propagator, tables, rows=moved)
     first = table["morning"] == 1.0 * DAY
     pd.testing.assert_frame_equal(again[first], table[first], check_exact=True)
     assert not np.allclose(again.loc[~first, "e_y"], table.loc[~first, "e_y"])
@@ -220,18 +222,18 @@ def test_it_is_held_against_later_estimates_where_errors_are_labels(tables):
 
 
 def test_the_message_of_a_morning_has_the_errors_and_the_covariance_that_were_replayed(
-    flight, tables, table, tmp_path
+    propagator, tables, table, tmp_path
 ):
     """What is tested is what is written: the file, read back, gives the same errors and the same matrices."""
     known, now = tables["known"], 2.0 * DAY
     lessons = Lessons(tables["rows"], LAW, seed=1)
     starts = replays.morning_departures(known, every_hours=3.0, first_day=2.0)[:1]
     made = corrected.build(
-        Task(flight, known, starts, Grid(replays.STEP, 1.0, 3.0 * DAY)),
+        Task(propagator, known, starts, Grid(replays.STEP, 1.0, 3.0 * DAY)),
         lessons,
         table,
-        spreads=lambda pairs: spread.build(
-            flight, known.estimates, pairs, weathers=Weathers.of(flight.model, None)
+        spreads=lambda pairs: weather_spread.build(
+            propagator, known.estimates, pairs, weathers=Weathers.of(propagator.model, None)
         ),
         first_morning=now,
     )

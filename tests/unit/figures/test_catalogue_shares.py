@@ -2,8 +2,8 @@
 
 import pandas as pd
 
-from opml.element_sets import judge
-from opml.figures.catalogue.shares import every_season, shares
+from opml.element_sets import corrector_scores
+from opml.figures.catalogue.residual_shares import every_season, shares
 
 SEASONS = {"train": ["2026-03-15", "2026-05-07"], "test": ["2026-05-31", "2026-07-31"]}
 
@@ -13,7 +13,7 @@ def scores():
     rows = [
         {"learner": learner, "band": band, "lead": lead}
         for learner in ("trees", "svr")
-        for band in (judge.ALL, 2)
+        for band in (corrector_scores.ALL, 2)
         for lead in (1, 3)
     ]
     shares = {f"{way}_{part}": 80.0 for way in ("scaled", "learned") for part in ("low", "median", "high")}

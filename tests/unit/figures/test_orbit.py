@@ -47,15 +47,20 @@ def truth():
 
 
 def test_tracks_of_the_window(tracking):
-    axes = orbit.estimation_window(tracking, track=3, window_hours=12.0).axes[0]
-    boxes = {round(box.get_x(), 6): to_hex(box.get_facecolor()) for box in axes.containers[0]}
+    figure = orbit.estimation_window(tracking, track=3, window_hours=12.0)
+    assert figure.get_suptitle().startswith(
+        "An estimate uses the 3 tracks that begin within 12 h before it\n"
+    )
+    axes = figure.axes[0]
+    drawn = sorted((box for bars in axes.containers for box in bars), key=lambda box: box.get_x())
+    boxes = {round(box.get_x(), 6): to_hex(box.get_facecolor()) for box in drawn}
     used, unused = style.HIGHLIGHT.lower(), style.TRACK_COLOR.lower()
     assert boxes == {-13.0: unused, -12.0: used, -5.0: used, 0.0: used, 3.0: unused}
-    widths = [box.get_width() for box in axes.containers[0]]
+    widths = [box.get_width() for box in drawn]
     assert widths == pytest.approx([0.05, 0.05, 0.0, 0.05, 0.05])  # ten measurements, 20 s apart; one alone
-    lanes = [box.get_y() + box.get_height() / 2 for box in axes.containers[0]]
+    lanes = [box.get_y() + box.get_height() / 2 for box in drawn]
     assert lanes == pytest.approx([0, 1, 0, 1, 0])
-    assert [label.get_text() for label in axes.get_yticklabels()] == ["eglin", "clear"]
+    assert [label.get_text() for label in axes.get_yticklabels()] == ["Eglin", "Clear"]
     dots = axes.get_lines()[0]
     assert list(dots.get_xdata()) == pytest.approx([-13.0, -12.0, -5.0, 0.0, 3.0])
 
@@ -66,7 +71,7 @@ def test_window_is_shaded_and_labelled(tracking):
     assert (window.get_x(), window.get_width()) == (-12.0, 12.0)
     assert figure.axes[0].get_xlabel() == "time since $t_i$ = 4.167 d [h]"
     labels = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert labels == ["estimation window, 12 h", "track used", "track not used", "epoch of an estimate"]
+    assert labels == ["estimation window, 12 h", "epoch of an estimate", "track used", "track not used"]
 
 
 def test_unknown_track(tracking):
@@ -76,6 +81,7 @@ def test_unknown_track(tracking):
 
 def test_arcs_from_red_to_blue(truth, tracking):
     figure = orbit.orbit_3d(truth, tracking.assign(t=truth["t"].iloc[:41].to_numpy()))
+    assert figure.get_suptitle().startswith("0.9 % of the orbit is observed\n")
     arcs = figure.axes[0].collections[1]
     days = arcs.get_array()
     assert arcs.get_clim() == (0.0, 1.0)
@@ -130,6 +136,9 @@ def test_elements_and_their_zoom(truth):
         r"$\Omega$ [deg]",
         r"$\nu$ [deg]",
     ]
+    assert figure.get_suptitle().startswith(
+        "The mean semi-major axis changes from 6653 to 6653 km in 1 days\n"
+    )
     drawn = [axes.get_lines()[0].get_ydata() for axes in left]
     assert drawn[0] == pytest.approx(6652.556, abs=0.01)  # Kepler's third law, 5400 s
     assert drawn[1] == pytest.approx(1.0)

@@ -192,14 +192,14 @@ def test_individual_points_are_sorted_out():
     assert (beyond == to_rgba(prediction_errors.BEYOND_COLOR)).all()
     assert tuple(residual.to_rgba(499.0)) != to_rgba(prediction_errors.BEYOND_COLOR)
     assert reduced.axes[0].collections[1].get_cmap() != residual.get_cmap()
-    assert reduced.axes[0].get_title(loc="left") == "reduced: 1 of 5 points"
+    assert reduced.get_suptitle().startswith("1 of 5 errors are reduced\n")
     assert reduced.axes[1].get_ylabel() == r"$p_{\mathrm{ML}}$ [%]"
 
 
 def test_no_increased_point_is_no_failure(tmp_path):
     perfect = table([1.0, 2.0], [5.0, 6.0], [5.0, 6.0])
     figure = prediction_errors.individual_increased(perfect)
-    assert figure.axes[0].get_title(loc="left") == "increased: 0 of 2 points"
+    assert figure.get_suptitle().startswith("0 of 2 errors are increased\n")
     style.save(figure, tmp_path / "a.pdf", tmp_path / "a.png")
 
 
@@ -211,6 +211,8 @@ def test_distribution_of_individual_metric():
     at = (0.0, 1.0, 30.0, 31.0, 100.0, 101.0, 400.0, 401.0)
     assert [share[limit] for limit in at] == pytest.approx([0, 20, 20, 40, 60, 80, 80, 100])
     assert texts(figure) == ["60.0 % of the points\nbelow 100 %"]
+    assert figure.get_suptitle().startswith("60.0 % of the errors are reduced\n")
+    assert figure.texts[-1].get_text() == "5 predictions"
     assert figure.axes[0].get_legend() is None
     compared = prediction_errors.individual_distribution(points, published=80.0).axes[0]
     assert compared.get_legend_handles_labels()[1] == ["Peng & Bai, about 80 %"]

@@ -11,8 +11,8 @@ from support import EPOCH
 from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
 from opml.catalog.fit import fixes
-from opml.interop.element_sets import agreement, baseline, mean_elements
-from opml.interop.element_sets.agreement import SetSampling
+from opml.interop.element_sets import accuracy, mean_elements, sgp4_baseline
+from opml.interop.element_sets.accuracy import SetSampling
 from opml.interop.element_sets.histories import satellite, states_of
 from opml.interop.element_sets.measured_sets import Taking, measured
 from opml.orbits.manoeuvres import Manoeuvre
@@ -24,7 +24,7 @@ AXES = FIX_SIGMAS[:3]
 
 
 def weighed(sets, **options):
-    return agreement.weighed(sets, epoch=EPOCH, sampling=SAMPLING, **options)
+    return accuracy.weighed(sets, epoch=EPOCH, sampling=SAMPLING, **options)
 
 
 def taken(sets, sigmas=None, *, duration=20 * DAY, **options):
@@ -44,7 +44,7 @@ def table_of(found):
 def test_sigmas_are_learned_from_the_disagreements_of_the_past():
     worth = weighed(history(np.arange(1.0, 41.0), noise=200.0))
     assert worth["counts"].all()
-    assert (worth[AXES].iloc[:5] == agreement.USUAL).all(axis=None)
+    assert (worth[AXES].iloc[:5] == accuracy.USUAL).all(axis=None)
     last = worth[AXES].iloc[-1]
     # The median of |a difference of two errors|, and SGP4's periods between neighbouring sets.
     assert 80.0 < last["sigma_s"] < 200.0
@@ -180,7 +180,7 @@ def test_the_baseline_is_sgp4_from_the_set_of_the_estimate():
     t_i, t_j = np.array([2.0, 2.0, 5.5, 0.5]) * DAY, np.array([3.0, 4.5, 7.0, 2.0]) * DAY
     states = states_of(sets.iloc[0], epoch=EPOCH, t=t_j)
     pairs = pd.DataFrame({"i": [1, 1, 4, 0], "j": [2, 4, 6, 1], "t_i": t_i, "t_j": t_j})
-    table = baseline.build(pairs.assign(**dict(zip(STATE, states.T, strict=True))), sets, epoch=EPOCH)
+    table = sgp4_baseline.build(pairs.assign(**dict(zip(STATE, states.T, strict=True))), sets, epoch=EPOCH)
     assert table[["i", "j"]].equals(pairs[["i", "j"]])
     for row, newest in ((0, 1), (1, 1), (2, 4)):
         flown = mean_elements.states(satellite(sets.iloc[newest], epoch=EPOCH), epoch=EPOCH, t=t_j[[row]])[0]
@@ -190,8 +190,8 @@ def test_the_baseline_is_sgp4_from_the_set_of_the_estimate():
     other = sets.assign(mean_motion=1.001 * sets["mean_motion"])
     improved = pd.concat([sets.assign(model="learned"), other.assign(model="density")])
     pairs = pairs.assign(**dict(zip(STATE, states.T, strict=True)))
-    both = baseline.build_improved(pairs, improved, epoch=EPOCH)
+    both = sgp4_baseline.build_improved(pairs, improved, epoch=EPOCH)
     assert list(both) == SCHEMAS["improved"].names
     assert both["learned_y"].equals(table["sgp4_y"].rename("learned_y"))
-    alone = baseline.build(pairs, other, epoch=EPOCH, name="density")
+    alone = sgp4_baseline.build(pairs, other, epoch=EPOCH, name="density")
     assert both[list(alone)].equals(alone)

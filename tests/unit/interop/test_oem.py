@@ -12,7 +12,7 @@ from support import EPOCH, edited, refusal, refusals
 
 from opml.base.constants import DAY
 from opml.base.errors import InputError
-from opml.catalog.flight import Flight
+from opml.catalog.propagator import Propagator
 from opml.catalog.simulate import truth
 from opml.interop import ccsds, oem
 from opml.orbits.density_error import DensityErrors
@@ -24,7 +24,7 @@ DOUBLES = st.floats(allow_nan=False, allow_infinity=False, min_value=-1e290, max
 @pytest.fixture(scope="module")
 def orbit(kepler_model, iss):
     """Ten minutes of the paper's RSO."""
-    return truth.simulate(Flight(kepler_model, iss), duration=600.0, step=20.0)
+    return truth.simulate(Propagator(kepler_model, iss), duration=600.0, step=20.0)
 
 
 @pytest.fixture
@@ -292,6 +292,22 @@ def test_an_arc_per_segment_of_the_object_that_is_wanted(tmp_path, orbit):
         oem.arcs(path, epoch=EPOCH)
     with pytest.raises(InputError, match=r"two\.oem: expected satellite tiangong, got iss, mir"):
         oem.arcs(path, epoch=EPOCH, satellite="tiangong")
+
+
+def test_messages_in_a_row_are_read_as_their_segments(tmp_path, orbit):
+    parts = [oem.truth_segments(rows, rso="iss") for rows in (orbit[:11], orbit[11:])]
+    texts = []
+    for k, segments in enumerate(parts):
+        oem.write(tmp_path / f"{k}.oem", segments, epoch=EPOCH)
+        texts.append((tmp_path / f"{k}.oem").read_text())
+    path = tmp_path / "joined.oem"
+    path.write_text("".join(texts))
+    assert [len(arc.t) for arc in oem.arcs(path, epoch=EPOCH)] == [11, 20]
+    known = [one.known for one in oem.read(path, epoch=EPOCH)]
+    assert known == [parts[0][0].known, parts[1][0].known]  # of each message, by its date of creation
+    path.write_text("".join([texts[0], texts[1].replace("VERS = 2.0", "VERS = 9.0")]))
+    with pytest.raises(InputError, match=r"joined.oem: line 2\d: expected CCSDS_OEM_VERS = 1.0 or .*= 9"):
+        oem.arcs(path, epoch=EPOCH)
 
 
 def test_covariances_are_passed_over_by_arcs(tmp_path):

@@ -1,6 +1,7 @@
 """Points of one orbit in every format, frame and time system, and CSVs of which no points can be made."""
 
 import gzip
+from datetime import datetime
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ from support import EPOCH, refusals
 from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.catalog.simulate.truth import initial_state
-from opml.interop import ccsds, points_from_files
+from opml.interop import ccsds, fixes_csv, points_from_files
 from opml.interop.object_ids import UNKNOWN, ObjectId
 from opml.interop.orbit_from_files import OrbitFiles
 from opml.interop.points_from_files import Sampling
@@ -67,7 +68,7 @@ def csv(path, t, states, *, frame="itrf", scale="utc", unit="m", velocities=Fals
 def test_what_files_tell_beside_points(tmp_path, t, states):
     orbit = flagged(sp3(tmp_path / "orbit.sp3", t, states), 23 + 3, "M", 78)
     files = [orbit, cpf(tmp_path / "orbit.cpf", t, states), csv(tmp_path / "orbit.csv", t, states)]
-    told = [points_from_files.beside(OrbitFiles([path], EPOCH, DAY)) for path in files]
+    told = [points_from_files.identity_and_burns(OrbitFiles([path], EPOCH, DAY)) for path in files]
     assert told[0] == (ObjectId("L47"), [Manoeuvre(30.0, known=30.0)])
     assert told[1:] == [(ObjectId("larets", number=27944), []), (UNKNOWN, [])]
 
@@ -186,6 +187,51 @@ def test_what_is_right_passes_the_check(tmp_path):
         path = tmp_path / "orbit.csv"
         path.write_text(text)
         points_from_files.check(OrbitFiles([path], EPOCH, DAY), PLACES)
+
+
+def test_headings_in_use_give_the_same_points(tmp_path, t, states):
+    """Of receivers, reports of GMAT and spreadsheets."""
+    utc = ccsds.utc_texts(EPOCH, t)
+    metres, zulu = states, [f"{text}Z" for text in utc]
+    months = [datetime.fromisoformat(text).strftime("%d %b %Y %H:%M:%S.%f") for text in utc]
+    headings = [
+        (";", "epoch;x_gcrf_km;y_gcrf_km;z_gcrf_km", zulu, 1e-3 * metres[:, :3]),
+        ("\t", "UTC\tPX_ICRF (m)\tPY_ICRF (m)\tPZ_ICRF (m)", utc, metres[:, :3]),
+        (",", "t,x_gcrf,y_gcrf,z_gcrf", zulu, 1e-3 * metres[:, :3]),
+        (",", "time [utc],pos_x_gcrf,pos_y_gcrf,pos_z_gcrf", utc, metres[:, :3]),
+        (
+            "   ",
+            "Sat.UTCGregorian   " + "   ".join(f"Sat.ICRF.{a.upper()}" for a in STATE),
+            months,
+            1e-3 * metres,
+        ),
+        (
+            ",",
+            "utc," + ",".join(f"{a}_gcrf ({'km/sec' if 'v' in a else 'km'})" for a in STATE),
+            utc,
+            1e-3 * metres,
+        ),
+    ]
+    path = tmp_path / "orbit.csv"
+    for separator, first, times, rows in headings:
+        lines = [
+            separator.join([time, *map(repr, row.tolist())]) for time, row in zip(times, rows, strict=True)
+        ]
+        path.write_text("\n".join([first, *lines]))
+        assert fixes_csv.matches(path.read_bytes()), first
+        arc, _ = fixes_csv.read(path, path.read_bytes(), epoch=EPOCH)
+        assert (arc.frame, arc.scale) == ("GCRF", "UTC"), first
+        np.testing.assert_allclose(arc.t, t, atol=1e-6)
+        np.testing.assert_allclose(arc.positions, metres[:, :3], rtol=1e-12)
+        if rows.shape[1] == len(STATE):
+            np.testing.assert_allclose(arc.velocities, metres[:, 3:], rtol=1e-12)
+
+
+def test_a_unit_that_is_seen_by_the_radius_is_told(tmp_path, caplog):
+    path = tmp_path / "orbit.csv"
+    path.write_text(GOOD.replace("_m", ""))
+    points_from_files.check(OrbitFiles([path], EPOCH, DAY), PLACES)
+    assert caplog.messages == [f"{path}: m, as its columns have no unit and are 7.0022e+06 long"]
 
 
 def test_files_of_one_rso_have_one_format(tmp_path, t, states):

@@ -11,10 +11,10 @@ from support import BOUNDED_ESTIMATION, EPOCH
 from opml.base.constants import DAY, HOUR
 from opml.catalog.fit import estimation, fixes
 from opml.catalog.fit.first import first_orbit
-from opml.catalog.flight import Flight
+from opml.catalog.propagator import Propagator
 from opml.interop.ccsds import utc_texts
 from opml.interop.element_sets import histories, mean_elements, measured_sets
-from opml.interop.element_sets.agreement import SetSampling
+from opml.interop.element_sets.accuracy import SetSampling
 from opml.tables import STATE
 
 SAMPLING = SetSampling(12 * HOUR, 600.0)
@@ -44,9 +44,9 @@ def test_fits_to_sets_are_at_their_epochs_and_as_close_as_sgp4_is(assumed_model,
     found = measured_sets.measured(history([1.0, 2.5]), taking, epoch=EPOCH, duration=3 * DAY)
     table = fixes.of_sets(found.epochs, found.points, known=found.known)
     settings = BOUNDED_ESTIMATION.evolve(window_hours=0.0, cd_sigma=0.5)
-    flight, measured = Flight(assumed_model, iss), fixes.Fixes(table)
-    starts = first_orbit.starts(flight, measured, known=None, settings=settings)
-    estimates = estimation.estimate_all(flight, starts, measured, settings=settings)
+    propagator, measured = Propagator(assumed_model, iss), fixes.Fixes(table)
+    starts = first_orbit.starts(propagator, measured, known=None, settings=settings)
+    estimates = estimation.estimate_all(propagator, starts, measured, settings=settings)
     assert estimates["converged"].all()
     pd.testing.assert_series_equal(estimates["t"], starts["t"])
     apart = np.linalg.norm((estimates[STATE[:3]] - starts[STATE[:3]]).to_numpy(), axis=1)

@@ -9,7 +9,7 @@ import pytest
 from support import EPOCH, edited, refusal, refusals
 
 from opml.base.errors import InputError
-from opml.catalog.flight import Flight
+from opml.catalog.propagator import Propagator
 from opml.catalog.simulate import tracking, truth
 from opml.interop import ccsds, tdm
 
@@ -17,7 +17,7 @@ from opml.interop import ccsds, tdm
 @pytest.fixture(scope="module")
 def table(kepler_model, iss, earth_orientation, three_stations):
     """Half a day of the paper's RSO over the paper's stations."""
-    orbit = truth.simulate(Flight(kepler_model, iss), duration=43200.0, step=20.0)
+    orbit = truth.simulate(Propagator(kepler_model, iss), duration=43200.0, step=20.0)
     return tracking.simulate(orbit, earth_orientation, three_stations, rso="iss", seed=42)
 
 
@@ -52,6 +52,17 @@ def test_segments_may_be_without_an_id(message):
     back = read(message)
     assert back["segment"].nunique() == message.read_text().count("META_START")
     assert set(back["track_id"]) == {""}
+
+
+def test_messages_in_a_row_are_read_and_one_object_of_several_is_chosen(table, message):
+    ours = message.read_text()
+    message.write_text(ours + ours.replace("= iss", "= 1998-067A"))
+    for wanted in ("iss", "1998-067a"):
+        found = tdm.measurements([message], epoch=EPOCH, wanted=wanted)
+        assert (len(found), set(found["rso"].str.lower())) == (len(table), {wanted})
+    with pytest.raises(InputError, match=r"iss.tdm: expected tracks of mir, got those of iss, 1998-067A"):
+        tdm.measurements([message], epoch=EPOCH, wanted="mir")
+    assert "expected tracks of iss, as in" in refusal(read, message)
 
 
 @pytest.mark.parametrize(("old", "new", "line"), refusals("tdm"))

@@ -16,7 +16,7 @@ from support import EPOCH, force_model, shared
 from opml.base import epochs
 from opml.base.constants import DAY, EARTH_RATE
 from opml.base.errors import InputError
-from opml.catalog.flight import Flight
+from opml.catalog.propagator import Propagator
 from opml.catalog.simulate import truth
 from opml.environment import earth_orientation as eop
 from opml.environment import nodes as environment_nodes
@@ -35,7 +35,7 @@ BIAS = ccsds.FRAMES["EME2000"].T  # GCRF to EME2000
 @pytest.fixture(scope="module")
 def orbit(iss):
     """Five hours of the paper's RSO every 5 s under all forces, gravity to degree 70: times and states."""
-    table = truth.simulate(Flight(force_model(70), iss), duration=18000.0, step=STEP)
+    table = truth.simulate(Propagator(force_model(70), iss), duration=18000.0, step=STEP)
     return table["t"].to_numpy(), table[STATE].to_numpy()
 
 

@@ -397,7 +397,7 @@ def pairs(**columns):
 def test_columns_of_another_table_of_the_same_pairs_come_beside():
     rows = pairs(keep=[True, True, False], reason=["", "", "why"], e_y=[1.0, 2.0, 3.0])
     other = pairs(v_y=[10.0, np.nan, np.nan]).iloc[::-1]
-    found = dataset.join_beside(rows, other)
+    found = dataset.join_table(rows, other)
     assert list(found["v_y"].fillna(0.0)) == [10.0, 0.0, 0.0]
     assert list(found["keep"]) == [True, False, False]
     assert list(found["reason"]) == ["", dataset.NO_NUMBERS, "why"]
@@ -406,7 +406,7 @@ def test_columns_of_another_table_of_the_same_pairs_come_beside():
 def test_a_table_that_lacks_a_pair_is_told():
     rows = pairs(keep=True, reason="", e_y=0.0)
     with pytest.raises(InputError, match="expected every pair of the dataset, got none of 1, 2"):
-        dataset.join_beside(rows, pairs(v_y=0.0).iloc[:2])
+        dataset.join_table(rows, pairs(v_y=0.0).iloc[:2])
 
 
 def test_pooled_rsos_keep_their_estimates_apart():

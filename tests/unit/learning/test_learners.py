@@ -17,7 +17,7 @@ from support import REPOSITORY, paper_source, refusals
 from opml.base.errors import InputError
 from opml.learning.judge.evaluation import evaluate
 from opml.learning.models import boosting, learners, linear_law
-from opml.learning.models.inputs import Training
+from opml.learning.models.training_inputs import Training
 from opml.study import checks
 from opml.study.settings.json_schema import json_schema
 from opml.study.settings.model.whole import RunSettings

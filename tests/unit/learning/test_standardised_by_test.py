@@ -8,7 +8,7 @@ import pytest
 from opml.base.errors import InputError
 from opml.learning.judge import standardised_by_test
 from opml.learning.models import fixed_laws
-from opml.learning.models.inputs import Training
+from opml.learning.models.training_inputs import Training
 
 VARIABLES = ("duration", "inc")
 

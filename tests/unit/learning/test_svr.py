@@ -10,7 +10,7 @@ from support import refusal
 
 from opml.base.errors import InputError
 from opml.learning.models import gaussian_kernel, kernel_scale, learners, svr
-from opml.learning.models.inputs import Training
+from opml.learning.models.training_inputs import Training
 from opml.tables import read_metadata, read_table, write_table
 
 VARIABLES = ("duration", "d_a", "cd_b", "constant")

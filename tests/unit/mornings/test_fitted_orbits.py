@@ -12,7 +12,7 @@ from support import EPOCH, refusal
 from opml import api, cli
 from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
-from opml.catalog.flight import Flight
+from opml.catalog.propagator import Propagator
 from opml.catalog.simulate import tracking, truth
 from opml.dynamics.settings import ForceModelSettings
 from opml.ephemerides import along_track_shift
@@ -33,8 +33,8 @@ SMALL = {"degree": 8, "order": 8, "third_bodies": ["sun", "moon"]}
 def orbit(iss):
     """Five days of the paper's RSO, with a tenth of its drag, under the weather that was measured."""
     environment = api.make_environment(EPOCH, days=5, activity="OBSERVED", degree=8)
-    flight = Flight(api.force_model(environment, **SMALL), replace(iss, area_to_mass=0.005))
-    return truth.simulate(flight, duration=5 * DAY, step=60.0)
+    propagator = Propagator(api.force_model(environment, **SMALL), replace(iss, area_to_mass=0.005))
+    return truth.simulate(propagator, duration=5 * DAY, step=60.0)
 
 
 @pytest.fixture(scope="module", autouse=True)

@@ -14,8 +14,8 @@ from support import EPOCH, ESTIMATION, refusal
 from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
 from opml.catalog.fit import fixes
-from opml.catalog.flight import Flight
-from opml.catalog.predict.spread import Weathers
+from opml.catalog.predict.weather_spread import Weathers
+from opml.catalog.propagator import Propagator
 from opml.catalog.simulate import tracking, truth
 from opml.dynamics.shared_blocks import SharedBlocks
 from opml.ephemerides.along_track_shift import corrected
@@ -30,7 +30,7 @@ from opml.mornings.kept import older_days
 from opml.mornings.kept.store import Store
 from opml.mornings.outcomes import DO_NOT_USE, UNPROVEN
 from opml.mornings.records import Records
-from opml.mornings.watched import FlightModel, MorningPlan, Sgp4, Watched
+from opml.mornings.watched_object import MorningPlan, ObjectPropagators, Sgp4, Watched
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import FIX_SIGMAS, SCHEMAS, STATE, paths_schema, write_table
 
@@ -51,17 +51,19 @@ BATCH = "batch_0"
 @pytest.fixture(scope="module")
 def orbit(truth_model, iss):
     """Five days of the paper's RSO."""
-    return truth.simulate(Flight(truth_model, iss), duration=5 * DAY, step=20.0)
+    return truth.simulate(Propagator(truth_model, iss), duration=5 * DAY, step=20.0)
 
 
 @pytest.fixture(scope="module")
 def watched(orbit, assumed_model, iss, earth_orientation, three_stations):
     """The orbit, watched by three stations."""
     measured = tracking.simulate(orbit, earth_orientation, three_stations, rso="iss", seed=1)
-    flight = Flight(assumed_model, iss)
+    propagator = Propagator(assumed_model, iss)
     first = (0.0, orbit[STATE].to_numpy()[0])
     plan = MorningPlan(MODELS, ESTIMATION, 2.0, 60.0, 7 * DAY, EPOCH)
-    model = FlightModel(flight, flight, flight, Weathers.of(assumed_model, None), earth_orientation)
+    model = ObjectPropagators(
+        propagator, propagator, propagator, Weathers.of(assumed_model, None), earth_orientation
+    )
     identity = ObjectId("ISS", "1998-067A", 25544)
     return Watched(model, plan, measured, three_stations, given=first, identity=identity)
 
@@ -277,12 +279,12 @@ def test_an_object_that_is_seldom_seen_is_watched_on(watched, tmp_path):
 def test_a_burn_that_nobody_named_is_found_and_windows_begin_anew_behind_it(
     watched, whole, orbit, truth_model, iss, tmp_path
 ):
-    flight, burn = Flight(truth_model, iss), 3.2 * DAY
+    propagator, burn = Propagator(truth_model, iss), 3.2 * DAY
     orbit = orbit.copy()
     later = orbit["t"].to_numpy() >= burn
     state = orbit.loc[later, STATE].to_numpy()[0].copy()
     state[3:] += 0.5 * state[3:] / np.linalg.norm(state[3:])
-    path = flight.propagate(
+    path = propagator.propagate(
         orbit["t"][later], state[None], cd=iss.cd, first=[0], last=[later.sum() - 1]
     ).path(0)
     orbit.loc[later, STATE] = np.vstack([state, path])
@@ -337,7 +339,7 @@ def by_points(watched, truth_model, iss):
     objects = {}
     for name, raised in (("low", 0.0), ("high", 30e3)):
         rso = replace(iss, name=name, a=iss.a + raised)
-        orbit = truth.simulate(Flight(truth_model, rso), duration=4 * DAY, step=600.0)
+        orbit = truth.simulate(Propagator(truth_model, rso), duration=4 * DAY, step=600.0)
         noise = np.random.default_rng(len(objects)).normal(scale=10.0, size=(len(orbit), 3))
         points = orbit[["t", *STATE]].copy()
         points[STATE[:3]] += noise
@@ -353,8 +355,8 @@ def beside(objects, folder, until):
     blocks, store = SharedBlocks(), Store(folder, "0", objects)
     under_way = []
     for name, (one, rso) in objects.items():
-        flight = replace(one.model.fits, rso=rso, propagator=blocks.propagate)
-        model = replace(one.model, fits=flight, predictions=flight, flattened=flight)
+        propagator = replace(one.model.fits, rso=rso, ensemble=blocks.propagate)
+        model = replace(one.model, fits=propagator, predictions=propagator, flattened=propagator)
         under_way.append(begin(store, name, replace(one, model=model), until))
 
     def together(calls):

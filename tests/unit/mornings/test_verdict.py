@@ -16,8 +16,8 @@ from opml.learning.judge.error_sizes import Sizes
 from opml.mornings import days, issued
 from opml.mornings.outcomes import DO_NOT_USE, GOOD, UNPROVEN, WIDE
 from opml.mornings.records import Records
-from opml.mornings.verdicts import Verdict, beside_sgp4, medians_beside_sgp4, verdict
-from opml.mornings.watched import Sgp4
+from opml.mornings.verdicts import Verdict, compare_with_sgp4, medians_with_sgp4, verdict
+from opml.mornings.watched_object import Sgp4
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import SIGMA_STATE, STATE
 
@@ -150,25 +150,25 @@ def test_a_good_ephemeris_beats_sgp4(part, word):
     good = verdict(past, start(), now=NOW)
     assert good.word == GOOD
     sgp4 = past.assign(model="sgp4", e_y=-part * past["e_y"], sigma_y=np.nan)
-    found = beside_sgp4(good, pd.concat([past, sgp4]), now=NOW)
+    found = compare_with_sgp4(good, pd.concat([past, sgp4]), now=NOW)
     assert found.word == word
     assert (found.reason == good.reason) or "SGP4 from the newest set was" in found.reason
-    assert beside_sgp4(good, past, now=NOW) == good
+    assert compare_with_sgp4(good, past, now=NOW) == good
     others = sgp4.assign(morning=sgp4["morning"] + 1.0)
-    assert beside_sgp4(good, pd.concat([past, others]), now=NOW) == good
+    assert compare_with_sgp4(good, pd.concat([past, others]), now=NOW) == good
 
 
 def test_medians_of_sgp4_are_of_the_same_epochs_by_day_ahead():
     past = judged(sigma=100.0)
     sgp4 = past.assign(model="sgp4", e_y=-3.0 * past["e_y"], sigma_y=np.nan).iloc[1:]
-    found = medians_beside_sgp4(pd.concat([past, sgp4]))
+    found = medians_with_sgp4(pd.concat([past, sgp4]))
     both = past.iloc[1:].groupby(np.ceil(past["duration"] / DAY))["e_y"].apply(lambda e: e.abs().median())
     assert [one["day"] for one in found] == both.index.tolist()
     assert [one["flown_m"] for one in found] == both.round(1).tolist()
     assert [one["sgp4_m"] for one in found] == pytest.approx((3.0 * both).tolist(), abs=0.06)
     mornings = past.iloc[1:].groupby(np.ceil(past["duration"] / DAY))["morning"].nunique()
     assert [one["mornings"] for one in found] == mornings.tolist()
-    assert medians_beside_sgp4(past) == []
+    assert medians_with_sgp4(past) == []
 
 
 def test_a_path_corrected_by_sgp4_is_where_sgp4_is():

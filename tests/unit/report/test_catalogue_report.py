@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 
-from opml.element_sets import judge
+from opml.element_sets import corrector_scores
 from opml.report.catalogue_pages import scores as catalogue
 from opml.report.document import Table, tab_separated
 
@@ -29,7 +29,7 @@ def scores():
     )
     return pd.concat(
         [
-            judge.scores(part, seed=1).assign(test="summer", learner=learner)
+            corrector_scores.scores(part, seed=1).assign(test="summer", learner=learner)
             for learner, part in {"trees": table, "svr": table.assign(sigma=np.nan)}.items()
         ]
     )

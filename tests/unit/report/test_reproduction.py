@@ -10,7 +10,7 @@ from support import paper_values, rsos, stations, study_of
 from opml.dynamics.settings import ForceModels
 from opml.environment.settings import EnvironmentSettings
 from opml.naming import Experiment
-from opml.report import claims, document, reproduction, settings_tables
+from opml.report import document, paper_claims, reproduction, settings_tables
 from opml.report.document import Heading, Items, Paragraph, Table
 from opml.report.results import Results
 from opml.study.paper import Paper
@@ -195,7 +195,7 @@ def test_claims_follow_the_numbers(paper):
     results = Results(metrics(paper, p_ml))
     found = {
         said: (ours, holds)
-        for said, ours, holds in (claims.judge_claim(one, results) for one in paper.claims)
+        for said, ours, holds in (paper_claims.judge_claim(one, results) for one in paper.claims)
     }
     assert len(found) == 10
     assert all(holds for _, holds in found.values()), found
@@ -229,8 +229,8 @@ def test_claims_follow_the_numbers(paper):
     ],
 )
 def test_what_a_claim_may_hold_of(holds, numbers, limits, expected):
-    claim = claims.Claim("so it is", holds, {}, **limits)
-    assert claims.TESTS[holds](numbers, claim) is expected
+    claim = paper_claims.Claim("so it is", holds, {}, **limits)
+    assert paper_claims.TESTS[holds](numbers, claim) is expected
 
 
 def test_counts():

@@ -34,6 +34,7 @@ from opml.study.settings import editor_schema
 from opml.study.settings.json_schema import json_schema
 from opml.study.settings.merging import merged, with_sheets
 from opml.study.settings.model import study_parts
+from opml.study.settings.model.catalogue import CatalogueSettings
 from opml.study.settings.model.whole import RunSettings
 from opml.study.settings.overlay import COMMAND_LINE, Layer, Source, laid_over, with_numbers
 
@@ -474,7 +475,7 @@ def test_laser_ranges_stand_where_tracks_do_and_bring_stations_of_their_own(tmp_
     settings = checked(with_ranges(tmp_path))
     assert settings.files_of(kinds.RANGES) == settings.measured == {"mine": [f"{tmp_path}/lageos.crd"]}
     sites = [f"{tmp_path}/{name}.snx" for name in ("coordinates", "eccentricities")]
-    assert settings.files_beside(kinds.RANGES) == {"mine": sites}
+    assert settings.companion_files(kinds.RANGES) == {"mine": sites}
     ranging = settings.taking(kinds.RANGES, "mine")
     assert (ranging.reflectors_m, ranging.sigma_m) == (0.25, 0.02)
     study = Study(replace(settings, values=settings.values | {"study": {"rsos": ["mine"]}}))
@@ -659,3 +660,11 @@ def test_a_sheet_that_the_project_lost_is_told(tmp_path, monkeypatch):
 def test_a_number_that_yaml_reads_as_text_is_told(tmp_path, text):
     line = refused(given(tmp_path, f"duration_days: {text}"))
     assert f"duration_days: expected a number above 0, got '{text.strip(chr(39))}', which YAML reads" in line
+
+
+def test_a_figure_names_when_a_catalogue_judges_and_whom():
+    asked = read_yaml(REPOSITORY / "config" / "studies" / "catalogue.yaml")["catalogue"]
+    catalogue = CatalogueSettings.model_validate(asked)
+    assert catalogue.words("fragments") == "2026-07-25 to 2026-08-09\nfragments"
+    assert catalogue.words("may2024") == "2024-04-15 to 2024-06-30\npayloads, sets once a week"
+    assert catalogue.words("summer12h") == "2026-05-31 to 2026-07-31\npayloads, sets 12 h late"

@@ -21,7 +21,7 @@ before = [len(kernel.signatures) for kernel in KERNELS]
 environment = opml.make_environment("2016-09-28T12:09:45", days=1)
 stations = list(opml.read_stations("config/stations.tsv").values())
 iss = opml.read_rsos("config/rsos.tsv")["iss"]
-flight = opml.Flight(opml.force_model(environment), iss)
+flight = opml.Propagator(opml.force_model(environment), iss)
 truth = opml.propagate(flight, days=1)
 tracks = opml.track(truth, environment, stations, rso=iss)
 starts = opml.first_orbit(flight, tracks, environment, stations)

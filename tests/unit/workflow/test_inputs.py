@@ -18,12 +18,12 @@ from opml.learning.models.learners import paths_of_each
 from opml.naming import Experiment
 from opml.study.settings.merging import with_sheets
 from opml.study.settings.model.whole import RunSettings
+from opml.workflow.before_first_job import date_back_to_now, lift_job_rate
 from opml.workflow.environment_files import EnvironmentFiles
 from opml.workflow.inputs import Inputs, at_window, checks, path_of, paths_of, tables_of, target
 from opml.workflow.params import Params
 from opml.workflow.plan import Plan
-from opml.workflow.products import Product
-from opml.workflow.starting import date_back_to_now, lift_job_rate
+from opml.workflow.product_paths import Product
 
 BODY = {"area_to_mass_m2pkg": 0.05, "cd": 2.2, "cr": 1.25}
 STUDY = {
@@ -392,7 +392,7 @@ def test_laser_ranges_bring_their_stations_and_learners_have_none_of_what_radars
     assert not set(MEASUREMENT) & set(jobs.learner(name)["variables"])
     settings = jobs.plan.settings
     assert settings.files_of(kinds.RANGES)["lasered"] == ["a.crd"]
-    assert settings.files_beside(kinds.RANGES)["lasered"] == ["coordinates.snx", "eccentricities.snx"]
+    assert settings.companion_files(kinds.RANGES)["lasered"] == ["coordinates.snx", "eccentricities.snx"]
 
 
 def test_learners_have_nothing_of_radars_beside_telescopes():

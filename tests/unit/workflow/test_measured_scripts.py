@@ -14,8 +14,8 @@ from support import EPOCH, ESTIMATION, EXCERPTS, REPOSITORY, environment, force_
 from opml.base.constants import DAY, GM, HOUR, SPEED_OF_LIGHT
 from opml.catalog.fit import fixes, start_states
 from opml.catalog.fit.laser_ranges import LaserRanges
-from opml.catalog.fit.sightings import Measured
-from opml.catalog.flight import Flight
+from opml.catalog.fit.observations import Measured
+from opml.catalog.propagator import Propagator
 from opml.catalog.simulate import truth
 from opml.environment import gravity_field
 from opml.interop import oem
@@ -156,7 +156,7 @@ def fixed(tmp_path, iss):
     """Files of an orbit of three hours that was measured as fixes, and settings of fits to it."""
     field = gravity_field.read_icgem(gravity_field.resolve("EGM2008")).truncate(2, 2)
     metadata = {"gravity_field": gravity_field.metadata(field), "ephemerides": {"gm": GM}}
-    orbit = truth.simulate(Flight(force_model(2, ()), iss), duration=3 * HOUR, step=60.0)
+    orbit = truth.simulate(Propagator(force_model(2, ()), iss), duration=3 * HOUR, step=60.0)
     sigmas = dict(zip(FIX_SIGMAS, [10.0] * 3 + [np.nan] * 3, strict=True))
     begins = orbit[orbit["t"] % HOUR == 0.0].reset_index(drop=True)
     tables = environment(1.0) | {

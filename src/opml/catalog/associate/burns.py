@@ -16,7 +16,7 @@ import numpy as np
 
 from opml.catalog.associate.innovations import ReferenceOrbit
 from opml.catalog.fit.estimation import Run
-from opml.catalog.fit.neighbour_arcs import NUDGES, propagate_beside
+from opml.catalog.fit.neighbour_arcs import NUDGES, propagate_neighbours
 from opml.orbits.elements import rsw_rotation
 
 STEP = 20.0  # time between the epochs at which orbits are compared with each other [s]
@@ -64,9 +64,9 @@ def burn_between(
 def _propagated(run: Run, orbit: ReferenceOrbit, t: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
     """Return states (n, 6) of an orbit at times (n,) [s] and their covariances (n, 6, 6); None if lost."""
     epochs = np.append(run.measured.epochs[orbit.at], t)
-    states, status = propagate_beside(run.flight, epochs, orbit.parameters)
+    states, status = propagate_neighbours(run.propagator, epochs, orbit.parameters)
     if status:
         return None
     partials = ((states[1:, 1:] - states[0, 1:]) / NUDGES[:, None, None]).transpose(1, 2, 0)
-    covariance = orbit.later_covariance(run.flight.rso.cd)
+    covariance = orbit.later_covariance(run.propagator.rso.cd)
     return states[0, 1:], partials @ covariance @ partials.transpose(0, 2, 1)

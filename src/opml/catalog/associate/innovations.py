@@ -68,11 +68,13 @@ def farthest(run: Run, orbit: ReferenceOrbit, track: int) -> float:
     """Return the largest innovation of a track [1], predicted from an orbit before; infinite if lost."""
     alone = run.measured.track(track)
     window = replace(alone, first=min(orbit.at, alone.first), at=orbit.at)
-    [around], [status] = propagate_around(run.flight, run.measured.epochs, [window], orbit.parameters[None])
+    [around], [status] = propagate_around(
+        run.propagator, run.measured.epochs, [window], orbit.parameters[None]
+    )
     if status:
         return np.inf
     evaluation = run.measured.evaluation(window, around.states, light_time=run.settings.light_time)
-    root = covariance_root(orbit.later_covariance(run.flight.rso.cd))
+    root = covariance_root(orbit.later_covariance(run.propagator.rso.cd))
     return float(np.abs(deviations(evaluation, root)).max())
 
 

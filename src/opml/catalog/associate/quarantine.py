@@ -29,7 +29,7 @@ from opml.catalog.fit.estimation_settings import Estimation
 from opml.catalog.fit.least_squares import Fit, Method
 from opml.catalog.fit.measurements import Measurements
 from opml.catalog.fit.starts import StartParameters
-from opml.catalog.flight import Flight
+from opml.catalog.propagator import Propagator
 from opml.tables import BURN, PARAMETERS
 
 HELD_BACK = "track of no known orbit"  # why there is no estimate at a track that is held back
@@ -89,7 +89,7 @@ class Watch:
             return self._held_back(track), None
         return self._accepted(self._fitted(track), []), burn
 
-    def left_out(self, track: int) -> set[int]:
+    def excluded(self, track: int) -> set[int]:
         """Return the tracks that no fit around a track takes: foreign ones, and those beyond a burn."""
         firsts = [0, *(first for first, _ in self.burns), self._run.measured.tracks]
         since = int(np.searchsorted(firsts, track, side="right")) - 1
@@ -97,14 +97,14 @@ class Watch:
         return self.foreign.union(*beyond)
 
     @property
-    def held_back(self) -> set[int]:
+    def quarantined(self) -> set[int]:
         """Tracks that no fit takes so far."""
         return self.foreign.union(self._waiting)
 
     def row(self, estimate: Estimate, burn: Burn | None) -> dict[str, Any]:
         """Return an estimate, with what is held back, as a row of the table."""
         shown = [np.nan] * 4 if burn is None else [burn.t, *burn.velocity]
-        return _row(self._run, estimate, estimate.window.track in self.held_back) | dict(
+        return _row(self._run, estimate, estimate.window.track in self.quarantined) | dict(
             zip(BURN, shown, strict=True)
         )
 
@@ -124,7 +124,7 @@ class Watch:
 
     def _fitted(self, track: int) -> Estimate:
         """Return the fit over the window at a track, to what is neither foreign nor beyond a burn."""
-        window = self._run.window(track, without=self.left_out(track))
+        window = self._run.window(track, without=self.excluded(track))
         run = self._run_since_burn(track)
         starts = run.starts.in_turn([window], self._usable, self._spare)
         [estimate] = run.fit_windows([window], starts, [self._method])
@@ -135,9 +135,11 @@ class Watch:
         run = self._run
         if not self.burns or self._time(track) - self.burns[-1][1].t > run.settings.window_hours * HOUR:
             return run
-        flight = replace(run.flight, rso=replace(run.flight.rso, cd=self._cd))
+        propagator = replace(run.propagator, rso=replace(run.propagator.rso, cd=self._cd))
         settings = run.settings.evolve(cd_sigma=CD_SPREAD * abs(self._cd))
-        return replace(run, flight=flight, starts=replace(run.starts, flight=flight), settings=settings)
+        return replace(
+            run, propagator=propagator, starts=replace(run.starts, propagator=propagator), settings=settings
+        )
 
     def _accepted(self, estimate: Estimate, away: Sequence[float]) -> Estimate:
         """Return an estimate that later tracks are compared with."""
@@ -145,7 +147,7 @@ class Watch:
             usual.take(one)
         if estimate.fit.converged:
             self._sizes.append(float(self._run.row(estimate)["weighted_rms"]))
-        if orbit := ReferenceOrbit.of_estimate(estimate, self._run.flight.rso.cd):
+        if orbit := ReferenceOrbit.of_estimate(estimate, self._run.propagator.rso.cd):
             self._known.append(orbit)
         self._usable, self._spare = self._run.starts.newest([estimate.solution], self._usable, self._spare)
         return estimate
@@ -203,7 +205,7 @@ class Watch:
                 continue
             if burn.apart > self._limit:
                 burn = replace(burn, velocity=np.full(3, np.nan))
-            self._begin_anew(burn, after, tracks)
+            self._restart_after_burn(burn, after, tracks)
             return burn
         return None
 
@@ -220,7 +222,7 @@ class Watch:
         span = float(measured.epochs[measured.ends[before.track]]), self._time(first)
         return burn_between(self._run, before, after, span, self._usual[0].scale)
 
-    def _begin_anew(self, burn: Burn, after: ReferenceOrbit, tracks: Sequence[int]) -> None:
+    def _restart_after_burn(self, burn: Burn, after: ReferenceOrbit, tracks: Sequence[int]) -> None:
         """Take a burn for found: what was held back on the new orbit counts, what is older does not."""
         self._cd = float(after.parameters[_CD])
         times = self._run.measured.epochs[self._run.measured.at]
@@ -248,22 +250,22 @@ def _agreements(tracks: Sequence[int]) -> Iterator[list[int]]:
 
 
 def estimate_all(
-    flight: Flight, starts: pd.DataFrame, measured: Measurements, *, settings: Estimation
+    propagator: Propagator, starts: pd.DataFrame, measured: Measurements, *, settings: Estimation
 ) -> pd.DataFrame:
     """Return the `estimates` table as `estimation.estimate_all` does, without tracks that do not belong.
 
     Where no setting asks for it, all tracks count.
     """
-    return with_noise(flight, starts, measured, settings=settings)[0]
+    return with_noise(propagator, starts, measured, settings=settings)[0]
 
 
 def with_noise(
-    flight: Flight, starts: pd.DataFrame, measured: Measurements, *, settings: Estimation
+    propagator: Propagator, starts: pd.DataFrame, measured: Measurements, *, settings: Estimation
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
     """Return the `estimates` table as `estimate_all`, and the noise by the fits, see `biases`."""
     if settings.suspect_sigma is None:
-        return estimation.with_noise(flight, starts, measured, settings=settings)
-    run = Run.of_starts(flight, starts, measured, settings)
+        return estimation.with_noise(propagator, starts, measured, settings=settings)
+    run = Run.of_starts(propagator, starts, measured, settings)
     method = run.method(run.free_parameters())
     watch = Watch(replace(run, settings=settings.evolve(after_hours=0.0)), method)
     rows, estimates = [], []
@@ -271,16 +273,16 @@ def with_noise(
         estimate, burn = watch.take(track)
         rows.append(watch.row(estimate, burn))
         estimates.append(estimate)
-        if flight.progress:
-            flight.progress((track + 1) / measured.tracks)
+        if propagator.progress:
+            propagator.progress((track + 1) / measured.tracks)
     table = pd.DataFrame(rows if settings.after_hours == 0.0 else _smoothed(run, method, watch, rows))
     return table, biases.instrument_residuals(measured, estimates, run.residuals)
 
 
 def _smoothed(run: Run, method: Method, watch: Watch, rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
     """Return rows of fits with tracks behind them, too, which know all that the watch held back."""
-    taken = [track for track in range(len(rows)) if track not in watch.held_back]
-    windows = [run.window(track, without=watch.left_out(track)) for track in taken]
+    taken = [track for track in range(len(rows)) if track not in watch.quarantined]
+    windows = [run.window(track, without=watch.excluded(track)) for track in taken]
     fitted = dict(zip(taken, estimation.in_turn(run, method, windows), strict=True))
     return [
         row | (_row(run, fitted[track], False) if track in fitted else {}) for track, row in enumerate(rows)

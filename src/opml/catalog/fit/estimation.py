@@ -26,7 +26,7 @@ from opml.catalog.fit.measurements import Measurements, Window
 from opml.catalog.fit.neighbour_arcs import propagate_around, propagate_parameters
 from opml.catalog.fit.outliers import fit_without_outliers
 from opml.catalog.fit.starts import Solution, Starts, solutions
-from opml.catalog.flight import Flight
+from opml.catalog.propagator import Propagator
 from opml.tables import PARAMETERS, STATE
 
 BATCH = 16
@@ -44,23 +44,23 @@ class Run:
     """All that the windows of a run share."""
 
     measured: Measurements
-    flight: Flight
+    propagator: Propagator
     starts: Starts
     settings: Estimation
     eccentricity_sigma: float | None = None  # of the eccentricity about 0; None where nothing is known
 
     @classmethod
     def of_starts(
-        cls, flight: Flight, starts: pd.DataFrame, measured: Measurements, settings: Estimation
+        cls, propagator: Propagator, starts: pd.DataFrame, measured: Measurements, settings: Estimation
     ) -> Self:
         """Return the run of a table `starts`; its callers report the progress."""
         states, ages = starts[STATE].to_numpy(), starts["age"].to_numpy()
-        return cls.of_states(flight.without_progress(), states, measured, settings, ages=ages)
+        return cls.of_states(propagator.without_progress(), states, measured, settings, ages=ages)
 
     @classmethod
     def of_states(
         cls,
-        flight: Flight,
+        propagator: Propagator,
         states: np.ndarray,
         measured: Measurements,
         settings: Estimation,
@@ -68,7 +68,9 @@ class Run:
         ages: np.ndarray,
     ) -> Self:
         """Return the run of states (tracks, 6) at the tracks' starts; ages: as in `Starts`."""
-        return cls(measured, flight, Starts(measured, flight, states, ages, settings.cd_bounds), settings)
+        return cls(
+            measured, propagator, Starts(measured, propagator, states, ages, settings.cd_bounds), settings
+        )
 
     def method(self, free: np.ndarray) -> Method:
         """Return how the parameters that are free (7,) are fitted."""
@@ -81,10 +83,10 @@ class Run:
         """
         known = int(np.isfinite(self.starts.states).all(axis=1).argmax())
         begin = self.measured.epochs[self.measured.at[known]]
-        start = np.append(self.starts.states[known], self.flight.rso.cd)
+        start = np.append(self.starts.states[known], self.propagator.rso.cd)
         pair = np.stack([start, start + np.eye(7)[CD]])
         epochs = np.array([begin, begin + self._window])
-        near = self.flight.for_neighbours()  # drag is the same under all harmonics
+        near = self.propagator.for_neighbours()  # drag is the same under all harmonics
         propagated = propagate_parameters(near, epochs, pair, np.zeros(2, int), np.ones(2, int)).states[:, :3]
         free = np.ones(7, bool)
         # An arc that comes down on the way has no displacement, and feels drag all the more.
@@ -142,7 +144,7 @@ class Run:
         def evaluation(k: int, states: np.ndarray) -> Evaluation:
             return self._evaluation(estimates[k], states)
 
-        iterations = Iterations(self.flight, self.measured.epochs, windows, evaluation)
+        iterations = Iterations(self.propagator, self.measured.epochs, windows, evaluation)
         iterations.run(fits, most=self.settings.max_iterations)
 
     def _evaluation(self, estimate: Estimate, states: np.ndarray) -> Evaluation:
@@ -155,7 +157,7 @@ class Run:
         if self.settings.bias_sigma is not None:
             instruments = self.measured.instruments(estimate.window.rows)[kept]
             evaluation = biases.whiten(evaluation, instruments, self.settings.bias_sigma)
-        rso, gm = self.flight.rso, self.flight.model.gm
+        rso, gm = self.propagator.rso, self.propagator.model.gm
         apriori = Apriori(rso.cd, self.settings.cd_sigma, gm, self.eccentricity_sigma)
         return apriori.added_to(evaluation, estimate.fit.trial)
 
@@ -180,7 +182,7 @@ class Run:
         """Return the states (8, epochs, 6) of the best of each estimate and its neighbours."""
         windows, best = [one.window for one in estimates], np.array([one.fit.best for one in estimates])
         trials = best.reshape(-1, len(PARAMETERS))
-        arounds, _ = propagate_around(self.flight, self.measured.epochs, windows, trials)
+        arounds, _ = propagate_around(self.propagator, self.measured.epochs, windows, trials)
         return [around.states for around in arounds]
 
     @property
@@ -201,32 +203,32 @@ def in_turn(
 
 
 def estimate_all(
-    flight: Flight, starts: pd.DataFrame, measured: Measurements, *, settings: Estimation
+    propagator: Propagator, starts: pd.DataFrame, measured: Measurements, *, settings: Estimation
 ) -> pd.DataFrame:
     """Return the `estimates` table: one row per track, converged or with the reason why not.
 
     starts: the table, a state at each track's start for fits where no estimate is at hand
     """
-    return with_noise(flight, starts, measured, settings=settings)[0]
+    return with_noise(propagator, starts, measured, settings=settings)[0]
 
 
 def with_noise(
-    flight: Flight, starts: pd.DataFrame, measured: Measurements, *, settings: Estimation
+    propagator: Propagator, starts: pd.DataFrame, measured: Measurements, *, settings: Estimation
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
     """Return the `estimates` table as `estimate_all`, and the noise by the fits, see `biases`."""
-    run = Run.of_starts(flight, starts, measured, settings)
+    run = Run.of_starts(propagator, starts, measured, settings)
     windows = [run.window(track) for track in range(measured.tracks)]
     estimates: list[Estimate] = []
     for estimate in in_turn(run, run.method(run.free_parameters()), windows):
         estimates.append(estimate)
-        if flight.progress:
-            flight.progress(len(estimates) / len(windows))
+        if propagator.progress:
+            propagator.progress(len(estimates) / len(windows))
     table = pd.DataFrame([run.row(estimate) for estimate in estimates])
     return table, biases.instrument_residuals(measured, estimates, run.residuals)
 
 
 def estimate_further(
-    flight: Flight,
+    propagator: Propagator,
     starts: pd.DataFrame,
     measured: Measurements,
     *,
@@ -238,7 +240,7 @@ def estimate_further(
 
     earlier: rows of tracks before these that were estimated already, which fits may start from
     """
-    run = Run.of_starts(flight, starts, measured, settings)
+    run = Run.of_starts(propagator, starts, measured, settings)
     windows = [run.window(track) for track in tracks]
     known = solutions(earlier, measured.at)
     found = in_turn(run, run.method(run.free_parameters()), windows, earlier=known)
@@ -246,7 +248,7 @@ def estimate_further(
 
 
 def estimate_over_windows(
-    flight: Flight,
+    propagator: Propagator,
     starts: pd.DataFrame,
     measured: Measurements,
     *,
@@ -263,7 +265,9 @@ def estimate_over_windows(
 
     Besides, the window of each row, `window_hours`.
     """
-    runs = [Run.of_starts(flight, starts, measured, settings.evolve(window_hours=hours)) for hours in earlier]
+    runs = [
+        Run.of_starts(propagator, starts, measured, settings.evolve(window_hours=hours)) for hours in earlier
+    ]
     windows = [run.window(track) for run in runs]
     candidates = [
         run.starts.in_turn([window], *run.starts.newest(solutions(rows, measured.at), None, None))

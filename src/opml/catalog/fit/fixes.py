@@ -25,7 +25,7 @@ from opml.catalog.fit.laser_ranges import LaserRanges
 from opml.catalog.fit.least_squares import Evaluation
 from opml.catalog.fit.measurements import Measurements, Rows, Window
 from opml.catalog.fit.neighbour_arcs import NUDGES
-from opml.catalog.fit.sightings import Measured
+from opml.catalog.fit.observations import Measured
 from opml.orbits.elements import rsw_rotation
 from opml.orbits.manoeuvres import Manoeuvre, read_manoeuvres
 from opml.orbits.sheets import Station
@@ -114,7 +114,7 @@ def measurements(
     Raises InputError for another table.
     """
     measured = MEASUREMENTS[kinds.of_table(table).table](table, orientation, stations)
-    return measured.begin_anew(manoeuvres)
+    return measured.restart_after_burns(manoeuvres)
 
 
 def are_of_sets(table: pd.DataFrame) -> bool:

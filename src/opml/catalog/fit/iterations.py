@@ -13,7 +13,7 @@ import numpy as np
 from opml.catalog.fit.least_squares import Evaluation, Fit
 from opml.catalog.fit.measurements import Window
 from opml.catalog.fit.neighbour_arcs import NeighbourArcs, propagate_around, propagate_near
-from opml.catalog.flight import Flight
+from opml.catalog.propagator import Propagator
 from opml.dynamics.ensemble import REASONS
 
 FASTEST = 1e6
@@ -24,8 +24,8 @@ TOO_FAST = "start arc faster than any orbit"  # why such a fit did not begin
 NEAR = 3.0
 """Largest change of a residual, in its standard deviation, between trials that are near each other.
 
-What parts two arcs that near is known to some 0.0003 of itself, `flight.beside`, a residual to 0.001 of its
-standard deviation.
+The distance of arcs that near is right to some 0.0003 of itself (`propagator.neighbour_path`), a residual to
+0.001 of its standard deviation.
 """
 
 
@@ -33,7 +33,7 @@ standard deviation.
 class Iterations:
     """What the iterations of several fits share."""
 
-    flight: Flight
+    propagator: Propagator
     epochs: np.ndarray  # of the run [s]
     windows: Sequence[Window]  # of the fits
     evaluation: Callable[[int, np.ndarray], Evaluation]  # of a fit's trial, from states (8, epochs, 6)
@@ -62,17 +62,17 @@ class Iterations:
         if trials:
             windows, parameters = [self.windows[k] for k in trials], np.array(list(trials.values()))
             yield from zip(
-                trials, *propagate_around(self.flight, self.epochs, windows, parameters), strict=True
+                trials, *propagate_around(self.propagator, self.epochs, windows, parameters), strict=True
             )
 
     def _near(
         self, trials: Mapping[int, np.ndarray], known: Mapping[int, "_Propagated"]
     ) -> dict[int, Evaluation]:
         """Return the evaluations of those trials that are near what was propagated for the same fits."""
-        if not trials or self.flight.for_neighbours() is self.flight:
+        if not trials or self.propagator.for_neighbours() is self.propagator:
             return {}
         windows, parameters = [self.windows[k] for k in trials], np.array(list(trials.values()))
-        paths, _ = propagate_near(self.flight, self.epochs, windows, parameters)
+        paths, _ = propagate_near(self.propagator, self.epochs, windows, parameters)
         found = {
             k: self.evaluation(k, known[k].around.moved(path)) for k, path in zip(trials, paths, strict=True)
         }

@@ -16,8 +16,8 @@ from opml.base.constants import DAY, GM, SPEED_OF_LIGHT
 from opml.base.errors import InputError
 from opml.catalog.fit.least_squares import Evaluation
 from opml.catalog.fit.measurements import Measurements, Rows, Window
+from opml.catalog.fit.observations import Measured
 from opml.catalog.fit.range_corrections import bent, mapped, tide, vapour_pressure, zenith_delay
-from opml.catalog.fit.sightings import Measured
 from opml.catalog.simulate.observing import StationStates, horizon, observe, retarded
 from opml.dynamics.frames import gcrf_to_itrf
 

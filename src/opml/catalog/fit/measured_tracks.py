@@ -6,14 +6,13 @@ run, and what an orbit can be, so that a wrong unit is an error before anything 
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
 
 from opml.base.constants import DAY, EARTH_GM, WGS84_A
 from opml.base.errors import InputError
-from opml.catalog.fit import air
+from opml.catalog.fit import refraction
 from opml.catalog.fit.first.three_positions import herrick_gibbs, smoothed, unturned
 from opml.catalog.simulate.observing import ANGLES, OBSERVABLES, QUANTITIES, measured_by, place, site
 from opml.orbits.sheets import LOWEST_PERIGEE, Station
@@ -137,10 +136,10 @@ def _by_air(rows: pd.DataFrame, station: Station) -> dict[str, np.ndarray]:
     by_air, elevation = {}, rows["elevation"].to_numpy()
     if station.refraction:
         is_radio = station.sigma_range is not None
-        by_air["elevation"] = air.bending(elevation, station.altitude, radio=is_radio)
+        by_air["elevation"] = refraction.bending(elevation, station.altitude, radio=is_radio)
     if station.troposphere:
         straight = elevation - by_air.get("elevation", 0.0)
-        late = air.delay(straight, station.latitude, station.altitude)
+        late = refraction.delay(straight, station.latitude, station.altitude)
         blind = rows[rows["range"].notna() & ~np.isfinite(late)]
         if not blind.empty:
             raise _wrong(blind, f"elevations with ranges, as {station.name} measures through air", "none")
@@ -202,40 +201,19 @@ def _check_degrees(table: pd.DataFrame) -> None:
 
 
 def _check_limits(table: pd.DataFrame, stations: Mapping[str, Station]) -> None:
+    """Raise InputError for elevations and ranges beyond what a station sees, by more than noise."""
     for name, rows in table.groupby("station", sort=False):
-        for limit in _limits(stations[str(name)]):
-            _check_within(rows, limit)
-
-
-@dataclass(frozen=True)
-class _Limit:
-    """From where to where a station sees a quantity, with which noise; scale: from SI to the unit shown."""
-
-    quantity: str
-    low: float
-    high: float
-    sigma: float
-    unit: str
-    scale: float
-
-
-def _limits(station: Station) -> tuple[_Limit, _Limit]:
-    low, high, sigma = station.min_elevation, station.max_elevation, station.row.get("sigma_elevation", 0.0)
-    return (
-        _Limit("elevation", low, high, sigma, "deg", np.degrees(1.0)),
-        _Limit("range", 0.0, station.max_range, station.row.get("sigma_range", 0.0), "km", 1e-3),
-    )
-
-
-def _check_within(rows: pd.DataFrame, limit: _Limit) -> None:
-    margin = BEYOND_LIMITS * limit.sigma
-    measured = rows[rows[limit.quantity].notna()]
-    beyond = measured[~measured[limit.quantity].between(limit.low - margin, limit.high + margin)]
-    if not beyond.empty:
-        values = limit.low, limit.high, beyond[limit.quantity].iloc[0]
-        low, high, got = (limit.scale * value for value in values)
-        expected = f"{limit.quantity} of {low:g} to {high:g} {limit.unit}, as {rows['station'].iloc[0]} sees"
-        raise _wrong(beyond, expected, f"{got:.6g}")
+        station = stations[str(name)]
+        for quantity, low, high, unit, scale in (
+            ("elevation", station.min_elevation, station.max_elevation, "deg", np.degrees(1.0)),
+            ("range", 0.0, station.max_range, "km", 1e-3),
+        ):
+            margin = BEYOND_LIMITS * station.row.get(f"sigma_{quantity}", 0.0)
+            measured = rows[rows[quantity].notna()]
+            beyond = measured[~measured[quantity].between(low - margin, high + margin)]
+            if not beyond.empty:
+                limits = f"{quantity} of {scale * low:g} to {scale * high:g} {unit}, as {name} sees"
+                raise _wrong(beyond, limits, f"{scale * beyond[quantity].iloc[0]:.6g}")
 
 
 def _check_orbit(table: pd.DataFrame, stations: Mapping[str, Station]) -> None:

@@ -81,7 +81,7 @@ class Measurements(ABC):
         self.states: np.ndarray | None = None
         self.of_theory = False
 
-    def begin_anew(self, manoeuvres: Sequence[Manoeuvre]) -> Self:
+    def restart_after_burns(self, manoeuvres: Sequence[Manoeuvre]) -> Self:
         """Let the windows of estimates hold nothing from before manoeuvres that are known by then; return it.
 
         manoeuvres: in the order of their times; those count that are `anew`

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from opml.catalog.fit.measurements import Window
-from opml.catalog.flight import Flight, beside
+from opml.catalog.propagator import Propagator, neighbour_path
 from opml.dynamics.ensemble import Arcs
 from opml.tables import PARAMETERS
 
@@ -20,39 +20,43 @@ _NEIGHBOURS = np.vstack([np.zeros(7), np.diag(NUDGES)])
 
 
 def propagate_parameters(
-    flight: Flight, epochs: np.ndarray, parameters: np.ndarray, first: np.ndarray, last: np.ndarray
+    propagator: Propagator, epochs: np.ndarray, parameters: np.ndarray, first: np.ndarray, last: np.ndarray
 ) -> Arcs:
     """Propagate arcs from parameters (arcs, 7) at epochs[first] to epochs[last]."""
-    return flight.propagate(epochs, parameters[:, :6], cd=parameters[:, _CD], first=first, last=last)
+    return propagator.propagate(epochs, parameters[:, :6], cd=parameters[:, _CD], first=first, last=last)
 
 
-def propagate_beside(flight: Flight, epochs: np.ndarray, parameters: np.ndarray) -> tuple[np.ndarray, int]:
+def propagate_neighbours(
+    propagator: Propagator, epochs: np.ndarray, parameters: np.ndarray
+) -> tuple[np.ndarray, int]:
     """Return (states of an arc and its neighbours, worst status), as `propagate_around`, forward in time.
 
     parameters: (7,) at the first epoch
     epochs: (n,) at which the states (8, n, 6) are wanted [s]
     """
-    near = flight.for_neighbours()
+    near = propagator.for_neighbours()
     states, status = _propagate_forward(near, epochs, parameters + _NEIGHBOURS)
-    if near is flight:
+    if near is propagator:
         return states, status
-    [whole], lost = _propagate_forward(flight, epochs, parameters[None])
-    return _all_beside(whole, states), max(status, lost)
+    [whole], lost = _propagate_forward(propagator, epochs, parameters[None])
+    return _all_neighbour_paths(whole, states), max(status, lost)
 
 
-def _propagate_forward(flight: Flight, epochs: np.ndarray, parameters: np.ndarray) -> tuple[np.ndarray, int]:
+def _propagate_forward(
+    propagator: Propagator, epochs: np.ndarray, parameters: np.ndarray
+) -> tuple[np.ndarray, int]:
     """Return (states (arcs, n, 6), worst status) of arcs from parameters (arcs, 7) through all epochs."""
     count = len(parameters)
     arcs = propagate_parameters(
-        flight, epochs, parameters, np.zeros(count, int), np.full(count, len(epochs) - 1)
+        propagator, epochs, parameters, np.zeros(count, int), np.full(count, len(epochs) - 1)
     )
     later = arcs.states.reshape(count, len(epochs) - 1, 6)
     return np.concatenate([parameters[:, None, :6], later], axis=1), int(arcs.status.max())
 
 
-def _all_beside(path: np.ndarray, arcs: np.ndarray) -> np.ndarray:
+def _all_neighbour_paths(path: np.ndarray, arcs: np.ndarray) -> np.ndarray:
     """Return the states (8, n, 6) of arcs beside a path (n, 6), from their own under the near part."""
-    return np.stack([beside(path, arcs[0], arc) for arc in arcs])
+    return np.stack([neighbour_path(path, arcs[0], arc) for arc in arcs])
 
 
 @dataclass(frozen=True)
@@ -66,11 +70,11 @@ class NeighbourArcs:
         """Return the states (8, epochs, 6) of another trial near by; near: as that of this one."""
         # All eight shift by what parts the two trials: their differences, the partial derivatives, stay.
         path = self.states[0]
-        return self.states + (beside(path, self.near, near) - path)
+        return self.states + (neighbour_path(path, self.near, near) - path)
 
 
 def propagate_around(
-    flight: Flight, epochs: np.ndarray, windows: Sequence[Window], trials: np.ndarray
+    propagator: Propagator, epochs: np.ndarray, windows: Sequence[Window], trials: np.ndarray
 ) -> tuple[list[NeighbourArcs], np.ndarray]:
     """Return (arcs of each trial (n, 7) of a window and its neighbours, their worst status).
 
@@ -79,7 +83,7 @@ def propagate_around(
     In a large field the trials alone are propagated with all of it. Two-day fits of Swarm A under 70x70 then
     have the same answers to 0.002 of their sigma, in a third of the time.
     """
-    near = flight.for_neighbours()
+    near = propagator.for_neighbours()
     count = len(_NEIGHBOURS)
     lanes = (trials[:, None] + _NEIGHBOURS).reshape(-1, 7)
     paths, status = _propagate_windows(
@@ -88,24 +92,25 @@ def propagate_around(
     states = [np.stack(paths[k : k + count]) for k in range(0, len(paths), count)]
     worst = status.reshape(-1, count).max(axis=1)
     arounds = [NeighbourArcs(arcs, arcs[0]) for arcs in states]
-    if near is flight:
+    if near is propagator:
         return arounds, worst
-    whole, lost = _propagate_windows(flight, epochs, windows, trials)
+    whole, lost = _propagate_windows(propagator, epochs, windows, trials)
     moved = [
-        replace(one, states=_all_beside(path, one.states)) for one, path in zip(arounds, whole, strict=True)
+        replace(one, states=_all_neighbour_paths(path, one.states))
+        for one, path in zip(arounds, whole, strict=True)
     ]
     return moved, np.maximum(worst, lost)
 
 
 def propagate_near(
-    flight: Flight, epochs: np.ndarray, windows: Sequence[Window], trials: np.ndarray
+    propagator: Propagator, epochs: np.ndarray, windows: Sequence[Window], trials: np.ndarray
 ) -> tuple[list[np.ndarray], np.ndarray]:
     """Return (states (epochs, 6), status) of each trial alone, as `NeighbourArcs.near`."""
-    return _propagate_windows(flight.for_neighbours(), epochs, windows, trials)
+    return _propagate_windows(propagator.for_neighbours(), epochs, windows, trials)
 
 
 def _propagate_windows(
-    flight: Flight, epochs: np.ndarray, windows: Sequence[Window], parameters: np.ndarray
+    propagator: Propagator, epochs: np.ndarray, windows: Sequence[Window], parameters: np.ndarray
 ) -> tuple[list[np.ndarray], np.ndarray]:
     """Return (states (epochs, 6) of each window, status) of arcs from parameters (n, 7)."""
     first, at, last = (
@@ -113,8 +118,8 @@ def _propagate_windows(
     )
     # An estimate is within its window: arcs go from it to both ends, backwards along epochs in reverse.
     newest = len(epochs) - 1
-    forward = propagate_parameters(flight, epochs, parameters, at, last)
-    backward = propagate_parameters(flight, epochs[::-1], parameters, newest - at, newest - first)
+    forward = propagate_parameters(propagator, epochs, parameters, at, last)
+    backward = propagate_parameters(propagator, epochs[::-1], parameters, newest - at, newest - first)
     paths = [
         np.vstack([backward.path(k)[::-1], parameters[k : k + 1, :6], forward.path(k)])
         for k in range(len(parameters))

@@ -36,8 +36,8 @@ from opml.base.errors import InputError
 from opml.catalog.fit.apriori import SCALES, covariance_root, with_apriori_cd
 from opml.catalog.fit.least_squares import Evaluation
 from opml.catalog.fit.measurements import Measurements
-from opml.catalog.fit.neighbour_arcs import NUDGES, propagate_beside
-from opml.catalog.flight import Flight
+from opml.catalog.fit.neighbour_arcs import NUDGES, propagate_neighbours
+from opml.catalog.propagator import Propagator
 from opml.dynamics.ensemble import REASONS
 from opml.orbits.elements import rsw_rotation
 from opml.tables import PARAMETER_COVARIANCES, PARAMETERS, symmetric_matrices
@@ -84,15 +84,17 @@ class Leg:
     to_seen: np.ndarray  # (epochs, 6, 6) their derivatives by the state at the track's start
 
     @classmethod
-    def propagate(cls, flight: Flight, parameters: np.ndarray, begin: float, seen: np.ndarray) -> Self:
+    def propagate(
+        cls, propagator: Propagator, parameters: np.ndarray, begin: float, seen: np.ndarray
+    ) -> Self:
         """Return the leg from parameters (7,) at `begin` [s] to the epochs `seen` (n,) of the next track.
 
         It is propagated with what is known when that track begins. Raises LostError where it comes down
         before.
         """
         grid = np.linspace(begin, seen[0], math.ceil((seen[0] - begin) / STEP) + 1)
-        known = flight.under(flight.model.known_at(float(seen[0])))
-        states, status = propagate_beside(known, np.append(grid, seen[1:]), parameters)
+        known = propagator.under(propagator.model.known_at(float(seen[0])))
+        states, status = propagate_neighbours(known, np.append(grid, seen[1:]), parameters)
         if status:
             raise LostError(REASONS[status])
         # By the parameters at the beginning, which a step keeps Cd of and moves the state.
@@ -183,7 +185,7 @@ class Filters:
 class Filtering:
     """All that the filters of a run share."""
 
-    flight: Flight  # under the assumed model
+    propagator: Propagator  # under the assumed model
     measured: Measurements
     bank: Sequence[Noise]  # a noise for each filter
     light_time: bool  # as in `Estimation`
@@ -192,7 +194,7 @@ class Filtering:
         """Return the filters at the next track, with its measurements. Raises LostError."""
         window = self.measured.track(track)
         seen = self.measured.epochs[window.first : window.last + 1]
-        leg = Leg.propagate(self.flight, filters.likeliest.mean, filters.t, seen)
+        leg = Leg.propagate(self.propagator, filters.likeliest.mean, filters.t, seen)
 
         def evaluate(parameters: np.ndarray) -> Evaluation:
             path = leg.seen + leg.to_seen @ (parameters[:_CD] - leg.path[-1])
@@ -236,7 +238,7 @@ class Filtering:
         aside: (3, 2) directions of the kicks
         """
         walk, gust, kick = np.array([(noise.walk, noise.gust, noise.kick) for noise in self.bank]).T
-        cd, root = self.flight.rso.cd, np.zeros((len(self.bank), 7, 4))
+        cd, root = self.propagator.rso.cd, np.zeros((len(self.bank), 7, 4))
         root[:, _CD, 0] = walk * cd * np.sqrt(days)
         root[:, :_CD, 1] = np.outer(gust * cd / np.sqrt(days), by_cd)
         root[:, 3:_CD, 2:] = np.sqrt(days) * np.multiply.outer(kick, aside)
@@ -265,7 +267,7 @@ def _covariance(estimate: pd.Series) -> np.ndarray:
 
 
 def filter_all(
-    flight: Flight,
+    propagator: Propagator,
     estimates: pd.DataFrame,
     measured: Measurements,
     *,
@@ -287,7 +289,7 @@ def filter_all(
         raise InputError(
             "filter: expected tracks that begin with their estimates, got some that end with them"
         )
-    run = Filtering(flight.without_progress(), measured, bank, light_time)
+    run = Filtering(propagator.without_progress(), measured, bank, light_time)
     rows: list[dict[str, Any]] = []
     filters: Filters | None = None
     for track, (_, estimate) in enumerate(estimates.iterrows()):
@@ -298,10 +300,10 @@ def filter_all(
         filters = _next_or_lost(run, filters, track) if filters and not begins_anew else None
         rows.append(dict(estimate) | (run.row(filters, track) if filters else {}))
         if filters is None:
-            start = _with_apriori_cd(estimate, flight.rso.cd)
+            start = _with_apriori_cd(estimate, propagator.rso.cd)
             filters = Filters.begin(start, len(bank)) if start is not None else None
-        if flight.progress:
-            flight.progress((track + 1) / measured.tracks)
+        if propagator.progress:
+            propagator.progress((track + 1) / measured.tracks)
     return pd.DataFrame(rows)
 
 

@@ -9,7 +9,7 @@ import pandas as pd
 from opml.catalog.fit.apriori import CD, LINEAR, SCALES
 from opml.catalog.fit.measurements import Measurements, Window
 from opml.catalog.fit.neighbour_arcs import propagate_parameters
-from opml.catalog.flight import Flight
+from opml.catalog.propagator import Propagator
 from opml.tables import PARAMETER_COVARIANCES, PARAMETERS, symmetric_matrices
 
 StartParameters = tuple[int, np.ndarray]
@@ -43,7 +43,7 @@ class Starts:
     """What the fits of a run may start from."""
 
     measured: Measurements
-    flight: Flight
+    propagator: Propagator
     states: np.ndarray  # (tracks, 6) GCRF at the tracks' starts
     ages: np.ndarray  # (tracks,) how long before each start its orbit was known [s]
     cd_bounds: tuple[float, float] | None  # Cd to start others from; None where its uncertainty decides
@@ -61,7 +61,7 @@ class Starts:
         """
         at = np.array([window.at for window in windows])
         tracks = [window.track for window in windows]
-        first = np.column_stack([self.states[tracks], np.full(len(tracks), self.flight.rso.cd)])
+        first = np.column_stack([self.states[tracks], np.full(len(tracks), self.propagator.rso.cd)])
         if self.measured.of_theory:
             yield first
         if usable is not None:
@@ -77,7 +77,9 @@ class Starts:
     def propagate(self, begin: int, parameters: np.ndarray, at: np.ndarray) -> np.ndarray:
         """Return parameters (7,) at an epoch `begin` carried to epochs `at`: (n, 7), lost ones not finite."""
         epochs = self.measured.epochs[np.append(begin, at)]
-        arcs = propagate_parameters(self.flight, epochs, parameters[None], np.array([0]), np.array([len(at)]))
+        arcs = propagate_parameters(
+            self.propagator, epochs, parameters[None], np.array([0]), np.array([len(at)])
+        )
         return np.column_stack([arcs.path(0), np.full(len(at), parameters[CD])])
 
     def is_usable(self, solution: Solution) -> bool:
@@ -101,7 +103,7 @@ class Starts:
         if not solution.converged:
             return None
         covariance, best = solution.covariance, solution.best
-        missing = self.flight.rso.cd - best[CD]
+        missing = self.propagator.rso.cd - best[CD]
         # A measurement of Cd alone would move the other parameters as they correlate with it.
         if covariance[CD, CD] > 0.0:
             moved: np.ndarray = best + missing * covariance[:, CD] / covariance[CD, CD]

@@ -2,13 +2,13 @@
 
 from opml.base.constants import HOUR
 from opml.base.errors import InputError
-from opml.catalog.kinds import Asked
+from opml.catalog.kinds import MeasurementRequest
 from opml.interop.element_sets import histories
 
 FEWEST_SETS = 3  # sets of mean elements that a window of fits holds at least: Cd goes wild in fits to fewer
 
 
-def check(asked: Asked) -> None:
+def check(asked: MeasurementRequest) -> None:
     """Look at histories: their object, and whether the run and windows of fits hold enough sets."""
     history = histories.read(asked.paths, epoch=asked.epoch, leave_out_damaged=asked.taking.leave_out_damaged)
     sets = histories.of_object(history.sets, asked.taking.number)

@@ -1,11 +1,11 @@
 """Positions that were measured, with velocities or without."""
 
-from opml.catalog.kinds import Asked
+from opml.catalog.kinds import MeasurementRequest
 from opml.interop import points_from_files
 from opml.interop.orbit_from_files import OrbitFiles
 
 
-def check(asked: Asked) -> None:
+def check(asked: MeasurementRequest) -> None:
     """Look at files of points: whether they fit the run and each other."""
     files = OrbitFiles(asked.paths, asked.epoch, asked.duration)
     points_from_files.check(files, points_from_files.Sampling(asked.taking.sigmas, asked.taking.every_s))

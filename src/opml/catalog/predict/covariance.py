@@ -8,8 +8,8 @@ import numpy as np
 import pandas as pd
 
 from opml.catalog.fit.neighbour_arcs import NUDGES
-from opml.catalog.flight import Flight
 from opml.catalog.predict.neighbours import Neighbours
+from opml.catalog.propagator import Propagator
 from opml.orbits.elements import in_rsw
 from opml.tables import PARAMETER_COVARIANCES, PARAMETERS, POSITION_COVARIANCES, STATE, symmetric_matrices
 
@@ -24,7 +24,7 @@ def of_positions(predictions: pd.DataFrame, carried: np.ndarray) -> pd.DataFrame
     return pd.DataFrame(table | dict(zip(POSITION_COVARIANCES, carried[:, row, column].T, strict=True)))
 
 
-def propagated(flight: Flight, estimates: pd.DataFrame, predictions: pd.DataFrame) -> np.ndarray:
+def propagated(propagator: Propagator, estimates: pd.DataFrame, predictions: pd.DataFrame) -> np.ndarray:
     """Return formal covariances (n, 6, 6) of predictions in RSW of the predicted state [m, m/s].
 
     The fit's covariance P of state and Cd becomes F P F', with F the differences of seven arcs that begin
@@ -33,7 +33,7 @@ def propagated(flight: Flight, estimates: pd.DataFrame, predictions: pd.DataFram
     tracks, arc = np.unique(predictions["i"], return_inverse=True)
     started = estimates.set_index("track").loc[tracks]
     predicted = predictions[STATE].to_numpy()
-    neighbours = Neighbours.beside(flight, predictions, started)
+    neighbours = Neighbours.of_predictions(propagator, predictions, started)
     change = np.empty((len(predictions), len(STATE), len(PARAMETERS)))
     for k, nudge in enumerate(np.diag(NUDGES)):
         states, cd = started[STATE].to_numpy() + nudge[:6], started["cd"].to_numpy() + nudge[6]

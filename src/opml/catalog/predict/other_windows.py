@@ -13,9 +13,9 @@ from numpy.typing import ArrayLike
 from opml.base.constants import DAY, HOUR
 from opml.catalog.associate.innovations import CD_SPREAD
 from opml.catalog.fit.apriori import APRIORI_SIGMA
-from opml.catalog.flight import Flight
 from opml.catalog.predict.neighbours import Neighbours
 from opml.catalog.predict.sensitivity import CD_NUDGE, shift_with_cd
+from opml.catalog.propagator import Propagator
 from opml.orbits.elements import in_rsw
 from opml.orbits.manoeuvres import Manoeuvre, read_manoeuvres, when_burns_are_known
 from opml.tables import STATE, read_table
@@ -50,15 +50,19 @@ def read_estimates(files: Any, *, window_hours: float) -> pd.DataFrame:
 
 
 def build_arcs(
-    flight: Flight, predictions: pd.DataFrame, *, arc_estimates: pd.DataFrame, arc_predictions: pd.DataFrame
+    propagator: Propagator,
+    predictions: pd.DataFrame,
+    *,
+    arc_estimates: pd.DataFrame,
+    arc_predictions: pd.DataFrame,
 ) -> pd.DataFrame:
-    """Return the `arcs` table of `arcs_beside`, whose neighbours are propagated here."""
-    larger = nudged_beside(flight, arc_estimates, arc_predictions)
-    apriori = flight.rso.cd
-    return arcs_beside(predictions, arc_predictions, larger, arc_estimates=arc_estimates, apriori=apriori)
+    """Return the `arcs` table of `arcs_table`, whose neighbours are propagated here."""
+    larger = nudged_predictions(propagator, arc_estimates, arc_predictions)
+    apriori = propagator.rso.cd
+    return arcs_table(predictions, arc_predictions, larger, arc_estimates=arc_estimates, apriori=apriori)
 
 
-def arcs_beside(
+def arcs_table(
     predictions: pd.DataFrame,
     arc_predictions: pd.DataFrame,
     larger: pd.DataFrame,
@@ -86,7 +90,7 @@ def arcs_beside(
     return _of_pairs(predictions, {"cd_arc": cd} | _turned(differences, predicted, usable))
 
 
-def parted(
+def arc_departures(
     predictions: pd.DataFrame, *, arc_estimates: pd.DataFrame, arc_predictions: pd.DataFrame
 ) -> pd.DataFrame:
     """Return i, j and the columns l_arc_* of the table `arcs`; arguments as of `build_arcs`."""
@@ -110,17 +114,17 @@ def build_past(
 
 
 def build_held(
-    flight: Flight, predictions: pd.DataFrame, *, arc_estimates: pd.DataFrame, memory_days: float
+    propagator: Propagator, predictions: pd.DataFrame, *, arc_estimates: pd.DataFrame, memory_days: float
 ) -> pd.DataFrame:
-    """Return the `held` table of `held_beside`, whose arcs are propagated here."""
+    """Return the `held` table of `held_table_of`, whose arcs are propagated here."""
     departing = with_held_cd(
-        arc_estimates, np.unique(predictions["i"]), apriori=flight.rso.cd, memory_days=memory_days
+        arc_estimates, np.unique(predictions["i"]), apriori=propagator.rso.cd, memory_days=memory_days
     )
     # Cd as held may be far from the estimate's own, so these arcs need the whole field.
-    propagated, _ = flight.propagate_pairs(
+    propagated, _ = propagator.propagate_pairs(
         predictions, departing[STATE].to_numpy(), cd=departing["cd"].to_numpy()
     )
-    return held_beside(predictions, _propagated(predictions, propagated), arc_estimates=arc_estimates)
+    return held_table_of(predictions, _propagated(predictions, propagated), arc_estimates=arc_estimates)
 
 
 def with_held_cd(
@@ -139,7 +143,7 @@ def with_held_cd(
     return free.assign(**dict(zip(STATE, moved.T, strict=True)), cd=free["cd"].to_numpy() + change)
 
 
-def held_beside(
+def held_table_of(
     predictions: pd.DataFrame, held_predictions: pd.DataFrame, *, arc_estimates: pd.DataFrame
 ) -> pd.DataFrame:
     """Return the `held` table: one row per pair of `predictions`, in their order.
@@ -156,12 +160,14 @@ def held_beside(
     return _of_pairs(predictions, _turned(differences, predicted, usable))
 
 
-def nudged_beside(flight: Flight, estimates: pd.DataFrame, predictions: pd.DataFrame) -> pd.DataFrame:
+def nudged_predictions(
+    propagator: Propagator, estimates: pd.DataFrame, predictions: pd.DataFrame
+) -> pd.DataFrame:
     """Return predictions of estimates over another window, propagated from `nudged` of these."""
     first = np.searchsorted(estimates["track"], np.unique(predictions["i"]))
     started = estimates.iloc[first]
     departing = nudged(started)
-    neighbours = Neighbours.beside(flight, predictions, started)
+    neighbours = Neighbours.of_predictions(propagator, predictions, started)
     propagated = neighbours.propagate(departing[STATE].to_numpy(), departing["cd"].to_numpy())
     return _propagated(predictions, propagated)
 

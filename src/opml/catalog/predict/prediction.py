@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 
 from opml.base.constants import DAY
-from opml.catalog.flight import Flight
+from opml.catalog.propagator import Propagator
 from opml.catalog.simulate.truth import interpolate
 from opml.dynamics.ensemble import REASONS
 from opml.orbits.elements import in_rsw
@@ -14,7 +14,7 @@ TRUE = [f"{name}_true" for name in STATE]
 
 
 def predict_all(
-    flight: Flight, truth: pd.DataFrame | None, estimates: pd.DataFrame, *, max_days: float
+    propagator: Propagator, truth: pd.DataFrame | None, estimates: pd.DataFrame, *, max_days: float
 ) -> pd.DataFrame:
     """Return the `predictions` table: every pair of an estimate t_i and a later track start t_j.
 
@@ -25,7 +25,7 @@ def predict_all(
     Prediction and Machine Learning Model of the Prediction Error). A pair that the arc does not reach has no
     numbers, but the reason.
     """
-    pairs = predict(flight, estimates, arrivals=estimates.set_index("track")["t"], max_days=max_days)
+    pairs = predict(propagator, estimates, arrivals=estimates.set_index("track")["t"], max_days=max_days)
     true = _true_states(truth, pairs["t_j"])
     # Row by row in memory, as sums of other layouts round differently.
     errors = in_rsw(state_rows(pairs) - true, true)
@@ -43,19 +43,21 @@ def _true_states(truth: pd.DataFrame | None, t: pd.Series) -> np.ndarray:
     return np.ascontiguousarray(truth.set_index("t")[STATE].loc[t])
 
 
-def predict(flight: Flight, estimates: pd.DataFrame, *, arrivals: pd.Series, max_days: float) -> pd.DataFrame:
+def predict(
+    propagator: Propagator, estimates: pd.DataFrame, *, arrivals: pd.Series, max_days: float
+) -> pd.DataFrame:
     """Return the columns of `predictions` that need no truth: i, j, t_i, t_j, the state at t_j, the reason.
 
-    flight, estimates, max_days: as in `predict_all`
+    propagator, estimates, max_days: as in `predict_all`
     arrivals: epochs to predict to [s], ascending, by their numbers j in the table
     """
-    return predict_pairs(flight, estimates, _pairs(estimates, arrivals, max_days))
+    return predict_pairs(propagator, estimates, _pairs(estimates, arrivals, max_days))
 
 
-def predict_pairs(flight: Flight, estimates: pd.DataFrame, pairs: pd.DataFrame) -> pd.DataFrame:
+def predict_pairs(propagator: Propagator, estimates: pd.DataFrame, pairs: pd.DataFrame) -> pd.DataFrame:
     """Return what `predict` does, of pairs: i, j, t_i and t_j in the order of i."""
     started = estimates.set_index("track").loc[np.unique(pairs["i"])]
-    states, status = flight.propagate_pairs(pairs, started[STATE].to_numpy(), cd=started["cd"].to_numpy())
+    states, status = propagator.propagate_pairs(pairs, started[STATE].to_numpy(), cd=started["cd"].to_numpy())
     reason = np.where(np.isfinite(states[:, 0]), "", np.array(REASONS, object)[status])
     return pairs.assign(**dict(zip(STATE, states.T, strict=True)), reason=reason)
 

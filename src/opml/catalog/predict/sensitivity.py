@@ -6,8 +6,8 @@ A catalogue can compute all of this: it needs the estimates and the assumed mode
 import numpy as np
 import pandas as pd
 
-from opml.catalog.flight import Flight
 from opml.catalog.predict.neighbours import Neighbours
+from opml.catalog.propagator import Propagator
 from opml.orbits.elements import in_rsw
 from opml.tables import STATE
 
@@ -15,7 +15,11 @@ CD_NUDGE = 0.01  # change of Cd between neighbouring arcs: small against Cd, lar
 
 
 def sensitivities(
-    flight: Flight, estimates: pd.DataFrame, predictions: pd.DataFrame, *, bounds: tuple[float, float] | None
+    propagator: Propagator,
+    estimates: pd.DataFrame,
+    predictions: pd.DataFrame,
+    *,
+    bounds: tuple[float, float] | None,
 ) -> pd.DataFrame:
     """Return the `sensitivities` table: for each pair of the predictions, in RSW of the predicted state.
 
@@ -32,14 +36,14 @@ def sensitivities(
     mean = running_mean(estimates, bounds)[first]
     predicted = predictions[STATE].to_numpy()
     table = {"i": predictions["i"], "j": predictions["j"], "cd_mean": mean[arc]}
-    neighbours = Neighbours.beside(flight, predictions, started)
+    neighbours = Neighbours.of_predictions(propagator, predictions, started)
     for turn, (name, (states, cd)) in enumerate(_nudged(started).items()):
         change = (1.0 / CD_NUDGE) * in_rsw(
             neighbours.part(turn, 3).propagate(states, cd) - predicted, predicted
         )
         table |= {f"{name}_{axis}": change[:, k] for k, axis in enumerate(STATE)}
     # The running mean may be far from the estimate's own Cd, so these arcs need the whole field.
-    propagated, _ = flight.part(2, 3).propagate_pairs(predictions, started[STATE].to_numpy(), cd=mean)
+    propagated, _ = propagator.part(2, 3).propagate_pairs(predictions, started[STATE].to_numpy(), cd=mean)
     change = -in_rsw(propagated - predicted, predicted)
     return pd.DataFrame(table | {f"r_{axis}": change[:, k] for k, axis in enumerate(STATE)})
 

@@ -10,15 +10,15 @@ import pandas as pd
 
 from opml.base.constants import DAY
 from opml.base.seeds import derive
-from opml.catalog.flight import Flight
-from opml.catalog.predict.scatter import excess
+from opml.catalog.predict.fit_scatter import excess
+from opml.catalog.propagator import Propagator
 from opml.dynamics.forces import with_outlooks
 from opml.orbits.elements import in_rsw
 from opml.tables import PARAMETER_COVARIANCES, PARAMETERS, STATE, symmetric_matrices
 
 
 def sample(
-    flight: Flight,
+    propagator: Propagator,
     futures: pd.DataFrame,
     estimates: pd.DataFrame,
     predictions: pd.DataFrame,
@@ -44,9 +44,9 @@ def sample(
     parts = []
     members = futures.groupby("member")
     for turn, (member, future) in enumerate(members):
-        random = derive(seed, "ensembles", flight.rso.name, str(member))
+        random = derive(seed, "ensembles", propagator.rso.name, str(member))
         drawn = mean + np.einsum("nij,nj->ni", root, random.normal(size=mean.shape))
-        ahead = flight.under(with_outlooks(flight.model, future)).part(turn, len(members))
+        ahead = propagator.under(with_outlooks(propagator.model, future)).part(turn, len(members))
         states, _ = ahead.propagate_pairs(predictions, drawn[:, :6], cd=drawn[:, 6])
         shift = in_rsw(states - predicted, predicted)[:, :3]
         parts.append(

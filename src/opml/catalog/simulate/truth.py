@@ -7,7 +7,7 @@ import pandas as pd
 
 from opml.base.constants import DAY
 from opml.base.errors import InputError
-from opml.catalog.flight import Flight
+from opml.catalog.propagator import Propagator
 from opml.dynamics.ensemble import REASONS, Departures, propagate
 from opml.orbits.elements import cartesian_from_coe, true_from_mean_anomaly
 from opml.orbits.sheets import Rso
@@ -25,26 +25,26 @@ def initial_state(rso: Rso, gm: float) -> np.ndarray:
     return cartesian_from_coe(np.array([rso.a, rso.e, rso.i, rso.argp, rso.raan, nu]), gm)
 
 
-def simulate(flight: Flight, *, duration: float, step: float) -> pd.DataFrame:
-    """Return the `truth` table of a flight: GCRF states every `step` from the epoch to `duration` [s].
+def simulate(propagator: Propagator, *, duration: float, step: float) -> pd.DataFrame:
+    """Return the `truth` table of a propagator: GCRF states every `step` from the epoch to `duration` [s].
 
-    flight: under the true model. Raises InputError where the RSO does not stay in orbit that long. Source:
+    propagator: under the true model. Raises InputError where it does not stay in orbit that long. Source:
     paper, sec. Truth Dynamic Models.
     """
-    [table] = simulate_together(flight, [], duration=duration, step=step)
+    [table] = simulate_together(propagator, [], duration=duration, step=step)
     return table
 
 
 def simulate_together(
-    flight: Flight, others: Sequence[Rso], *, duration: float, step: float
+    propagator: Propagator, others: Sequence[Rso], *, duration: float, step: float
 ) -> list[pd.DataFrame]:
-    """Return the `truth` tables of a flight and of other RSOs beside it, in about the time of one.
+    """Return the `truth` tables of a propagator's RSO and of others, in about the time of one.
 
     Each table is that of `simulate`, to the bit.
     """
-    rsos = [flight.rso, *others]
+    rsos = [propagator.rso, *others]
     t = np.arange(0.0, duration + 0.5 * step, step)
-    starts = np.array([initial_state(rso, flight.model.gm) for rso in rsos])
+    starts = np.array([initial_state(rso, propagator.model.gm) for rso in rsos])
     departures = Departures(
         starts,
         first=[0] * len(rsos),
@@ -53,12 +53,12 @@ def simulate_together(
         reflection=[rso.cr * rso.area_to_mass for rso in rsos],
     )
     arcs = propagate(
-        flight.model,
+        propagator.model,
         t,
         departures,
-        integrator=flight.integrator,
-        threads=flight.threads,
-        progress=flight.progress,
+        integrator=propagator.integrator,
+        threads=propagator.threads,
+        progress=propagator.progress,
     )
     for k, rso in enumerate(rsos):
         if reason := REASONS[arcs.status[k]]:

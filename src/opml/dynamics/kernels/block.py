@@ -1,4 +1,4 @@
-"""Flight of a block of arcs along a grid of times, the kernel below `opml.dynamics.ensemble`."""
+"""Propagator of a block of arcs along a grid of times, the kernel below `opml.dynamics.ensemble`."""
 
 from typing import NamedTuple
 
@@ -12,14 +12,14 @@ from opml.dynamics.kernels.shadow_edges import RATES
 from opml.dynamics.kernels.surroundings import ForceModel, allocate, look_up
 
 REASONS = ("", "decayed below 120 km", "state not finite", "step below the minimum")
-"""Reasons for retiring an arc, by its status; the first one stands for an arc in flight."""
+"""Reasons for retiring an arc, by its status; the first one stands for an arc under way."""
 
 _FLYING, _DECAYED, _NOT_FINITE, _STEP_TOO_SMALL = range(4)
 _FARTHEST = 1e12  # altitude [m] above which an arc's numbers count as lost
 
 
 class Workspace(NamedTuple):
-    """Memory for the intermediate results of a block's flight; rows have WIDTH lanes."""
+    """Memory for the intermediate results of a block's propagation; rows have WIDTH lanes."""
 
     values: np.ndarray  # of the surroundings
     factors: np.ndarray  # of DTM2000
@@ -89,7 +89,7 @@ def advance(
                 joining |= join[lane] == g
         if active == 0:
             continue
-        # Refill: rates at the beginning, for lanes that join. Lanes in flight have theirs from the end of the
+        # Refill: rates at the beginning, for lanes that join. Lanes under way have theirs from the end of the
         # last step, so the rates of all lanes go to rows that the step will overwrite, and are copied.
         if joining:
             look_up(t, model, values, factors)

@@ -7,7 +7,6 @@ the Sun. F10.7 changes by the same factor as it did then; Kp has the same values
 import numpy as np
 
 from opml.base.setting_types import Count
-from opml.environment.forecasts.bursts import remove_bursts
 from opml.environment.forecasts.method import (
     Forecast,
     ForecastMethod,
@@ -15,6 +14,7 @@ from opml.environment.forecasts.method import (
     Future,
     FutureForecast,
 )
+from opml.environment.forecasts.radio_bursts import remove_bursts
 from opml.environment.space_weather import INTERVALS
 from opml.environment.weather import Weather, trailing_mean
 

@@ -9,8 +9,8 @@ from collections.abc import Callable
 import numpy as np
 
 from opml.base.setting_types import Count, Positive
-from opml.environment.forecasts.bursts import remove_bursts
 from opml.environment.forecasts.method import Forecast, ForecastMethod, ForecastSettings, Future
+from opml.environment.forecasts.radio_bursts import remove_bursts
 from opml.environment.space_weather import INTERVALS
 from opml.environment.weather import HIGHEST_KP, Weather, trailing_mean
 

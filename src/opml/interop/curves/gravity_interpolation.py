@@ -10,7 +10,6 @@ problems, Journal of the Astronautical Sciences 58.
 """
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 from typing import Self
@@ -132,15 +131,11 @@ def bridge(t: np.ndarray, positions: np.ndarray, attraction: Attraction, *, want
     width = np.diff(t)
     points = _points(width[index].max(initial=0.0))
     coefficients = np.full((len(width), points + 2, 3), np.nan)
-    for part in _parts(index):
+    for start in range(0, len(index), _BLOCK):
+        part = index[start : start + _BLOCK]
         ends = positions[part], positions[part + 1]
         coefficients[part] = _solve(t[part], width[part], ends, attraction, points)
     return Bridges(t, coefficients)
-
-
-def _parts(index: np.ndarray) -> Iterator[np.ndarray]:
-    for start in range(0, len(index), _BLOCK):
-        yield index[start : start + _BLOCK]
 
 
 def _points(width: float) -> int:

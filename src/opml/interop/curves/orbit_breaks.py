@@ -68,7 +68,9 @@ def find(t: np.ndarray, jumps: np.ndarray) -> tuple[list[Break], np.ndarray, np.
     jumping, broken = np.zeros(len(t), bool), np.zeros(len(t) - 1, bool)
     for event in breaks:
         jumping[event.first : event.last + 1] = large[event.first : event.last + 1]
-        first, last = _extend_to_ends(size, event)
+        # An adjacent end of the orbit, which has no jump, belongs to the break.
+        first = event.first - (size[event.first - 1] == 0.0)
+        last = event.last + (size[event.last + 1] == 0.0)
         worse = np.maximum(size[first:last], size[first + 1 : last + 1])
         broken[first:last] = worse * np.diff(t[first : last + 1]) / 4.0 > BRIDGED
     return breaks, jumping, broken
@@ -110,8 +112,3 @@ def _break(t: np.ndarray, jumps: np.ndarray, nodes: np.ndarray) -> Break:
         swing=float((size * np.minimum(t[nodes] - t[nodes - 1], t[nodes + 1] - t[nodes])).max()),
         one_way=bool(change > 0.5 * size.sum()),
     )
-
-
-def _extend_to_ends(size: np.ndarray, event: Break) -> tuple[int, int]:
-    """Return the first and last node of a break, with an adjacent end of the orbit, which has no jump."""
-    return event.first - (size[event.first - 1] == 0.0), event.last + (size[event.last + 1] == 0.0)

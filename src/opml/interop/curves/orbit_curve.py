@@ -70,8 +70,8 @@ def fit_curve(arcs: Sequence[Arc], orientation: pd.DataFrame, attraction: Attrac
     has_velocity = np.isfinite(states[:, 3:])
     states[:, 3:] = np.where(has_velocity, states[:, 3:], bridges.mean_velocities())
     bridges = bridges.match_velocities(states[:, 3:], free=jumping & ~has_velocity[:, 0])
-    # No interval confirms an isolated node.
-    wrong = _isolated_nodes(bridges.bridged)
+    # No interval confirms a node that is bridged on neither side.
+    wrong = ~np.append(False, bridges.bridged) & ~np.append(bridges.bridged, False)
     states[wrong] = np.nan
     _log_wrong_nodes(arcs, wrong)
     return OrbitCurve(t, states, bridges, breaks, misses, (int(wrong.sum()), int(strange.sum())))
@@ -136,11 +136,6 @@ def _misses(t: np.ndarray, states: np.ndarray, attraction: Attraction, smooth: n
     bridges = bridges.match_velocities(velocities, free=np.zeros(len(kept), bool))
     misses = np.linalg.norm(bridges.states(t[1 : 2 * pairs : 2])[:, :3] - omitted[:, :3], axis=1)
     return np.asarray(misses[np.isfinite(misses)])
-
-
-def _isolated_nodes(bridged: np.ndarray) -> np.ndarray:
-    """Return which nodes (n,) are bridged on neither side."""
-    return np.asarray(~np.append(False, bridged) & ~np.append(bridged, False))
 
 
 def _log_wrong_nodes(arcs: Sequence[Arc], wrong: np.ndarray) -> None:

@@ -77,7 +77,10 @@ def read(paths: Iterable[FilePath], *, epoch: str, leave_out_damaged: bool = Fal
         superseded=sum(map(len, kept)) - len(kept),
         out_of_order=_out_of_order(found),
         damaged=damaged,
-        objects={sets[-1].number: _object(sets[-1]) for sets in kept},
+        objects={
+            one.number: ObjectId.of(one.name or str(one.number), one.designator, str(one.number))
+            for one in (sets[-1] for sets in kept)
+        },
     )
     _log_counts(history)
     return history
@@ -154,10 +157,6 @@ def satellites(sets: pd.DataFrame, *, epoch: str) -> list[Satrec]:
 def _satellite(time: str, elements: Sequence[float]) -> Satrec:
     motion, *others = elements
     return element_set.satellite(time, [_MINUTE * motion, *others])
-
-
-def _object(one: ElementSet) -> ObjectId:
-    return ObjectId.of(one.name or str(one.number), one.designator, str(one.number))
 
 
 def _by_epoch(sets: Iterable[ElementSet]) -> dict[tuple[int, int], list[ElementSet]]:

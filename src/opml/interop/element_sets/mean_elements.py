@@ -134,7 +134,9 @@ def states_of_each(satellites: Sequence[Satrec], *, epoch: str, t: Iterable[np.n
     return np.where(errors[:, None] == 0, found, np.nan)
 
 
-def apart(earlier: Sequence[Satrec], later: Sequence[Satrec], *, epoch: str, t: np.ndarray) -> np.ndarray:
+def differences(
+    earlier: Sequence[Satrec], later: Sequence[Satrec], *, epoch: str, t: np.ndarray
+) -> np.ndarray:
     """Return how far sets are off later ones (n, times, 6) in RSW of these, NaN where SGP4 fails.
 
     t: (n, times) of each pair [s]

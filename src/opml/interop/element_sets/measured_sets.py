@@ -10,8 +10,8 @@ import pandas as pd
 from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
 from opml.base.section import JobSettings
-from opml.interop.element_sets import agreement, histories, mean_elements, spans
-from opml.interop.element_sets.agreement import SetSampling
+from opml.interop.element_sets import accuracy, fit_spans, histories, mean_elements
+from opml.interop.element_sets.accuracy import SetSampling
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import FIX_SIGMAS, STATE
 
@@ -99,7 +99,7 @@ def measured(
     """
     sets = of_run(sets, duration)
     usual = SetSampling(taking.reach or USUAL_REACH, taking.step)
-    worth = agreement.weighed(sets, epoch=epoch, sampling=usual, manoeuvres=manoeuvres)
+    worth = accuracy.weighed(sets, epoch=epoch, sampling=usual, manoeuvres=manoeuvres)
     sigmas = worth[FIX_SIGMAS[:3]].to_numpy()
     if taking.sigmas is not None:
         sigmas = np.tile(taking.sigmas, (len(worth), 1))
@@ -120,7 +120,7 @@ def measured(
         strict=True,
     ):
         if np.isnan(states[:, 0]).any():
-            _log.warning("%s has points no farther back than SGP4 goes", agreement.place(sets.iloc[k], epoch))
+            _log.warning("%s has points no farther back than SGP4 goes", accuracy.place(sets.iloc[k], epoch))
         rows = _points(t, states, sigmas[k], begin=begin)
         if len(rows) >= _LEAST * min(reaches[k], USUAL_REACH) / taking.step:
             points.append(np.insert(rows, 0, len(kept), axis=1))
@@ -144,7 +144,7 @@ def _paths(
 
 def _over_spans(sets: pd.DataFrame, epoch: str, manoeuvres: Sequence[Manoeuvre]) -> np.ndarray:
     """Return how far points of sets (n,) reach back [s]: over what was fitted where sets show it."""
-    lengths = spans.fit_spans(sets, epoch=epoch, manoeuvres=manoeuvres)
+    lengths = fit_spans.fit_spans(sets, epoch=epoch, manoeuvres=manoeuvres)
     is_known = np.isfinite(lengths)
     if is_known.any():
         hours = lengths[is_known][-1] / HOUR

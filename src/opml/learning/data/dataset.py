@@ -103,11 +103,11 @@ def read(path: str | PathLike[str], beside: Iterable[str | PathLike[str]] = ()) 
             schema = mechanism_schema(read_metadata(other)["resonances"])
         else:
             schema = SCHEMAS[kind]
-        dataset = join_beside(dataset, read_table(other, schema))
+        dataset = join_table(dataset, read_table(other, schema))
     return dataset
 
 
-def join_beside(dataset: pd.DataFrame, other: pd.DataFrame) -> pd.DataFrame:
+def join_table(dataset: pd.DataFrame, other: pd.DataFrame) -> pd.DataFrame:
     """Return the dataset with the columns of a table of the same pairs beside its own.
 
     A row without numbers in the other table (a neighbour of its arc decayed) is dropped for that reason, if

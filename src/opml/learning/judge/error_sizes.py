@@ -5,8 +5,8 @@ The variance of each axis of the position has four parts,
     sigma^2 = f(D)^2 (a^2 + (b D)^2 + (c drag)^2 + weather^2),
 
 D the duration of the prediction, `drag` the displacement by a tenth more drag and `weather` the spread of the
-futures of the space weather (opml.catalog.predict.spread). a, b and c are such that nine tenths of the past
-errors are inside 1.645 sigma. They come from quantile regression on replays that are over
+futures of the space weather (opml.catalog.predict.weather_spread). a, b and c are such that nine tenths of
+the past errors are inside 1.645 sigma. They come from quantile regression on replays that are over
 (opml.ephemerides.replays), in which newer errors weigh more.
 
 f widens all parts after a short past. It is the quantile of Student's t, divided by that of the normal

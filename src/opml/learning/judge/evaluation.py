@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 
 from opml.learning.models.contract import Predictor
-from opml.learning.models.inputs import columns_of
+from opml.learning.models.training_inputs import columns_of
 
 
 def evaluate(model: Predictor, dataset: pd.DataFrame, rows: np.ndarray, *, component: str) -> pd.DataFrame:

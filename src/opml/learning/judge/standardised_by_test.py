@@ -12,7 +12,7 @@ import numpy as np
 
 from opml.base.errors import InputError
 from opml.learning.models.contract import Model, Predictor
-from opml.learning.models.inputs import check_rows, standardisation
+from opml.learning.models.training_inputs import check_rows, standardisation
 from opml.naming import parse_test
 
 

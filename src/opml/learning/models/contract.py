@@ -10,7 +10,7 @@ import pandas as pd
 
 from opml.base.kind_sections import KindSection
 from opml.base.setting_types import Absent, Expected, OneOf, Positive, Unique
-from opml.learning.models.inputs import Training
+from opml.learning.models.training_inputs import Training
 from opml.tables import LEARNING_VARIABLES, MECHANISM_AXES, Column, Schema
 
 Metadata = Mapping[str, Any]

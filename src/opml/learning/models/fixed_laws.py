@@ -12,8 +12,8 @@ import pandas as pd
 
 from opml.base.setting_types import Positive
 from opml.learning.models.contract import WHOLE_PAST, Learner, LearnerSettings, Metadata, fixed, table_of
-from opml.learning.models.inputs import Training, check_rows
 from opml.learning.models.metadata import describe, restore
+from opml.learning.models.training_inputs import Training, check_rows
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from opml.base.errors import InputError
-from opml.learning.models.inputs import Training, subsample
+from opml.learning.models.training_inputs import Training, subsample
 
 QUANTILES = {"sigest": 0.1, "median": 0.5}
 RULES = (*QUANTILES, "cv")

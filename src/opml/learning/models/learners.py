@@ -24,7 +24,7 @@ from opml.learning.models.contract import (
     Model,
     ResolvedSettings,
 )
-from opml.learning.models.inputs import Training
+from opml.learning.models.training_inputs import Training
 from opml.tables import (
     COMPONENTS,
     LEARNING_VARIABLES,
@@ -188,7 +188,7 @@ def arc_of(settings: ResolvedSettings) -> tuple[float, float] | None:
     }
     if len(arcs) > 1:
         raise InputError(f"learners: window_hours: expected one window for both parts, got {len(arcs)}")
-    if {*tables_asked(settings.variables)}.isdisjoint(ARC_TABLES):
+    if {*needed_tables(settings.variables)}.isdisjoint(ARC_TABLES):
         return None
     if not arcs:
         raise InputError("learners: expected window_hours with columns of the arcs, got none")
@@ -201,15 +201,15 @@ def arc_windows(settings: Iterable[ResolvedSettings]) -> list[float]:
 
 
 def paths_of_each(paths: Iterable[Path], settings: Iterable[ResolvedSettings]) -> list[list[Path]]:
-    """Return the tables of each learner, of those of `tables_asked` that stand learner after learner.
+    """Return the tables of each learner, of those of `needed_tables` that stand learner after learner.
 
     settings: of the learners, resolved
     """
     rest = iter(paths)
-    return [[next(rest) for _ in tables_asked(learner.variables)] for learner in settings]
+    return [[next(rest) for _ in needed_tables(learner.variables)] for learner in settings]
 
 
-def tables_asked(variables: Sequence[str]) -> list[str]:
+def needed_tables(variables: Sequence[str]) -> list[str]:
     """Return the kinds of tables beside the dataset that have the variables, such as arcs and mechanism."""
     missing, kinds = set(variables) - {*LEARNING_VARIABLES, "gap"}, []
     for kind in _BESIDE:
@@ -221,7 +221,7 @@ def tables_asked(variables: Sequence[str]) -> list[str]:
 
 def check_without_truth(name: str, settings: ResolvedSettings) -> None:
     """Raise InputError where resolved settings ask for what only a simulation knows."""
-    if "oracle" in tables_asked(settings.variables):
+    if "oracle" in needed_tables(settings.variables):
         raise InputError(f"learner '{name}': expected one that needs no truth to predict, got one that does")
 
 

@@ -25,8 +25,8 @@ from opml.learning.models.contract import (
     component_columns,
     table_of,
 )
-from opml.learning.models.inputs import Training, check_rows
 from opml.learning.models.metadata import describe, restore
+from opml.learning.models.training_inputs import Training, check_rows
 from opml.tables import real, text
 
 KIND = "linear_law"

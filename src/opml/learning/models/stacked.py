@@ -10,7 +10,7 @@ from pydantic import create_model
 
 from opml.base.kind_sections import OfItsKind
 from opml.learning.models.contract import Learner, LearnerSettings, Metadata, Model, ResolvedSettings
-from opml.learning.models.inputs import Training, pick_columns
+from opml.learning.models.training_inputs import Training, pick_columns
 from opml.tables import Schema
 
 KIND = "stacked"

@@ -20,8 +20,8 @@ from opml.learning.data.cleaning import quartiles
 from opml.learning.models import kernel_scale as scales
 from opml.learning.models.contract import ChoosingSettings, Learner, Metadata
 from opml.learning.models.gaussian_kernel import expansion
-from opml.learning.models.inputs import Training, check_rows, standardisation
 from opml.learning.models.metadata import describe, restore
+from opml.learning.models.training_inputs import Training, check_rows, standardisation
 from opml.tables import Schema, real
 
 if TYPE_CHECKING:

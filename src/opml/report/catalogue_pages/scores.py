@@ -5,8 +5,8 @@ from typing import Any
 
 import pandas as pd
 
+from opml.element_sets.corrector_scores import ALL, LEVEL
 from opml.element_sets.features import BANDS
-from opml.element_sets.judge import ALL, LEVEL
 from opml.report import texts
 from opml.report.document import Block, Items
 from opml.report.results import rounded_cell

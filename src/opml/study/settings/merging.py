@@ -68,7 +68,7 @@ class Settings:
         given = self.values.get(kind.taking, {}).get(rso, {})
         return taking_section(kind.taking).model_validate(given).within(self.values.get("data", ""))
 
-    def files_beside(self, kind: Kind) -> dict[str, list[str]]:
+    def companion_files(self, kind: Kind) -> dict[str, list[str]]:
         """Return the files that are read beside those of a kind, such as of where stations are, by RSO."""
         return {rso: self.taking(kind, rso).files for rso in self.values.get(kind.taking, {})}
 

@@ -29,7 +29,7 @@ from opml.catalog.fit.first.track_fits import (
     start_estimate_there,
 )
 from opml.catalog.fit.measurements import Measurements
-from opml.catalog.flight import Flight
+from opml.catalog.propagator import Propagator
 from opml.catalog.simulate.truth import initial_state
 from opml.orbits.sheets import Rso
 
@@ -50,30 +50,30 @@ def of_sheet(rso: Rso, gm: float) -> TimedState | None:
 
 
 def starts(
-    flight: Flight, measured: Measurements, *, known: TimedState | None, settings: Estimation
+    propagator: Propagator, measured: Measurements, *, known: TimedState | None, settings: Estimation
 ) -> pd.DataFrame:
     """Return the `starts` table of measured tracks: carried from a known state, or determined without one.
 
     Measurements that tell states themselves need neither.
 
-    flight: under the assumed model. Raises InputError as `starts_from_state` and `determined` do.
+    propagator: under the assumed model. Raises InputError as `starts_from_state` and `determined` do.
     """
-    flight = flight.without_progress()
+    propagator = propagator.without_progress()
     if known is None and measured.states is not None:
         times = _times(measured)
         return start_states.starts_table(times, measured.states, known=times.to_numpy())
     if known is None:
-        return determined(flight, measured, settings=settings)
-    return starts_from_state(flight, measured, known)
+        return determined(propagator, measured, settings=settings)
+    return starts_from_state(propagator, measured, known)
 
 
-def starts_from_state(flight: Flight, measured: Measurements, known: TimedState) -> pd.DataFrame:
+def starts_from_state(propagator: Propagator, measured: Measurements, known: TimedState) -> pd.DataFrame:
     """Return the `starts` table of a known state, propagated with the assumed model to every track.
 
     Raises InputError where the first day's tracks are far from it.
     """
-    rso, times, (t, start) = flight.rso, _times(measured), known
-    states = everywhere(flight, times.to_numpy(), t, np.append(start, rso.cd))
+    rso, times, (t, start) = propagator.rso, _times(measured), known
+    states = everywhere(propagator, times.to_numpy(), t, np.append(start, rso.cd))
     apart = measured.misses(measured.row_at, states[:, :3])
     miss = float(np.median(np.where(np.isfinite(apart), apart, np.inf)[is_of_first_day(times.to_numpy())]))
     _log.info("first orbit: the given state is %.1f km from the first day's tracks", miss / 1e3)
@@ -85,7 +85,7 @@ def starts_from_state(flight: Flight, measured: Measurements, known: TimedState)
     return start_states.starts_table(times, states, known=t)
 
 
-def determined(flight: Flight, measured: Measurements, *, settings: Estimation) -> pd.DataFrame:
+def determined(propagator: Propagator, measured: Measurements, *, settings: Estimation) -> pd.DataFrame:
     """Return the `starts` table of an orbit that is determined from the tracks alone.
 
     settings: of the fits. Raises InputError as `linked_tracks.orbit_of_angles` where no track of the first
@@ -93,18 +93,18 @@ def determined(flight: Flight, measured: Measurements, *, settings: Estimation) 
     """
     times = _times(measured)
     states = np.full((len(times), 6), np.nan)
-    run = Run.of_states(flight, states, measured, settings, ages=np.empty(0))
+    run = Run.of_states(propagator, states, measured, settings, ages=np.empty(0))
     alone = single_tracks(run)
     best = _grown(run, alone) if alone else orbit_of_angles(run)
     _log.info("first orbit: %d tracks fitted together", best.window.tracks)
     t = measured.epochs[best.window.at]
-    states = everywhere(run.flight, times.to_numpy(), t, best.fit.best)
+    states = everywhere(run.propagator, times.to_numpy(), t, best.fit.best)
     return start_states.starts_table(times, states, known=t)
 
 
 def single_tracks(run: Run) -> list[Estimate]:
     """Return the fits that converged, each to one track of the first day, from three positions on it."""
-    measured, gm, estimates = run.measured, run.flight.model.gm, []
+    measured, gm, estimates = run.measured, run.propagator.model.gm, []
     for window in first_windows(measured):
         t, positions = measured.times(window.rows), measured.places(window.rows)
         is_known = np.isfinite(positions).all(axis=1)
@@ -122,7 +122,7 @@ def _grown(run: Run, alone: list[Estimate]) -> Estimate:
 
     It begins with the fit to a single track that knows the semi-major axis best.
     """
-    gm = run.flight.model.gm
+    gm = run.propagator.model.gm
     best = min(alone, key=lambda estimate: axis_sigma(estimate.fit, gm))
     t, axis = run.measured.epochs[best.window.at], axis_sigma(best.fit, gm)
     _log.info("first orbit: of track %d at %.0f s, semi-major axis to %.0f m", best.window.track, t, axis)

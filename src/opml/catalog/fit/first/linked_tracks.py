@@ -87,7 +87,7 @@ def orbit_of_angles(run: Run) -> Estimate:
                 return tried[-1].last
     right = [one for one in tried if one.is_one_orbit]
     if not right:
-        problem = f"{run.flight.rso.name}: expected {_expected(run, tried)}"
+        problem = f"{run.propagator.rso.name}: expected {_expected(run, tried)}"
         raise InputError(f"{problem}; give elements, or a TLE or OEM under starts")
     return max(right, key=lambda one: (one.linked, -_cost(run, one.last))).last
 
@@ -111,7 +111,7 @@ def single_tracks(run: Run) -> list[Estimate]:
 
     Those whose semi-major axis is known best come first.
     """
-    gm, found = run.flight.model.gm, []
+    gm, found = run.propagator.model.gm, []
     for window in first_windows(run.measured):
         t, (standing, sights) = run.measured.times(window.rows), run.measured.lines(window.rows)
         known = np.flatnonzero(np.isfinite(sights).all(axis=1))
@@ -146,7 +146,7 @@ def _fitted(run: Run, estimates: Sequence[Estimate]) -> list[Estimate]:
 
 def _starts(run: Run, last: Estimate, window: Window) -> np.ndarray:
     """Return parameters (n, 7) at a window's epoch, of the orbits of the line that pass its track nearest."""
-    line, sides = axis_line(last.fit, run.flight.model.gm), np.array([[-1.0], [1.0]])
+    line, sides = axis_line(last.fit, run.propagator.model.gm), np.array([[-1.0], [1.0]])
     one, other = _propagated(run, last.window, last.fit.best + sides * line, window)[:, :3]
     wide = np.nan_to_num(_WIDTH * np.linalg.norm(other - one) / _SPACING, nan=_MOST)
     parts = np.linspace(-_WIDTH, _WIDTH, 2 * int(min(wide, _MOST) / 2) + 1) if wide >= 2.0 else np.zeros(1)
@@ -161,7 +161,7 @@ def _starts(run: Run, last: Estimate, window: Window) -> np.ndarray:
 def _propagated(run: Run, begin: Window, parameters: np.ndarray, end: Window) -> np.ndarray:
     """Return parameters (n, 7) at the epoch of a window propagated to that of another, NaN where lost."""
     epochs, count = run.measured.epochs[[begin.at, end.at]], len(parameters)
-    arcs = propagate_parameters(run.flight, epochs, parameters, np.zeros(count, int), np.ones(count, int))
+    arcs = propagate_parameters(run.propagator, epochs, parameters, np.zeros(count, int), np.ones(count, int))
     return np.column_stack([np.vstack([arcs.path(k) for k in range(count)]), parameters[:, 6]])
 
 

@@ -10,7 +10,7 @@ from opml.catalog.fit.estimation import Run
 from opml.catalog.fit.least_squares import Fit
 from opml.catalog.fit.measurements import Measurements, Window
 from opml.catalog.fit.neighbour_arcs import propagate_parameters
-from opml.catalog.flight import Flight
+from opml.catalog.propagator import Propagator
 from opml.tables import PARAMETERS
 
 WITHOUT_CD = np.array([name != "cd" for name in PARAMETERS])  # which parameters (7,) are free
@@ -37,8 +37,8 @@ def following(run: Run, first: Window) -> Iterator[Window]:
 
 def start_estimate(run: Run, window: Window, t: float, state: np.ndarray) -> Estimate:
     """Return the estimate of a window that starts from a state (6,) at a time [s]."""
-    at, cd = run.measured.epochs[[window.at]], run.flight.rso.cd
-    start = everywhere(run.flight, at, t, np.append(state, cd))[0]
+    at, cd = run.measured.epochs[[window.at]], run.propagator.rso.cd
+    start = everywhere(run.propagator, at, t, np.append(state, cd))[0]
     return start_estimate_there(run, window, np.append(start, cd))
 
 
@@ -72,14 +72,14 @@ def _axis_gradient(parameters: np.ndarray, gm: float) -> np.ndarray:
     return 2.0 / energy**2 * np.concatenate([position / radius**3, velocity / gm])
 
 
-def everywhere(flight: Flight, times: np.ndarray, t: float, parameters: np.ndarray) -> np.ndarray:
+def everywhere(propagator: Propagator, times: np.ndarray, t: float, parameters: np.ndarray) -> np.ndarray:
     """Return states (n, 6) at ascending times (n,) of an arc with parameters (7,) at t, NaN where lost."""
     states = np.where(times[:, None] == t, parameters[:6], np.nan)
     for side in (np.flatnonzero(times > t), np.flatnonzero(times < t)[::-1]):
         if side.size:
             epochs = np.append(t, times[side])
             arcs = propagate_parameters(
-                flight, epochs, parameters[None], np.array([0]), np.array([side.size])
+                propagator, epochs, parameters[None], np.array([0]), np.array([side.size])
             )
             states[side] = arcs.path(0)
     return states

@@ -22,6 +22,7 @@ class PopulationSettings(Section):
     """Objects that learn from each other."""
 
     files: PathList = setting("files or folders of element sets (TLE, OMM)", unit="path")
+    label: Absent[Text] = absent("what figures call them; by default the population's name")
 
 
 class SeasonSettings(Section):
@@ -39,12 +40,6 @@ class SeasonSettings(Section):
     def teachers(self) -> str:
         """Population that is learned from."""
         return self.taught_by or self.population
-
-    @property
-    def words(self) -> str:
-        """When it judges, and whom, in two lines of a figure."""
-        late = "" if self.latency_hours is None else f", sets {self.latency_hours:g} h late"
-        return f"{self.test[0]} to {self.test[1]}\n{self.population}{late}"
 
 
 class CatalogueSettings(Section):
@@ -67,3 +62,10 @@ class CatalogueSettings(Section):
         unit="names",
         default=["trees", "svr"],
     )
+
+    def words(self, test: str) -> str:
+        """Return when a test judges, and whom, in two lines of a figure."""
+        season = self.tests[test]
+        whom = self.populations[season.population].label or season.population
+        late = "" if season.latency_hours is None else f", sets {season.latency_hours:g} h late"
+        return f"{season.test[0]} to {season.test[1]}\n{whom}{late}"

@@ -9,7 +9,7 @@ from opml import naming
 from opml.base.section import Placeholder
 from opml.base.setting_types import Count, Expected, OneOf, Positive, Text, Unique
 from opml.learning.models.contract import Variable
-from opml.report import claims
+from opml.report import paper_claims
 from opml.tables import COMPONENTS
 
 Name = Annotated[
@@ -69,7 +69,7 @@ Standardisation = Annotated[str, OneOf(tuple(naming.STANDARDISATIONS))]
 
 Fence = Annotated[Literal["dataset", "none"] | Positive, Expected("dataset, none or a number above 0")]
 
-Holds = Annotated[str, OneOf(tuple(claims.TESTS))]
+Holds = Annotated[str, OneOf(tuple(paper_claims.TESTS))]
 
 Resonance = Annotated[tuple[Count, Count], Strict(False), Expected("a pair of whole numbers above 0")]
 

@@ -1,0 +1,205 @@
+"""The folders of a task and of its truth: what every kind of recipe writes alike, digests last."""
+
+import json
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Self
+
+import numpy as np
+import pandas as pd
+
+from opml.base import epochs
+from opml.base.errors import InputError
+from opml.base.files import FilePath, replacing_folder
+from opml.benchmark import tasks
+from opml.element_sets.catalogue import modified_julian_day
+from opml.element_sets.improve import OLDEST_WEATHER, check_newest
+from opml.environment import known_weather
+from opml.environment.nrlmsis import ap_of_kp
+from opml.environment.space_weather import INTERVALS, KP
+from opml.environment.weather import MEAN_DAYS, Weather
+
+_WEATHER_DAYS = 200
+_WEEK = 7  # days after t whose storms count
+_ISSUED = "issued"
+
+
+@dataclass(frozen=True)
+class Facts:
+    """What a task says about itself; digest: SHA-256 of SHA256SUMS, '' before the task is frozen."""
+
+    name: str
+    title: str
+    latency_hours: float
+    digest: str
+
+
+@dataclass(frozen=True)
+class WeatherSources:
+    """What a recipe is given beside orbits.
+
+    forecasts: CSV of forecasts with a column `issued` (UTC), as they were issued; None: the task has none
+    """
+
+    weather: str | Path = "OBSERVED"  # OBSERVED or a CSSI file
+    forecasts: FilePath | None = None
+
+
+@dataclass(frozen=True)
+class Folders:
+    """Where a task and its truth are written."""
+
+    task: FilePath
+    truth: FilePath
+
+    @classmethod
+    def of(cls, task: str) -> Self:
+        """Return a task's folder and that of its truth beside it."""
+        return cls(task, f"{task.rstrip('/')}-truth")
+
+    @property
+    def truth_in_words(self) -> str:
+        """Return where the truth is, or how it is made."""
+        is_known = Path(self.truth).exists()
+        return (
+            f"{self.truth} is {'for the judge alone' if is_known else 'made by `opml truth` when it is over'}"
+        )
+
+    def check_free(self) -> None:
+        """Raise InputError where they hold anything but a task and a truth."""
+        check_free(Path(self.task), tasks.TASK)
+        check_free(Path(self.truth), tasks.TRUTH)
+
+
+Question = tuple[int, str, int, str]  # object, t, lead [d] and time, the times as UTC texts
+
+
+@dataclass(frozen=True, eq=False)
+class Content:
+    """What a task asks, and from what.
+
+    states: true GCRF states (6,) [m, m/s] of the questions; none: the truth is made later
+    """
+
+    questions: Sequence[Question]
+    states: Sequence[np.ndarray]
+    fill: Callable[[str, Path], None]  # writes the orbits that were known at t into the folder of its inputs
+
+
+def freeze(facts: Facts, content: Content, known: WeatherSources, folders: Folders) -> int:
+    """Write the folders of a task and of its truth; return the number of questions.
+
+    Raises InputError for unreadable weather, one that ends before a morning, and a task that is not the
+    frozen one.
+    """
+    issued = None if known.forecasts is None else _read_forecasts(known.forecasts)
+    measured, questions = known_weather.read(known.weather), content.questions
+    with ExitStack() as stack:
+        new = stack.enter_context(replacing_folder(folders.task))
+        tasks.write_csv(new / tasks.QUESTIONS, tasks.QUESTION, questions)
+        times = sorted({t for _, t, _, _ in questions})
+        for t in times:
+            place = new / tasks.INPUTS / tasks.folder_name(t)
+            place.mkdir(parents=True)
+            content.fill(t, place)
+            newest = measured.keep_known(modified_julian_day(t))
+            check_newest(newest, known.weather, date=t, oldest=OLDEST_WEATHER)
+            _write_weather(place / "weather.csv", newest)
+            if issued is not None:
+                _write_forecast(place / "forecast.csv", issued, t)
+        digest = tasks.HIDDEN
+        if len(content.states):
+            truth = stack.enter_context(replacing_folder(folders.truth))
+            digest = write_truth(truth, questions, content.states, measured)
+        _write_task(new, facts, digest)
+        found = tasks.digest(new / tasks.SUMS)
+        if facts.digest not in ("", found):
+            raise InputError(f"{facts.name}: digest: expected {facts.digest}, got {found}: other sources")
+    return len(questions)
+
+
+def check_free(folder: Path, name: str) -> None:
+    """Raise InputError for a file, and for a folder that is not empty and has no file of a name."""
+    if folder.is_dir() and ((folder / name).is_file() or not any(folder.iterdir())):
+        return
+    if folder.exists():
+        raise InputError(f"{folder}: expected a new folder, an empty one or one with {name}, got another")
+
+
+def write_truth(
+    folder: Path, questions: Sequence[Question], states: Sequence[np.ndarray], measured: Weather
+) -> str:
+    """Write the truth and the storms of the weeks after each t; return the truth's SHA-256."""
+    told = [(*one, *_rounded(state)) for one, state in zip(questions, states, strict=True)]
+    tasks.write_csv(folder / tasks.TRUTH, (*tasks.QUESTION, *tasks.STATE), told)
+    weeks = [(t, _strongest(measured, modified_julian_day(t))) for t in sorted({one[1] for one in questions})]
+    tasks.write_csv(folder / tasks.WEEKS, ("t", "highest_ap"), weeks)
+    return tasks.digest(folder / tasks.TRUTH)
+
+
+def _strongest(measured: Weather, t: float) -> str:
+    """Return the highest daily Ap of the week after a time, a modified Julian day; '' where not measured."""
+    first = int(t) - measured.first
+    days = measured.kp[INTERVALS * first : INTERVALS * (first + _WEEK + 1)]
+    if len(days) < INTERVALS * (_WEEK + 1):
+        return ""
+    return f"{ap_of_kp(days).reshape(-1, INTERVALS).mean(axis=1).max():.0f}"
+
+
+def utc_text(morning: float) -> str:
+    """Return a modified Julian day as UTC text, to the minute."""
+    minutes = round(morning % 1.0 * 1440.0)
+    return f"{epochs.calendar(morning)}T{minutes // 60:02d}:{minutes % 60:02d}:00"
+
+
+def _rounded(state: np.ndarray) -> list[str]:
+    """Return a state to a tenth of a millimetre, so that its digest is the same on all machines."""
+    return [f"{value:.4f}" for value in state[:3]] + [f"{value:.7f}" for value in state[3:]]
+
+
+def _write_task(folder: Path, facts: Facts, truth_digest: str) -> None:
+    values = {
+        "format": tasks.FORMAT,
+        "name": facts.name,
+        "title": facts.title,
+        "latency_hours": facts.latency_hours,
+        "truth_sha256": truth_digest,
+    }
+    (folder / tasks.TASK).write_text(json.dumps(values, indent=1) + "\n", encoding="utf-8")
+    sums = "\n".join(tasks.sums_of(folder)) + "\n"
+    (folder / tasks.SUMS).write_text(sums, encoding="utf-8")
+
+
+def _write_weather(path: Path, known: Weather) -> None:
+    """Write the whole days of measured weather, with the mean flux of the days before, in CSSI's format."""
+    count = min(len(known.flux), len(known.kp) // INTERVALS)
+    first = max(MEAN_DAYS, count - _WEATHER_DAYS)
+    lines = [
+        "# Kp: GFZ Potsdam, CC BY 4.0; F10.7: DRAO, Penticton. The mean flux is that of the last 81 days.",
+        ",".join(["DATE", *KP, "F10.7_OBS", "F10.7_DATA_TYPE", "F10.7_OBS_CENTER81"]),
+    ]
+    for day in range(first, count):
+        kp = (f"{round(10.0 * one)}" for one in known.kp[INTERVALS * day : INTERVALS * (day + 1)])
+        mean = known.flux[day - MEAN_DAYS + 1 : day + 1].mean()
+        figures = [*kp, f"{known.flux[day]:.1f}", "OBS", f"{mean:.1f}"]
+        lines.append(",".join([epochs.calendar(known.first + day), *figures]))
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def _read_forecasts(path: FilePath) -> pd.DataFrame:
+    try:
+        table = pd.read_csv(path, dtype=str)
+    except (OSError, ValueError) as reason:
+        raise InputError(f"{path}: expected comma-separated values, got {reason}") from None
+    if _ISSUED not in table:
+        raise InputError(f"{path}: expected a column {_ISSUED}, got {', '.join(table.columns)}")
+    return table
+
+
+def _write_forecast(path: Path, issued: pd.DataFrame, morning: str) -> None:
+    """Write the rows of the newest issue up to a morning, if there is one."""
+    known = issued[issued[_ISSUED].str.rstrip("Z") <= morning]
+    newest = known[known[_ISSUED] == known[_ISSUED].max()]
+    tasks.write_csv(path, [*issued.columns], [*newest.itertuples(index=False, name=None)])

@@ -1,0 +1,151 @@
+"""What a corrector is worth: how much of SGP4's errors predictions leave, by band of height and lead.
+
+Predictions of one week share its weather, and those of one object its drag. Intervals therefore come from
+drawing whole weeks and whole objects, each with replacement and apart from each other; a prediction counts as
+often as its week and its object were drawn together (Owen 2007, 'The pigeonhole bootstrap').
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+import pandas as pd
+
+from opml.base.seeds import derive
+from opml.element_sets import corrector
+from opml.element_sets.weighting import UNCHANGED
+
+ALL = -1  # number of the band that stands for all of them
+LEVEL = 100.0 * corrector.LEVEL  # share of the errors [%] that the intervals of the learned sigma are to hold
+LARGEST = 5.0  # standard deviations that an error counts at most in a log score
+DRAWS = 400  # draws of weeks and objects
+
+_WEEK = 7
+_INTERVAL = (2.5, 97.5)
+_WAYS = ("scaled", "learned", "improved")
+
+
+def scores(residuals: pd.DataFrame, *, seed: int) -> pd.DataFrame:
+    """Return the table `catalogue_scores` without test and learner, all bands together first.
+
+    residuals: `catalogue_residuals`
+    seed: of the draws of weeks and objects
+    """
+    parts = []
+    for (band, lead), part in _cells(residuals):
+        rng = derive(seed, "weeks and objects", str(band), str(lead))
+        parts.append({"band": band, "lead": lead, **_score(part), **intervals(part, rng)})
+    return pd.DataFrame(parts)
+
+
+def _cells(residuals: pd.DataFrame) -> Iterator[tuple[tuple[int, int], pd.DataFrame]]:
+    """Yield band, lead and their residuals."""
+    for table in (residuals.assign(band=ALL), residuals):
+        for (band, lead), part in table.groupby(["band", "lead"]):
+            yield (int(band), int(lead)), part
+
+
+def _score(part: pd.DataFrame) -> dict[str, float]:
+    """Return the numbers of one band and lead but for their intervals."""
+    sgp4 = part["error"].abs()
+    found = {
+        "predictions": len(part),
+        "objects": part["number"].nunique(),
+        "weeks": len(np.unique(_week(part))),
+        "sgp4_median": sgp4.median(),
+        "sgp4_p95": sgp4.quantile(0.95),
+        "gain_median": 100.0 * part["learned"].abs().median() / part["scaled"].abs().median(),
+        "coverage": coverage(part["learned"], part["sigma"]),
+        "improved_coverage": coverage(part["improved"], part["improved_sigma"]),
+        "worst_week": min(
+            coverage(week["improved"], week["improved_sigma"]) for _, week in part.groupby(_week(part))
+        ),
+        "log_score": log_score(part["improved"], part["improved_sigma"]),
+        "unchanged": 100.0 * (part["applied"] == UNCHANGED).mean(),
+    }
+    for way in _WAYS:
+        left = part[way].abs()
+        found |= {
+            f"{way}_median": 100.0 * left.median() / sgp4.median(),
+            f"{way}_p95": 100.0 * left.quantile(0.95) / sgp4.quantile(0.95),
+            f"{way}_p_ml": p_ml(part["error"].to_numpy(), part[way].to_numpy()),
+        }
+    return found
+
+
+def p_ml(error: np.ndarray, left: np.ndarray) -> float:
+    """Return the paper's P_ML [%] (Peng & Bai 2018): the sum of what is left (n,) over that of the errors."""
+    return float(100.0 * np.abs(left).sum() / np.abs(error).sum())
+
+
+def coverage(left: pd.Series, sigma: pd.Series) -> float:
+    """Return the share [%] of what is left inside its intervals of LEVEL; NaN without a sigma."""
+    known = np.isfinite(sigma)
+    return float(100.0 * (left[known].abs() <= corrector.NORMAL * sigma[known]).mean())
+
+
+def worst_week(part: pd.DataFrame) -> float:
+    """Return the least coverage [%] of the improved sets' intervals in a week."""
+    weeks = part.groupby(_week(part))
+    return min(coverage(week["improved"], week["improved_sigma"]) for _, week in weeks)
+
+
+def log_score(left: pd.Series, sigma: pd.Series, largest: float = LARGEST) -> float:
+    """Return the mean of ln(sigma / 1 m) + (left / sigma)^2 / 2, the less the better (Good 1952).
+
+    No error counts more than `largest` sigma: it is a burn.
+    """
+    return float((np.log(sigma) + 0.5 * np.minimum((left / sigma) ** 2, largest**2)).mean())
+
+
+def _week(part: pd.DataFrame) -> np.ndarray:
+    return np.asarray(np.floor(part["morning"].to_numpy() / _WEEK).astype(int))
+
+
+def intervals(part: pd.DataFrame, rng: np.random.Generator) -> dict[str, float]:
+    """Return the intervals of 95 % of the shares of SGP4's median, and of the learned over the scaled one.
+
+    part: residuals of one band and lead
+    """
+    draws = np.array(list(_drawn_shares(part, rng)))
+    low, high = np.percentile(draws, _INTERVAL, axis=0)
+    names = (*_WAYS, "gain")
+    return {f"{name}_low": low[k] for k, name in enumerate(names)} | {
+        f"{name}_high": high[k] for k, name in enumerate(names)
+    }
+
+
+def _drawn_shares(part: pd.DataFrame, rng: np.random.Generator) -> Iterator[tuple[float, ...]]:
+    """Yield the shares [%] of draws of weeks and objects."""
+    sizes = [np.abs(part[name].to_numpy()) for name in ("error", *_WAYS)]
+    orders = [np.argsort(size, kind="stable") for size in sizes]
+    for weights in drawn_weights(part, rng):
+        sgp4, scaled, learned, improved = (
+            weighted_median(size[order], weights[order]) for size, order in zip(sizes, orders, strict=True)
+        )
+        yield (*(100.0 * left / sgp4 for left in (scaled, learned, improved)), 100.0 * learned / scaled)
+
+
+def drawn_weights(part: pd.DataFrame, rng: np.random.Generator) -> Iterator[np.ndarray]:
+    """Yield how often each row (n,) counts in draws of weeks and objects; one without any is passed over.
+
+    part: with columns number and morning (modified Julian day)
+    """
+    places = [np.unique(of, return_inverse=True)[1] for of in (_week(part), part["number"].to_numpy())]
+    found = 0
+    while found < DRAWS:
+        weights = np.prod([_times_drawn(place, rng) for place in places], axis=0)
+        if weights.any():
+            found += 1
+            yield weights
+
+
+def _times_drawn(place: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    """Return how often the member of each row (n,) is drawn, of as many draws as there are members."""
+    count = int(place.max()) + 1
+    return np.asarray(np.bincount(rng.integers(count, size=count), minlength=count)[place])
+
+
+def weighted_median(ascending: np.ndarray, weights: np.ndarray) -> float:
+    """Return the median of values that count by whole weights; the lower one of two in the middle."""
+    totals = np.cumsum(weights)
+    return float(ascending[np.searchsorted(totals, 0.5 * totals[-1])])

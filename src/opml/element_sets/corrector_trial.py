@@ -1,0 +1,161 @@
+"""A corrector on trial: learned from one half of the objects in a season, judged on the other half later."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Self
+
+import numpy as np
+import pandas as pd
+
+from opml.base import epochs
+from opml.base.errors import InputError
+from opml.base.files import FilePath
+from opml.element_sets import catalogue as catalogues
+from opml.element_sets import corrector, density, features, set_errors, weighting
+from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day
+from opml.element_sets.density import Densities, LearnedAir
+from opml.element_sets.features import FEATURES
+from opml.element_sets.training import FIRST_DAY, HOUR_OF_MORNING
+from opml.element_sets.weighting import PAST
+from opml.environment import known_weather
+from opml.tables import catalogue_densities_schema, catalogue_rows_schema
+
+_HEIGHTS = [f"log_density_{height / 1e3:g}km" for height in density.HEIGHTS]
+
+DENSITIES = catalogue_densities_schema(_HEIGHTS)  # schema of the table of mean densities
+ROWS = catalogue_rows_schema([name for name in FEATURES if name != "lead"])  # schema of the table of rows
+_SETS_BEFORE = 30.0  # days of sets before the first morning, for the levels of drag
+_SETS_AFTER = 10.0  # days of sets after the last morning, which judge
+
+
+@dataclass(frozen=True)
+class Seasons:
+    """First and last day (modified Julian days, UTC) that is learned from, and that judges."""
+
+    train: tuple[float, float]
+    test: tuple[float, float]
+
+    @classmethod
+    def of_dates(cls, train: Sequence[str], test: Sequence[str]) -> Self:
+        """Return the seasons between dates 'YYYY-MM-DD'. Raises InputError for a malformed one."""
+        days = [modified_julian_day(f"{date}T00:00:00") for date in (*train, *test)]
+        return cls((days[0], days[1]), (days[2], days[3]))
+
+    @property
+    def mornings(self) -> np.ndarray:
+        """Mornings of both seasons, and those before each, an object's past."""
+        days = [np.arange(first - PAST, last + 1.0) for first, last in (self.train, self.test)]
+        return np.union1d(*days) + HOUR_OF_MORNING
+
+    @property
+    def asked(self) -> tuple[float, float]:
+        """First and last day whose predictions judge, or weigh the ways of one that does."""
+        return self.test[0] - PAST, self.test[1]
+
+
+def densities(weather: str | Path) -> pd.DataFrame:
+    """Return the table DENSITIES since 2002 under measured weather, OBSERVED or a CSSI file.
+
+    Raises InputError where the weather is unreadable.
+    """
+    known = density.clean(known_weather.read(weather))
+    found = density.measured(known, max(FIRST_DAY, known.first + density.RUN_UP), density.end_of(known))
+    t = found.first + np.arange(len(found.log)) / density.QUARTERS
+    return pd.DataFrame(found.log, columns=_HEIGHTS).assign(t=t)
+
+
+def rows(
+    files: Iterable[FilePath],
+    table: pd.DataFrame,
+    seasons: Seasons,
+    *,
+    weather: str | Path,
+    latency: float,
+) -> pd.DataFrame:
+    """Return the table ROWS of the mornings of both seasons.
+
+    files: of element sets
+    table: of `densities`; their forecast is learned from what was measured before both seasons
+    weather: that of the densities
+    latency: days from epoch to publication of sets that do not say when they were made
+
+    Raises InputError for unreadable files, weather that ends too early or begins too late, and without rows.
+    """
+    known = density.clean(known_weather.read(weather))
+    last = max(seasons.train[1], seasons.test[1])
+    if density.end_of(known) < last:
+        expected = f"expected measured weather up to {epochs.calendar(last)}"
+        raise InputError(f"{weather}: {expected}, got it up to {epochs.calendar(density.end_of(known))}")
+    found = Densities(int(table["t"].iloc[0]), table[_HEIGHTS].to_numpy())
+    air = LearnedAir(known, found, density.fit(found, known, end=min(seasons.train[0], seasons.test[0])))
+    sets = _about(catalogues.read(files, latency=latency).daily(), seasons.mornings)
+    made = features.build(sets, set_errors.build(sets, seasons.mornings), air)
+    made["bstar"] = sets.table["bstar"].to_numpy()[made["newest"]]
+    own = made[made["is_fit"] & (_within(made, seasons.train) | _within(made, seasons.asked))]
+    if own["error"].isna().all():
+        raise InputError("element sets: expected sets of the seasons that judge each other, got none")
+    return own[ROWS.names]
+
+
+def _about(sets: ElementCatalogue, mornings: np.ndarray) -> ElementCatalogue:
+    """Return the sets that count on mornings."""
+    t = sets.table["t"]
+    return sets.take(
+        np.flatnonzero(t.between(mornings[0] - _SETS_BEFORE, mornings[-1] + _SETS_AFTER).to_numpy())
+    )
+
+
+def _within(table: pd.DataFrame, season: tuple[float, float]) -> np.ndarray:
+    return np.asarray(np.floor(table["morning"]).between(*season))
+
+
+def residuals(
+    table: pd.DataFrame, teachers: pd.DataFrame, seasons: Seasons, learner: str, *, seed: int
+) -> pd.DataFrame:
+    """Return the table `catalogue_residuals`: what is left of the errors of objects not learned from.
+
+    table: ROWS of the objects that judge
+    teachers: ROWS of those that are learned from, the same or others
+    learner: one of corrector.LEARNERS
+
+    One half of the teachers is learned from, and no object of that judges. What is learned from was public
+    before the first morning that judges, or predicted after the last. Where nothing could be learned for a
+    band, the density-scaled prediction stands. Raises InputError where there is too little to learn from.
+    """
+    teach = teachers[half_of(teachers["number"].to_numpy(), seed=seed) == 0]
+    trained = _train(teach, seasons, learner, seed=seed)
+    is_own = ~table["number"].isin(teach["number"].unique()) & _within(table, seasons.asked)
+    asked = table[is_own].reset_index(drop=True).assign(is_fit=True)
+    made = _residuals(asked, weighting.candidates(asked, {learner: trained}, corrector.jumps(asked)), learner)
+    return made[_within(made, seasons.test) & np.isfinite(made["error"])]
+
+
+def _train(teach: pd.DataFrame, seasons: Seasons, learner: str, *, seed: int) -> corrector.Corrector:
+    """Return what is learned from rows that were public before the season of the test, or predicted after."""
+    is_apart = (teach["judged"] <= seasons.test[0]) | (teach["morning"] > seasons.test[1])
+    taught = teach[_within(teach, seasons.train) & is_apart]
+    return corrector.fit(taught.assign(is_fit=True), learner, seed=seed)
+
+
+def _residuals(asked: pd.DataFrame, tried: weighting.Ways, learner: str) -> pd.DataFrame:
+    """Return what each way leaves of the errors, and the improved set by all ways, weighed by the past."""
+    learned, weights = tried[f"{weighting.LEARNED}: {learner}"], weighting.weights_of_rows(asked, tried)
+    mixed = weighting.combined(asked, tried, weights)
+    # A set takes two numbers alone, speed and B*, so that it follows the corrections of all leads in part.
+    sets = asked.groupby(["number", "morning"]).ngroup()
+    displacement = weighting.displacement(mixed, sets, asked["bstar"].groupby(sets).first())
+    scaled = asked["error"] - asked["density"]
+    return asked[["number", "morning", "lead", "band", "error"]].assign(
+        scaled=scaled,
+        learned=(asked["error"] - learned["correction"]).fillna(scaled),
+        sigma=learned["sigma"],
+        improved=asked["error"] - displacement,
+        improved_sigma=mixed["sigma"],
+        applied=weighting.main_ways(weights).str.partition(":")[0],
+    )
+
+
+def half_of(numbers: np.ndarray, *, seed: int) -> np.ndarray:
+    """Return 0 or 1 for each of the catalogue numbers (n,), by the number and the seed alone."""
+    return corrector.drawn_halves(numbers, "half of a catalogue", seed=seed)

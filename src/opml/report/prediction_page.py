@@ -1,0 +1,81 @@
+"""The page of a prediction: what was used and why, errors to expect, passes."""
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+
+import pandas as pd
+
+from opml.element_sets.prediction import Prediction
+from opml.element_sets.station_passes import LEVEL, Place
+from opml.interop.predicted_orbit import UNKNOWABLE, PredictedOrbit
+from opml.report import texts
+from opml.report.document import Block, Heading, Paragraph, Picture, Pictures, as_it_is
+from opml.report.results import length, with_unit
+
+_SECONDS, _DATE = len("2016-09-28T12:09:45"), len("2016-09-28T")
+
+_TURNS = 24.0 * 60.0 / math.tau  # revolutions a day for each radian a minute
+
+
+def document(
+    prediction: PredictedOrbit, passes: Mapping[Place, pd.DataFrame], pictures: Sequence[Picture]
+) -> list[Block]:
+    """Return the page; passes: by place; pictures: errors over days, and the ground track."""
+    rows = prediction.expected().dropna(axis="columns", how="all")
+    return [
+        Heading(as_it_is(f"{prediction.identity}: {prediction.days:g} days from {_z(prediction.date)}"), 1),
+        _in_short(rows),
+        *_how(prediction),
+        Pictures(pictures),
+        *_expected(rows),
+        Paragraph(f"One sigma each: {prediction.basis}; {UNKNOWABLE}."),
+        *(block for where, rows in passes.items() for block in _passes(where, rows)),
+    ]
+
+
+def _in_short(rows: pd.DataFrame) -> Paragraph:
+    later = rows[rows["lead"] > 0.0].to_dict("records")
+    parts = (f"**{with_unit(row['along_track'])}** after {row['lead']:g} d" for row in later)
+    return Paragraph(f"Expected error along the track, one sigma: {', '.join(parts)}.")
+
+
+def _how(prediction: PredictedOrbit) -> Iterator[Block]:
+    used = {"way": prediction.way, "reason": prediction.reason}
+    if not isinstance(prediction, Prediction):
+        return texts.blocks("prediction_page.used", **used)
+    how = dict(prediction.how)
+    turns = {name: _TURNS * how.pop(name) for name in ("motion", "motion_before")}
+    return texts.blocks("prediction_page.improved", **used, **how | turns | {"height": how["height"] / 1e3})
+
+
+def _expected(rows: pd.DataFrame) -> Iterator[Block]:
+    names = {
+        "along_track": "along track [m]",
+        "radial": "radial [m]",
+        "cross_track": "cross-track [m]",
+        "sgp4_along_track": "SGP4 along track [m]",
+    }
+    told = {name: words for name, words in names.items() if name in rows}
+    cells = [[str(row["lead"]), *(length(row[name]) for name in told)] for row in rows.to_dict("records")]
+    return texts.blocks("prediction_page.expected", cells, names=texts.across(told.values()))
+
+
+def _passes(where: Place, rows: pd.DataFrame) -> Iterator[Block]:
+    yield Heading(as_it_is(f"Passes over {where.name}"))
+    if rows.empty:
+        yield Paragraph("None above 5 degrees.")
+        return
+    cells = [
+        [
+            _z(row["rise"]),
+            *(_z(row[name])[_DATE:] for name in ("highest", "set")),
+            f"{row['elevation']:.0f}",
+            f"{row['early_or_late']:.1f}",
+        ]
+        for row in rows.to_dict("records")
+    ]
+    yield from texts.blocks("prediction_page.passes", cells, level=100.0 * LEVEL)
+
+
+def _z(time: str) -> str:
+    return f"{time[:_SECONDS]}Z"

@@ -1,0 +1,199 @@
+"""`opml day`: the workflow's page of a day, made and summed up."""
+
+import json
+import math
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from datetime import UTC, date, datetime, timedelta
+from pathlib import Path
+
+from opml.base import epochs
+from opml.base.errors import InputError
+from opml.base.progress import counted
+from opml.catalog.kinds import ELEMENTS
+from opml.mornings import outcomes
+from opml.mornings.kept import older_days
+from opml.mornings.kept.store import Store
+from opml.mornings.outcomes import DO_NOT_USE
+from opml.report.day import document, summary
+from opml.report.document import markdown
+from opml.study.checks import load_settings
+from opml.study.settings.merging import Settings, merged
+from opml.workflow import lock
+
+ALL_RUN, WORKFLOW_FAILED, OBJECTS_FAILED = 0, 1, 2
+"""Exit codes: all mornings were run, the workflow ended with an error, mornings of some objects did."""
+
+_PROJECT = "config/config.yaml"
+
+_NAMED = 5  # objects at most
+
+_START, _BY_SETS, _MEASURED, _WINDOW = 20.0, 0.8, 3.0, 0.9
+"""What mornings take of a core [s]: before the first; each of an object by its sets, mean of 40; each of one
+by points, as of Swarm A, and for each window of the models' fits."""
+
+_ARENAS = "2"
+"""Heaps of the threads of a job, one an object: of one each they keep a quarter more memory (glibc alone)."""
+
+_TABLES, _MESSAGE, _EPHEMERIDES = 0.006, 1.7, 0.33  # what it leaves [MB]
+_STAY = 14  # mornings that ephemerides stay
+
+
+@dataclass(frozen=True)
+class Call:
+    """What is asked for."""
+
+    day: date  # the last date of mornings
+    first: date  # the first date that has a page
+    configfiles: Sequence[str]  # files of settings
+    where: Sequence[str]  # options of Snakemake that tell where jobs run
+    dry: bool  # whether the plan alone is shown
+
+
+def show(name: str, day: date, configfiles: Sequence[str]) -> None:
+    """Print what became of an object on a day; raise InputError where its morning is not over."""
+    asked = _asked(configfiles)
+    if name not in asked.measured:
+        known = ", ".join(list(asked.measured)[:_NAMED])
+        raise InputError(f"--object: expected an object of the run, such as {known}, got {name}")
+    places = Store(Path(asked.run.results, "days"), "0", [name]).places(day)
+    if name not in places:
+        raise InputError(f"--object: expected an object whose morning of {day} is over, got {name}")
+    print(markdown(document([places[name].outcomes[name]], [], date=day.isoformat())))
+
+
+def _asked(configfiles: Sequence[str]) -> Settings:
+    """Return settings that ask for mornings; raise InputError for others, and without a project."""
+    if not Path(_PROJECT).exists():
+        raise InputError(f"{_PROJECT}: no such file in {Path.cwd()}; `opml init FOLDER` makes a project")
+    source = merged([_PROJECT, *configfiles])
+    if "day" not in source.values:
+        raise InputError(
+            "day: expected a setting `day` that asks for mornings, got none; `day: {}` is enough"
+        )
+    return load_settings(source)
+
+
+def run(call: Call) -> int:
+    """Run the workflow and print what became of the objects; return the exit code.
+
+    Mornings that failed are tried again. Raises InputError for settings that ask for no mornings, as
+    `check_dates` does, and where another run holds the folder of results.
+    """
+    asked = _asked(call.configfiles)
+    settings = asked.run
+    check_dates(call, settings.epoch, settings.duration_days, today=datetime.now(UTC).date())
+    dates = [date.fromordinal(k).isoformat() for k in range(call.first.toordinal(), call.day.toordinal() + 1)]
+    folders = [Path(settings.results, "days", text) for text in dates]
+    if not call.dry:
+        with lock.hold(Path(settings.results)):
+            older_days.convert(Path(settings.results, "days"))
+            for folder in folders:
+                _forget_failed(folder)
+    if any((ahead := mornings_ahead(call.day, asked)).values()):
+        print(f"opml: {beforehand(ahead, asked)}", file=sys.stderr, flush=True)
+    # The last day brings all others up to date, whose pages then only have to be written.
+    for pages in [folders[-1:], folders[:-1]]:
+        if pages and _snakemake(call, [str(folder / "day.html") for folder in pages]):
+            return WORKFLOW_FAILED
+    if call.dry:
+        return ALL_RUN
+    page = json.loads((folders[-1] / "day.json").read_text(encoding="utf-8"))
+    print("\n".join(_lines(page, folders[-1])))
+    return OBJECTS_FAILED if page["verdicts"].get(outcomes.FAILED) else ALL_RUN
+
+
+def mornings_ahead(day: date, settings: Settings) -> dict[str, int]:
+    """Return how many mornings of each object are to be run up to a date, at most: tracks may begin later."""
+    store = Store(Path(settings.values["results"], "days"), "0", settings.measured)
+    before = date.fromisoformat(settings.values["epoch"][:10]) - timedelta(days=1)
+    return {rso: (day - (dates[-1] if dates else before)).days for rso, dates in store.done(day).items()}
+
+
+def beforehand(ahead: Mapping[str, int], settings: Settings) -> str:
+    """Return in words what mornings take, of which there are so many of each object."""
+    objects, number, day = len(settings.measured), sum(ahead.values()), settings.run.day
+    models = [settings.values["learners"][name] for name in ([] if day is None else day.models)]
+    measured = _MEASURED + _WINDOW * len({model.get("window_hours") for model in models})
+    seconds = _START + sum(
+        count * (_BY_SETS if settings.kind_of(rso) is ELEMENTS else measured) for rso, count in ahead.items()
+    )
+    share = 1.0 if day is None or day.messages is None else len(day.messages) / objects
+    stay = min(number, _STAY * objects)
+    megabytes = number * (_TABLES + share * _MESSAGE) + stay * _EPHEMERIDES
+    return (
+        f"{counted(objects, 'object')}, at most {counted(number, 'morning')}: "
+        f"about {math.ceil(seconds / 60.0)} min of one core, "
+        f"{math.ceil(megabytes)} MB in {settings.values['results']}"
+    )
+
+
+def check_dates(call: Call, epoch: str, duration_days: float, *, today: date) -> None:
+    """Raise InputError for dates that are no mornings: to come, outside the run, or in the wrong order.
+
+    epoch: of the run, UTC text; raises as `epochs.parse` does
+    """
+    epochs.parse(epoch)
+    begin = date.fromisoformat(epoch[:10])
+    last = min(today, begin + timedelta(days=math.ceil(duration_days)))
+    for option, day in (("--date", call.day), ("--since", call.first)):
+        if not begin <= day <= last:
+            why = "today" if last == today else "the end of the run"
+            raise InputError(f"{option}: expected a day from {begin} to {last}, {why}, got {day}")
+    if call.first > call.day:
+        raise InputError(f"--since: expected {call.day}, the --date, or a day before it, got {call.first}")
+
+
+def _snakemake(call: Call, pages: Sequence[str]) -> int:
+    how = ["-n"] if call.dry else ["--quiet", "all"]
+    settings = ["--configfile", *call.configfiles] if call.configfiles else []
+    command = [sys.executable, "-m", "snakemake", *call.where, *how, *settings, "--", *pages]
+    code = _exit_code(command)
+    if code and not call.dry:
+        told = "opml: the workflow failed; `opml day -n` shows errors in its plan"
+        print(told, file=sys.stderr, flush=True)
+    return code
+
+
+def _exit_code(command: Sequence[str]) -> int:
+    """Run a command in a process group of its own, which an interrupt of this process ends; return its code.
+
+    In this one's group each job would print a traceback. Jobs in queues are for Snakemake to end.
+    """
+    kind = signal.SIGINT if "--profile" in command else signal.SIGKILL
+    environment = {"MALLOC_ARENA_MAX": _ARENAS, **os.environ}
+    for number in (signal.SIGTERM, signal.SIGHUP):
+        if signal.getsignal(number) == signal.SIG_DFL:
+            signal.signal(number, signal.default_int_handler)
+    with subprocess.Popen(command, process_group=0, env=environment) as process:
+        try:
+            return process.wait()
+        except KeyboardInterrupt:
+            os.killpg(process.pid, kind)
+            process.wait()
+            raise KeyboardInterrupt("the same command resumes the run") from None
+
+
+def _forget_failed(folder: Path) -> None:
+    """Remove what says that mornings failed, and the page of it, so that the workflow runs them again."""
+    failed = [
+        path
+        for path in folder.glob("objects_*.json")
+        if any(outcome["verdict"] == outcomes.FAILED for outcome in outcomes.read(path))
+    ]
+    for path in (*failed, *(folder.glob("day.*") if failed else ())):
+        path.unlink()
+
+
+def _lines(page: dict[str, list[dict[str, str]]], folder: Path) -> list[str]:
+    """Return the summary of a day, a line for each object that should be looked at."""
+    watched = [one for one in page["objects"] if one["verdict"] in (outcomes.FAILED, DO_NOT_USE)]
+    return [
+        f"{page['date']}: {summary(page['objects'])}",
+        *(f"{one['object']}: {one['verdict']}: {one['reason']}" for one in watched),
+        str(folder / "day.html"),
+    ]

@@ -1,0 +1,85 @@
+"""What SGP4 from one set is usually off: by hand, on histories that taught nothing, and its covariances."""
+
+import numpy as np
+import pytest
+from support import shared
+
+from opml.element_sets import catalogue, prediction
+from opml.interop.element_sets import element_set, sgp4_errors
+from opml.orbits.rsw_covariance import half_width
+
+DAYS = np.array([0.0, 1.0, 7.0])
+EPOCH = "2025-06-01T00:00:00"
+
+
+def flown(height_km, *, bstar=1e-4, eccentricity=0.001):
+    """A set of an orbit at a mean height."""
+    motion = 60.0 * np.sqrt(3.986004418e14 / (6378137.0 + 1e3 * height_km) ** 3)
+    return element_set.satellite(EPOCH, [motion, eccentricity, 1.2, 0.3, 0.4, 0.5, bstar])
+
+
+def test_a_size_is_that_of_its_band_by_hand():
+    satellite = flown(520.0)
+    numbers = sgp4_errors.law()[3]  # 500 to 550 km
+    drag = sgp4_errors.drag_displacement(satellite, DAYS)
+    for axis, (constant, rate, share) in enumerate(numbers):
+        by_hand = [
+            np.sqrt(constant**2 + (rate * t) ** 2 + (share * d) ** 2) for t, d in zip(DAYS, drag, strict=True)
+        ]
+        assert sgp4_errors.usual_sigmas(satellite, DAYS)[:, axis] == pytest.approx(by_hand)
+
+
+def test_the_drag_of_a_set_is_what_it_does_without():
+    kicked, free = flown(400.0), flown(400.0, bstar=0.0)
+    at = [sgp4_errors.sgp4_states(one, DAYS[1:]) for one in (kicked, free)]
+    apart = np.linalg.norm(at[0][:, :3] - at[1][:, :3], axis=1)
+    assert np.abs(sgp4_errors.drag_displacement(kicked, DAYS[1:])) == pytest.approx(apart, rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("satellite", "expected"),
+    [
+        (flown(520.0), True),
+        (flown(250.0), False),
+        (flown(1200.0), False),
+        (flown(520.0, eccentricity=0.03), False),
+    ],
+    ids=["near", "low", "high", "eccentric"],
+)
+def test_only_orbits_like_those_learned_from_are_known(satellite, expected):
+    assert sgp4_errors.are_known(satellite) is expected
+
+
+def test_lower_and_higher_orbits_err_as_the_nearest():
+    for beyond, nearest in ((250.0, 0), (1200.0, -1)):
+        constant = sgp4_errors.law()[nearest][:, 0]
+        assert sgp4_errors.usual_sigmas(flown(beyond), DAYS[:1])[0] == pytest.approx(constant, abs=1e-3)
+
+
+def test_a_covariance_has_the_sizes_and_velocities_that_follow():
+    satellite = flown(700.0)
+    sigmas = sgp4_errors.expected(satellite, DAYS)
+    states = sgp4_errors.sgp4_states(satellite, DAYS)
+    found = sgp4_errors.covariances(sigmas, states)
+    assert np.sqrt(np.diagonal(found, axis1=1, axis2=2))[:, :3] == pytest.approx(sigmas)
+    rate = np.linalg.norm(states[:, 3:], axis=1) / np.linalg.norm(states[:, :3], axis=1)
+    assert found[:, 3, 1] / found[:, 1, 1] == pytest.approx(-rate, rel=0.01)  # ahead by y: turned by y / r
+    assert (np.linalg.eigvalsh(found) > 0.0).all()
+
+
+def test_intervals_along_the_track_hold_on_histories_that_taught_nothing():
+    inside = [one for name in ("Sentinel-3A", "CryoSat-2", "SARAL") for one in insides(name)]
+    assert 0.85 < np.mean(inside) < 1.0
+
+
+def insides(name):
+    """Yield whether sets of a year at minimum are inside the intervals of those a week before at most."""
+    sets = catalogue.read([shared(f"real/tle/dpshorten_{name}.tle.gz")], latency=0.0).daily()
+    t = sets.table["t"].to_numpy()
+    known = np.flatnonzero((t > 58119.0) & (t < 58484.0))  # 2018
+    for first in known[:-8:20]:
+        satellite, later = sets.satellites[first], first + np.arange(1, 8)
+        sigmas = sgp4_errors.usual_sigmas(satellite, t[later] - t[first])
+        for judge, (_, sigma, _) in zip(later, sigmas, strict=True):
+            _, along, _ = prediction._apart(satellite, sets.satellites[judge])
+            yield abs(along) <= half_width(0.9) * sigma

@@ -1,0 +1,169 @@
+"""Dates that `opml day` may be asked for."""
+
+import json
+import os
+import signal
+import sys
+from datetime import date
+from threading import Thread
+from types import SimpleNamespace
+
+import pytest
+from support import refusal
+
+from opml import cli
+from opml.base.errors import InputError
+from opml.catalog.kinds import ELEMENTS, FIXES
+from opml.workflow import day_command, lock
+from opml.workflow.day_command import Call, beforehand, check_dates, mornings_ahead
+
+EPOCH, TODAY = "2016-09-28T12:09:45", date(2016, 10, 3)
+WITHIN = "expected a day from 2016-09-28 to 2016-10-03, today, got"
+WRONG = {
+    ("2016-10-04", "2016-10-04"): f"--date: {WITHIN} 2016-10-04",
+    ("9999-12-31", "9999-12-31"): f"--date: {WITHIN} 9999-12-31",
+    ("2016-09-27", "2016-09-27"): f"--date: {WITHIN} 2016-09-27",
+    ("2016-10-01", "2016-09-01"): f"--since: {WITHIN} 2016-09-01",
+    ("2016-09-29", "2016-09-30"): (
+        "--since: expected 2016-09-29, the --date, or a day before it, got 2016-09-30"
+    ),
+}
+
+
+def check(day, first, *, duration_days=10.0):
+    call = Call(date.fromisoformat(day), date.fromisoformat(first), [], [], dry=True)
+    check_dates(call, EPOCH, duration_days, today=TODAY)
+
+
+@pytest.mark.parametrize("dates", WRONG)
+def test_dates_that_are_no_mornings_are_refused(dates):
+    assert refusal(check, *dates) == WRONG[dates]
+
+
+def test_an_epoch_that_does_not_exist_is_refused(monkeypatch):
+    monkeypatch.setattr(sys.modules[__name__], "EPOCH", "2016-13-28T12:09:45")
+    assert "epoch: expected an instant that exists, got '2016-13-28" in refusal(
+        check, "2016-10-01", "2016-10-01"
+    )
+
+
+def test_a_run_ends():
+    check("2016-10-01", "2016-09-28", duration_days=2.4)
+    with pytest.raises(InputError, match=r"to 2016-10-01, the end of the run, got 2016-10-02"):
+        check("2016-10-02", "2016-10-02", duration_days=2.4)
+
+
+def test_what_is_ahead_is_told(tmp_path):
+    learners = {
+        "fit24": {"window_hours": 24},
+        "running24": {"window_hours": 24},
+        "fit48": {"window_hours": 48},
+    }
+    settings = SimpleNamespace(
+        values={"results": str(tmp_path), "epoch": EPOCH, "learners": learners},
+        measured={"first": ["a"], "second": ["b"]},
+        kind_of={"first": ELEMENTS, "second": FIXES}.get,
+    )
+    done = tmp_path / "days" / "2016-10-02" / "batch_0"
+    done.mkdir(parents=True)
+    mark = {"settings": "", "stations": {}, "optional": [], "models": []}
+    (done / "done.json").write_text(json.dumps({"second": mark}))
+    ahead = mornings_ahead(TODAY, settings)
+    assert ahead == {"first": 6, "second": 1}
+    for messages, megabytes in ((None, 15), (["first"], 9), ([], 3)):
+        settings.run = SimpleNamespace(day=SimpleNamespace(messages=messages, models=["fit24"]))
+        assert beforehand(ahead, settings) == (
+            f"2 objects, at most 7 mornings: about 1 min of one core, {megabytes} MB in {tmp_path}"
+        )
+    for models, minutes in (["fit24"], 7), (["fit24", "running24"], 7), (["fit24", "fit48"], 9):
+        settings.run.day.models = models
+        told = beforehand({"first": 0, "second": 100}, settings)
+        assert f"100 mornings: about {minutes} min of one core" in told
+    assert "about 2 min of" in beforehand({"first": 100, "second": 0}, settings)
+
+
+def test_a_workflow_that_fails_without_a_word_is_told(monkeypatch, capsys):
+    monkeypatch.setattr("sys.executable", "false")
+    assert day_command._snakemake(Call(TODAY, TODAY, [], [], dry=False), ["day.html"]) == 1
+    assert "opml: the workflow failed; `opml day -n`" in capsys.readouterr().err
+
+
+RUN = """\
+import subprocess, sys
+job = "import sys, time; at_work = open(sys.argv[1], 'w'); time.sleep(600)"
+subprocess.run([sys.executable, "-c", job, sys.argv[1]])
+"""
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_an_interrupt_ends_all_jobs_without_a_word(number, tmp_path, capfd):
+    """The end that reads of a pipe is at its end once all that hold the other are gone."""
+    os.mkfifo(tmp_path / "job")
+    command = [sys.executable, "-c", RUN, str(tmp_path / "job")]
+    usual = {signal.SIGINT: signal.default_int_handler} | dict.fromkeys(
+        (signal.SIGTERM, signal.SIGHUP), signal.SIG_DFL
+    )
+    before = {one: signal.signal(one, handler) for one, handler in usual.items()}
+    left = []
+
+    def strike():
+        with open(tmp_path / "job") as at_work:
+            os.kill(os.getpid(), number)
+            left.append(at_work.read())
+
+    striking = Thread(target=strike, daemon=True)
+    striking.start()
+    try:
+        with pytest.raises(KeyboardInterrupt, match="the same command resumes the run"):
+            day_command._exit_code(command)
+    finally:
+        for one, handler in before.items():
+            signal.signal(one, handler)
+    striking.join(timeout=60.0)
+    assert left == [""]
+    assert capfd.readouterr().err == ""
+
+
+def test_threads_of_jobs_share_two_heaps_unless_told_otherwise(monkeypatch):
+    told = [sys.executable, "-c", "import os, sys; sys.exit(int(os.environ['MALLOC_ARENA_MAX']))"]
+    monkeypatch.delenv("MALLOC_ARENA_MAX", raising=False)
+    assert daily._exit_code(told) == 2
+    monkeypatch.setenv("MALLOC_ARENA_MAX", "5")
+    assert daily._exit_code(told) == 5
+
+
+def test_pages_of_days_stay_while_another_call_is_at_work(tmp_path, monkeypatch):
+    run = SimpleNamespace(results=str(tmp_path), epoch=EPOCH, duration_days=10.0)
+    asked = SimpleNamespace(run=run, values=vars(run), measured={})
+    monkeypatch.setattr(day_command, "_asked", lambda configfiles: asked)
+    day = tmp_path / "days" / "2016-10-01"
+    day.mkdir(parents=True)
+    (day / "objects_0.json").write_text(json.dumps([{"object": "one", "verdict": "failed"}]))
+    (day / "day.html").write_text("one: failed")
+    call = Call(date(2016, 10, 1), date(2016, 10, 1), [], [], dry=False)
+    converted = []
+    monkeypatch.setattr(day_command.older_days, "convert", converted.append)
+    with lock.hold(tmp_path):
+        assert "expected no other run in this folder of results, but process" in refusal(
+            day_command.run, call
+        )
+        assert len(list(day.iterdir())) == 2
+    assert not converted
+    monkeypatch.setattr(day_command, "_snakemake", lambda *_: 1)
+    assert day_command.run(call) == day_command.WORKFLOW_FAILED
+    assert converted == [tmp_path / "days"]
+    assert not list(day.iterdir())
+
+
+def test_a_folder_without_a_project_is_told_how_to_make_one(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert cli.main(["day"]) == 1
+    assert capsys.readouterr().err == (
+        f"opml: config/config.yaml: no such file in {tmp_path}; `opml init FOLDER` makes a project\n"
+    )
+
+
+@pytest.mark.parametrize("cores", ["0", "-1"])
+def test_numbers_of_cores_that_are_none_are_refused(cores, capsys):
+    assert cli.main(["day", "-j", cores]) == 1
+    assert capsys.readouterr().err == f"opml: --cores: expected 1 or more, got {cores}\n"
