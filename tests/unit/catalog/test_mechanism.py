@@ -18,8 +18,8 @@ START, END = np.array([0, 0, 0, 1, 1, 2]), np.array([1, 2, 3, 2, 3, 3])
 
 
 def estimates(cd, converged=True):
-    table = estimates_on(T, on_orbit(T, GM), cd=cd, cov_cd_cd=0.01, converged=converged)
-    return table.assign(track=np.arange(4))
+    known = {"cd": cd, "cov_cd_cd": 0.01, "converged": converged, "track": np.arange(4)}
+    return estimates_on(T, on_orbit(T, GM), **known)
 
 
 def predictions(offset):

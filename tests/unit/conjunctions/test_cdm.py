@@ -40,6 +40,13 @@ def shifted(name, metres, sign=1.0):
 CONJUNCTION = Conjunction(12345.678901, participant("ours"), participant("other", -1.0), 20.0)
 
 
+@pytest.fixture
+def message(tmp_path):
+    """The conjunction as a message."""
+    cdm.write(tmp_path / "one.cdm", CONJUNCTION, epoch=EPOCH)
+    return tmp_path / "one.cdm"
+
+
 @pytest.mark.parametrize("number", PUBLISHED)
 def test_published_cases_have_their_probability(number):
     conjunction = cdm.read(shared(f"real/cdm/AlfanoTestCase{number:02d}.cdm"), epoch=EPOCH)
@@ -47,17 +54,15 @@ def test_published_cases_have_their_probability(number):
     assert chance(conjunction.encounter).probability == pytest.approx(PUBLISHED[number], rel=1e-4)
 
 
-def test_what_is_written_comes_back(tmp_path):
-    path = tmp_path / "one.cdm"
-    cdm.write(path, CONJUNCTION, epoch=EPOCH)
-    found = cdm.read(path, epoch=EPOCH)
+def test_what_is_written_comes_back(message):
+    found = cdm.read(message, epoch=EPOCH)
     assert found.t == pytest.approx(CONJUNCTION.t, abs=1e-6)
     assert found.radius == CONJUNCTION.radius
     for one, other in ((found.first, CONJUNCTION.first), (found.second, CONJUNCTION.second)):
         assert one.identity == other.identity
         np.testing.assert_array_equal(one.state, other.state)
         np.testing.assert_array_equal(one.covariance, other.covariance)
-    text = path.read_text()
+    text = message.read_text()
     assert f"COLLISION_PROBABILITY = {CONJUNCTION.chance.probability!r}" in text
     assert f"RELATIVE_POSITION_R = {float(CONJUNCTION.relative[0])!r} [m]" in text
 
@@ -134,15 +139,13 @@ def test_messages_are_named_by_objects_and_time_and_need_both_covariances(tmp_pa
 
 
 @pytest.mark.parametrize(("old", "new", "expected"), refusals("cdm"))
-def test_damaged_messages_are_told_in_one_line(tmp_path, old, new, expected):
-    path = tmp_path / "one.cdm"
-    cdm.write(path, CONJUNCTION, epoch=EPOCH)
-    text = path.read_text()
+def test_damaged_messages_are_told_in_one_line(message, old, new, expected):
+    text = message.read_text()
     assert old in text
-    path.write_text(text.replace(old, new, 1))
+    message.write_text(text.replace(old, new, 1))
     with pytest.raises(InputError, match=expected) as raised:
-        cdm.read(path, epoch=EPOCH)
-    assert str(raised.value).startswith(str(path))
+        cdm.read(message, epoch=EPOCH)
+    assert str(raised.value).startswith(str(message))
     assert "\n" not in str(raised.value)
 
 
@@ -169,21 +172,17 @@ def test_other_files_are_no_cdm():
 
 
 @pytest.mark.parametrize("text", ["20.0", "20.0 [m]", "0.02 [km]", "0.02[km]"])
-def test_the_radius_has_the_unit_that_it_tells(tmp_path, text):
-    path = tmp_path / "one.cdm"
-    cdm.write(path, CONJUNCTION, epoch=EPOCH)
-    path.write_text(path.read_text().replace("HBR = 20.0", f"HBR = {text}"))
-    assert cdm.read(path, epoch=EPOCH).radius == pytest.approx(20.0)
+def test_the_radius_has_the_unit_that_it_tells(message, text):
+    message.write_text(message.read_text().replace("HBR = 20.0", f"HBR = {text}"))
+    assert cdm.read(message, epoch=EPOCH).radius == pytest.approx(20.0)
 
 
-def test_the_caller_knows_the_radius_better(tmp_path, capsys):
-    path = tmp_path / "one.cdm"
-    cdm.write(path, CONJUNCTION, epoch=EPOCH)
-    assert cdm.read(path, epoch=EPOCH, radius=5.0).radius == 5.0
-    path.write_text(path.read_text().replace("COMMENT HBR = 20.0\n", ""))
-    assert cli.main(["screen", str(path), "--radius", "20", "--csv"]) == 0
+def test_the_caller_knows_the_radius_better(message, capsys):
+    assert cdm.read(message, epoch=EPOCH, radius=5.0).radius == 5.0
+    message.write_text(message.read_text().replace("COMMENT HBR = 20.0\n", ""))
+    assert cli.main(["screen", str(message), "--radius", "20", "--csv"]) == 0
     assert f"{CONJUNCTION.chance.probability:.6}"[:6] in capsys.readouterr().out
-    assert cli.main(["screen", str(path), "--radius", "-1"]) == 1
+    assert cli.main(["screen", str(message), "--radius", "-1"]) == 1
     assert capsys.readouterr().err == "opml: radius: expected a length above 0, got -1 m\n"
 
 
