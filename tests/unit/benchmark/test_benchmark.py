@@ -319,7 +319,7 @@ def told_of(many, late, peeked=()):
         states[place, :3] = truth[place, :3] + np.random.default_rng(place).normal(scale=5.0, size=3)
     none = np.full(len(truth), np.nan)
     found = answers.Answers(states, np.full((len(truth), 3, 3), np.nan), none, [], {}, "")
-    return suspicions_of.told(task, found, errors(task, found, truth), truth)
+    return suspicions_of.sentences(task, found, errors(task, found, truth), truth)
 
 
 def test_of_many_honest_answers_nothing_is_told(many):
