@@ -163,7 +163,7 @@ def test_the_nearest_state_of_positions_is_taken(tmp_path, earth_orientation, is
     known = kepler_orbit(iss, duration=3600.0, step=120.0)[STATE].to_numpy()
     states = orbit_files.flown(orbit_files.attraction_of(earth_orientation), known[0], at)
     orbit_files.cpf(tmp_path / "iss.cpf", at, orbit_files.in_itrf(states, at, earth_orientation))
-    first_state.check(tmp_path / "iss.cpf")
+    first_state.identity(tmp_path / "iss.cpf")
     assert first_state.identity(tmp_path / "iss.cpf") == ObjectId("larets", number=27944)
     for t, nearest in ((3000.0, 25), (1e6, 30)):
         found, state = first_state.read(tmp_path / "iss.cpf", epoch=EPOCH, t=t)
@@ -177,4 +177,4 @@ def test_a_file_without_a_state_is_told(tmp_path, name):
     (tmp_path / "broken.oem").write_text("CCSDS_OEM_VERS = 2.0\nORIGINATOR\n")
     (tmp_path / "broken.tle").write_text(LINES[0][:-1] + "5\n" + LINES[1])
     with pytest.raises(InputError, match=name):
-        first_state.check(tmp_path / name)
+        first_state.identity(tmp_path / name)

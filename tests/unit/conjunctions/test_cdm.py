@@ -12,6 +12,9 @@ from opml.base.errors import InputError
 from opml.conjunctions import as_text, cdm
 from opml.conjunctions.conjunction import Conjunction, Participant
 from opml.conjunctions.probability import chance
+from opml.dynamics.frames import gcrf_to_itrf
+from opml.environment import earth_orientation
+from opml.interop import ccsds
 from opml.interop.object_ids import ObjectId
 from opml.orbits.density_error import DensityError
 
@@ -62,6 +65,26 @@ def test_what_is_written_comes_back(message):
     text = message.read_text()
     assert f"COLLISION_PROBABILITY = {CONJUNCTION.chance.probability!r}" in text
     assert f"RELATIVE_POSITION_R = {float(CONJUNCTION.relative[0])!r} [m]" in text
+
+
+def test_states_on_the_turning_earth_are_those_of_gcrf(tmp_path):
+    """Velocities on it are differences of positions on it."""
+    path, t = tmp_path / "one.cdm", CONJUNCTION.t + np.array([-0.5, 0.0, 0.5])
+    cdm.write(path, CONJUNCTION, epoch=EPOCH)
+    turns = gcrf_to_itrf(earth_orientation.tabulate(EPOCH, 3600.0 * np.arange(12.0)), t)
+    text = path.read_text().replace("REF_FRAME = GCRF", "REF_FRAME = ITRF")
+    for one in (CONJUNCTION.first, CONJUNCTION.second):
+        positions = one.state[:3] + np.outer(t - CONJUNCTION.t, one.state[3:])
+        before, now, after = np.einsum("nij,nj->ni", turns, positions)
+        for name, old, new in zip(cdm._STATE, one.state, [*now, *(after - before)], strict=True):
+            text = text.replace(
+                f"\n{name} = {ccsds.number_text(old, -3)} ", f"\n{name} = {1e-3 * float(new)!r} ", 1
+            )
+    path.write_text(text)
+    found = cdm.read(path, epoch=EPOCH)
+    np.testing.assert_allclose(found.first.state, CONJUNCTION.first.state, rtol=0.0, atol=1e-3)
+    np.testing.assert_allclose(found.second.state, CONJUNCTION.second.state, rtol=0.0, atol=1e-3)
+    assert found.chance.probability == pytest.approx(CONJUNCTION.chance.probability, rel=1e-3)
 
 
 def test_the_common_error_of_density_comes_back_and_makes_another_probability(tmp_path):
@@ -202,6 +225,21 @@ def test_real_conjunctions_have_nasas_probability_by_monte_carlo():
         assert is_near or abs(ratio - 1.0) < within, row.Conjunction_ID
     assert methods.count("2D-Nc") == 25
     assert methods.count("3D-Nc") == 2
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_covariance_that_is_none_is_told(sign, tmp_path):
+    """Position and velocity of a real object agree; with another sign no errors have such covariances."""
+    name = "000020580_conj_000002017_20230613_001923_20230608_063715"
+    real = cdm.read(shared(f"real/cara/{name}.cdm.gz"), epoch=EPOCH)
+    covariance = real.first.covariance.copy()
+    covariance[[0, 1], [1, 0]] *= sign
+    cdm.write(
+        tmp_path / "one.cdm", replace(real, first=replace(real.first, covariance=covariance)), epoch=EPOCH
+    )
+    (row,) = as_text.table([cdm.read(tmp_path / "one.cdm", epoch=EPOCH)], epoch=EPOCH).to_dict("records")
+    assert ("covariance not positive definite" in row["remark"]) == (sign < 0.0)
+    assert 0.0 <= row["correlated"] <= row["probability"] < 1e-3
 
 
 def test_the_method_is_in_the_row_and_in_the_message(tmp_path):
