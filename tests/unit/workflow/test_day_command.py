@@ -127,9 +127,9 @@ def test_an_interrupt_ends_all_jobs_without_a_word(number, tmp_path, capfd):
 def test_threads_of_jobs_share_two_heaps_unless_told_otherwise(monkeypatch):
     told = [sys.executable, "-c", "import os, sys; sys.exit(int(os.environ['MALLOC_ARENA_MAX']))"]
     monkeypatch.delenv("MALLOC_ARENA_MAX", raising=False)
-    assert daily._exit_code(told) == 2
+    assert day_command._exit_code(told) == 2
     monkeypatch.setenv("MALLOC_ARENA_MAX", "5")
-    assert daily._exit_code(told) == 5
+    assert day_command._exit_code(told) == 5
 
 
 def test_pages_of_days_stay_while_another_call_is_at_work(tmp_path, monkeypatch):
