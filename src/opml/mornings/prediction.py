@@ -217,7 +217,8 @@ def predict(request: Request, settings: OrbitSettings, *, progress: Progress) ->
         raise InputError(f"{request.files[0]}: expected what an orbit fits, got none: {left.verdict.reason}")
     made = records.estimates[records.estimates["track"] == records.paths[-1].start]
     if (rms := made["weighted_rms"].max()) > _NO_ORBIT:
-        got = f"got some {rms:.0f} standard deviations off the best: are object, frame and times right?"
+        asked = "are object, frame and times right, or did it burn in the last days before --date?"
+        got = f"got some {rms:.0f} standard deviations off the best: {asked}"
         raise InputError(f"{request.files[0]}: expected measurements of an orbit, {got}")
     if rms > _ROUGH_FIT:
         asked = "are sigmas, frame, axes and times right, or did it burn?"

@@ -71,15 +71,17 @@ def test_what_is_ahead_is_told(tmp_path):
     ahead = mornings_ahead(TODAY, settings)
     assert ahead == {"first": 6, "second": 1}
     for messages, megabytes in ((None, 15), (["first"], 9), ([], 3)):
-        settings.run = SimpleNamespace(day=SimpleNamespace(messages=messages, models=["fit24"]))
+        settings.run = SimpleNamespace(day=SimpleNamespace(messages=messages))
+        settings.morning_models = ["fit24"]
         assert beforehand(ahead, settings) == (
             f"2 objects, at most 7 mornings: about 1 min of one core, {megabytes} MB in {tmp_path}"
         )
     for models, minutes in (["fit24"], 7), (["fit24", "running24"], 7), (["fit24", "fit48"], 9):
-        settings.run.day.models = models
+        settings.morning_models = models
         told = beforehand({"first": 0, "second": 100}, settings)
         assert f"100 mornings: about {minutes} min of one core" in told
-    assert "about 2 min of" in beforehand({"first": 100, "second": 0}, settings)
+    assert "about 6 min of" in beforehand({"first": 100, "second": 0}, settings)
+    assert "about 7 min of" in beforehand({"first": 100, "second": 20}, settings)
 
 
 def test_a_workflow_that_fails_without_a_word_is_told(monkeypatch, capsys):
