@@ -67,7 +67,7 @@ def matches(content: bytes) -> bool:
     first = next((line for line in text.splitlines() if line.strip() and not line.startswith("#")), "")
     if "," in first:
         return not omm.matches(text)
-    told = [_told(name) for name in _split(first, _separator(first))]
+    told = [_told(name) for name in re.split(_separator(first), first.strip())]
     return len(told) > len(_GROUPS[0]) and any({"scale", "time"} & one.keys() for one in told)
 
 
