@@ -77,7 +77,7 @@ def test_the_storm_is_covered_as_long_as_the_table_has_it():
     (storm,) = [cells for cells in rows("docs/uncertainty", "## Results") if cells[0].startswith("storm")]
     shares = [int(cell.split(" %")[0]) for cell in storm[2:]]
     assert min(shares[:3]) >= 85 > shares[3]
-    assert "That of March 2015 is covered for five days" in sentences("docs/uncertainty")
+    assert "In March 2015 coverage holds for five days" in sentences("docs/uncertainty")
 
 
 def alarms(start):
@@ -134,7 +134,7 @@ def test_alarms_of_public_sets_are_those_of_the_notes():
     for name, key in shown.items():
         assert [cell.replace("/", " / ") for cell in stated[name]] == noted[key]
     low, high = (noted["all", improved, angle][1].split(" / ")[1] for angle in ("below 60", "over 120"))
-    said = f"After three days {low} % are flagged below 60 deg between directions, {high} % above 120"
+    said = f"After three days {low} % are flagged at crossings below 60 deg, {high} % above 120"
     assert said in sentences("docs/conjunctions")
 
 
@@ -142,9 +142,9 @@ def test_every_conjunction_of_cara_is_counted_once():
     inside, all_of_them = re.search(
         r"Of (\d+) conjunctions of NASA's CARA (\d+) are within", sentences("docs/conjunctions")
     ).groups()[::-1]
-    assert int(inside) + len(re.findall(r"one is 2 % low|one 12 % high", page("docs/conjunctions"))) == int(
-        all_of_them
-    )
+    assert int(inside) + len(
+        re.findall(r"one is 2 % low|one 12 % high", sentences("docs/conjunctions"))
+    ) == int(all_of_them)
     assert f"the probabilities of {all_of_them} real conjunctions" in sentences("docs/conjunctions")
 
 

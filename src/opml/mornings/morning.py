@@ -118,8 +118,7 @@ class _Morning:
         """Judge whether to trust an ephemeris, and choose the model that is selected."""
         plan, burns = self.watched.plan, self.watched.manoeuvres
         past = self.whole.rows_unaffected_by_burns(plan.base, self.watched.known_by(self.now))
-        judgement = verdicts.verdict(past, self.starts, now=self.now, burns=burns, window=plan.base * HOUR)
-        self.verdict = verdicts.compare_with_sgp4(judgement, past, now=self.now)
+        self.verdict = verdicts.verdict(past, self.starts, now=self.now, burns=burns, window=plan.base * HOUR)
         selected = issued.choose_model(past, paths.models, now=self.now)
         self.ephemeris = issued.ephemeris(paths.table, selected, step=plan.step)
         self.selected = selected

@@ -128,7 +128,7 @@ def _check_day(source: Source, settings: Settings) -> None:
     for name in run.day.messages or ():
         if name not in settings.measured:
             raise source.wrong(("day", "messages"), f"expected objects that were measured, got {name}")
-    for name in run.day.models:
+    for name in settings.morning_models:
         with source.naming(("day", "models")):
             learner = learners.resolved(
                 naming.parse_learner(name, Study(settings).learners),

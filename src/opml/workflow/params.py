@@ -223,6 +223,7 @@ class Params:
     def mornings_of(self, wildcards: Wildcards) -> dict[str, Any]:
         """Return the params of the mornings of the wildcard `batch`, up to the wildcard `date`."""
         day = self.plan.settings.day
+        models = self._resolved(self.plan.settings.morning_models, {})
         return {
             **self.assumed_model,
             "duration_days": self.run.duration_days,
@@ -234,9 +235,9 @@ class Params:
             "estimation": _given(self.run.estimation),
             "max_days": self.run.prediction.max_days,
             "step_s": self.run.ephemeris.step_s,
-            "models": {name: settings.of_job() for name, settings in self._resolved(day.models, {}).items()},
+            "models": {name: settings.of_job() for name, settings in models.items()},
             # Models that a user names are used at any height.
-            "fits_above": 0.0 if "models" in day.model_fields_set else FITS_ABOVE,
+            "fits_above": FITS_ABOVE if day.models is None else 0.0,
             "catalogue": {"files": self.element_files, "weather": self.measured_weather},
             "objects": {rso: self._watched(rso) for rso in self.plan.watched[wildcards.batch]},
         }

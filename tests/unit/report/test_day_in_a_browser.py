@@ -16,7 +16,7 @@ STRIP = [{"date": f"2016-09-{k + 1:02}", "verdict": WORDS[k % len(WORDS)]} for k
 
 
 def outcome(verdict):
-    reason = "its 90 % intervals held 61 % of the last errors on day 7 ahead, " * 2
+    reason = "its 90 % intervals contained 61 % of the last errors on day 7 ahead, " * 2
     more = {"model": "running24m3", "message": "x.oem", "mornings": STRIP, "age_hours": 7.8}
     more["newest_estimate"] = "2016-10-04T22:10:00.000000"
     more["expected"] = [{"day": k, "along_track_sigma_m": 10.0**k} for k in (1, 3, 7)]

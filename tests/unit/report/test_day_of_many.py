@@ -22,7 +22,7 @@ def outcome(number, rng):
     word = FAILED if number % 100 == 0 else DO_NOT_USE if number % 50 == 0 else WORDS[number % len(WORDS)]
     height = float(rng.choice([420.0, 550.0, 800.0, 1200.0]) + 30.0 * rng.normal())
     told = days.failed(
-        f"o{number}", date(2026, 3, 2), word, "its 90 % intervals held 91 % of the last errors"
+        f"o{number}", date(2026, 3, 2), word, "its 90 % intervals contained 91 % of the last errors"
     )
     if word == FAILED:
         return told

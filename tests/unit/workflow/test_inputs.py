@@ -8,10 +8,11 @@ from types import SimpleNamespace
 import pytest
 from laser_files import RANGING
 from snakemake.io import IOFile, flag
-from support import paper_values, refusals
+from support import REPOSITORY, paper_values, refusals
 
 from opml import tables
 from opml.base.errors import InputError
+from opml.base.yaml_files import read_yaml
 from opml.catalog import kinds
 from opml.learning.data.dataset import MEASUREMENT
 from opml.learning.models.learners import paths_of_each
@@ -650,7 +651,33 @@ def test_jobs_that_run_here_have_no_limit(queue, limit):
     assert workflow.scheduler.job_rate_limiter == limit
 
 
+SETS = read_yaml(REPOSITORY / "config" / "elements.yaml")
+
+
 @pytest.mark.parametrize(("day", "height"), [({"hour": 6}, 600e3), ({"models": ["fit96"]}, 0.0)])
-def test_models_of_mornings_that_a_user_names_are_flown_at_any_height(day, height):
-    told = params(day=day, elements={"mine": "sets.tle"}, rsos={"mine": BODY})
+def test_models_of_mornings_that_a_user_names_are_used_at_any_height(day, height):
+    told = params(**SETS | {"day": day, "elements": {"mine": "sets.tle"}, "rsos": {"mine": BODY}})
     assert told.mornings_of(wildcards(batch="0", date="2016-10-05"))["fits_above"] == height
+
+
+OF_SETS = ["fit96", "fit144", "held96", "held144"]
+OF_TRACKS = ["fit48", "fit96", "running24m3", "running24", "running", "running96"]
+
+
+@pytest.mark.parametrize(
+    ("files", "expected"),
+    [
+        ({"elements": {"mine": "sets.tle"}}, OF_SETS),
+        ({"tracks": {"mine": "mine.tdm"}}, OF_TRACKS),
+        (
+            {"tracks": {"mine": "mine.tdm"}, "elements": {"other": "sets.tle"}},
+            [*OF_TRACKS, "fit144", "held96", "held144"],
+        ),
+        ({"elements": {"mine": "sets.tle"}, "day": {"models": ["fit48"]}}, ["fit48"]),
+    ],
+    ids=["sets", "tracks", "both", "named"],
+)
+def test_mornings_choose_from_models_that_suit_what_was_measured(files, expected):
+    objects = {name: BODY for kind in ("tracks", "elements") for name in files.get(kind, ())}
+    told = params(**SETS | {"day": {"hour": 6}, "rsos": objects} | files)
+    assert list(told.mornings_of(wildcards(batch="0", date="2016-10-05"))["models"]) == expected

@@ -6,12 +6,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from glob import glob
+from itertools import chain
 from typing import Any
 
 from opml import naming
 from opml.base.errors import InputError
 from opml.base.files import FilePath, project_file
-from opml.catalog.kinds import KINDS, Kind, in_place_of_stations
+from opml.catalog.kinds import ELEMENTS, KINDS, Kind, in_place_of_stations
 from opml.orbits.manoeuvres import read_times
 from opml.orbits.sheets import (
     Rso,
@@ -23,7 +24,14 @@ from opml.orbits.sheets import (
     stations_from_rows,
 )
 from opml.study.settings.model.catalogue import CatalogueSettings
-from opml.study.settings.model.run import DaySettings, Sheets, TakingSettings, taking_section
+from opml.study.settings.model.run import (
+    MORNING_MODELS,
+    MORNING_MODELS_OF_SETS,
+    DaySettings,
+    Sheets,
+    TakingSettings,
+    taking_section,
+)
 from opml.study.settings.model.whole import RunSettings
 from opml.study.settings.overlay import MISSING, Key, Layer, Source, laid_over, read_layer
 
@@ -76,6 +84,15 @@ class Settings:
     def day(self) -> DaySettings:
         """What is asked of every morning."""
         return DaySettings.model_validate(self.values.get("day", {}))
+
+    @property
+    def morning_models(self) -> list[str]:
+        """Models that a morning chooses from: those that are named, or what suits the measurements."""
+        if self.day.models is not None:
+            return self.day.models
+        measured = [kind for kind in KINDS if self.files_of(kind)]
+        suitable = (MORNING_MODELS_OF_SETS if kind is ELEMENTS else MORNING_MODELS for kind in measured)
+        return list(dict.fromkeys(chain.from_iterable(suitable)))
 
     @cached_property
     def catalogue(self) -> CatalogueSettings | None:

@@ -202,7 +202,7 @@ class Uncertainty(Section):
     """How far corrected orbits may be off."""
 
     every_hours: Positive = setting(
-        "mornings that are over are run again from the first estimate of every so many hours",
+        "hours between the estimates from which past mornings are replayed",
         unit="h",
         see="uncertainty.md",
     )
@@ -211,14 +211,21 @@ class Uncertainty(Section):
     )
 
 
+MORNING_MODELS = ("fit48", "fit96", "running24m3", "running24", "running", "running96")
+"""Models that a morning chooses from where none are named."""
+
+MORNING_MODELS_OF_SETS = ("fit96", "fit144", "held96", "held144")
+"""The same for mean elements: where drag is weak, fits need several days of sets and a Cd from their past."""
+
+
 class DaySettings(Section):
     """Every morning."""
 
-    models: Annotated[list[Name], MinLen(1), Unique()] = setting(
-        "models that a morning chooses from, of those that learn nothing; unless they are named, only SGP4 "
-        "where mean elements are below 600 km",
+    models: Absent[Annotated[list[Name], MinLen(1), Unique()]] = absent(
+        f"models that a morning chooses from, of those that learn nothing; by default "
+        f"{', '.join(MORNING_MODELS)}; for mean elements {', '.join(MORNING_MODELS_OF_SETS)} and SGP4, "
+        "below 600 km only SGP4",
         unit="names",
-        default=["fit48", "fit96", "running24m3", "running24", "running", "running96"],
     )
     hour: Annotated[float, Ge(0), Lt(24), Expected("an hour from 0 to below 24")] = setting(
         "time of a morning, UTC", unit="h", default=0.0
@@ -245,7 +252,7 @@ class RunAlone(Section):
     seed: RandomSeeds = setting("where random numbers begin")
     epoch: Epoch = setting("epoch of the RSOs' elements and start of the run")
     duration_days: Positive = setting("how long the truth is propagated", unit="days")
-    environment: EnvironmentSettings = setting("what Earth, Sun and Moon do, and what is known of it")
+    environment: EnvironmentSettings = setting("Earth, Sun, Moon, weather, and what is known of them")
     forecasts: dict[Name, AnyForecast] = setting(
         "a way to say the weather of the days ahead: its `kind`, and that kind's own settings",
         see="weather.md#methods",
