@@ -404,7 +404,7 @@ def _individual(
 ) -> Figure:
     """Draw the predictions of an evaluation that are to be drawn; is_drawn: (n,)."""
     errors = _drawn_errors(evaluation, component, absolute=True)[is_drawn]
-    figure, axes = column_figure(height_mm=80.0)
+    figure, axes = column_figure(height_mm=78.0)
     axes.scatter(
         errors["duration"],
         errors["true"],
