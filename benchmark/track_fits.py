@@ -65,7 +65,7 @@ class Morning:
 
     @cache  # noqa: B019
     def fits(self, window, full, days=None):
-        """Return flight, measurements and estimates, of the last days alone where these are named."""
+        """Return propagator, measurements and estimates, of the last days alone where these are named."""
         forces = FULL if full else opml.ASSUMED
         propagator = opml.Propagator(opml.force_model(self.environment(), **forces), self.rso, threads=1)
         measured = opml.read_tracks(self.tracks, epoch=self.epoch, stations=self.stations)

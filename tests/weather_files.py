@@ -1,6 +1,17 @@
-"""Space weather that was measured otherwise after a day: what must not matter before it."""
+"""Space weather as it is known: outlooks, and what was measured otherwise, or not at all, after a day."""
 
-from opml.environment import solar_activity, space_weather
+from support import EPOCH, environment
+
+from opml.environment import known_weather, solar_activity, space_weather
+
+
+def outlook(nodes, *, days):
+    """The table of outlooks of so many days each by persistence, over the run's first nodes."""
+    forecast = {"kind": "persistence"}
+    issues = known_weather.Issues(
+        source="OBSERVED", epoch=EPOCH, forecast=forecast, issue_hours=24, max_days=days
+    )
+    return known_weather.outlooks(issues, environment()["solar_activity"]["t"].to_numpy()[:nodes])
 
 
 def other_after(path, mjd):

@@ -42,7 +42,6 @@ from opml.ephemerides.known_tables import KnownTables
 from opml.ephemerides.task_part import Grid
 from opml.interop import crd, points_from_files, sinex, tdm
 from opml.interop.element_sets import mean_elements
-from opml.interop.measured_files import is_measured
 from opml.interop.orbit_from_files import OrbitFiles
 from opml.interop.predicted_orbit import PredictedOrbit
 from opml.learning.data import dataset as datasets
@@ -413,7 +412,7 @@ def predict(
     """
     paths = [files] if isinstance(files, (str, os.PathLike)) else list(files)
     name = None if object is None else str(object)
-    if is_measured(paths[0]):
+    if points_from_files.is_measured(paths[0]):
         request = Request(paths, days, name, date, weather, stations, area_to_mass)
         return measured_prediction.of_measurements(request, progress=lambda line: None)
     return set_prediction.predict(

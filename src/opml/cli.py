@@ -141,6 +141,8 @@ def _screen(options: argparse.Namespace) -> None:
     from opml.conjunctions import as_text, cdm, from_files
     from opml.conjunctions.approaches import EPOCH
 
+    if options.messages:
+        check_distinct_files([os.path.join(options.messages, "*.cdm")], [])
     limits = {name: getattr(options, name) for name in ("within", "radius", "days")}
     found = from_files.conjunctions([options.ours, *options.others], **limits)
     if options.messages:
@@ -238,7 +240,7 @@ _PREDICTED = "what is written, each by its suffix: .oem, .tle, .kvn, .xml, .csv,
 
 def _predict(options: argparse.Namespace) -> None:
     from opml.element_sets import station_passes
-    from opml.interop.measured_files import is_measured
+    from opml.interop.points_from_files import is_measured
     from opml.interop.predicted_orbit import UNKNOWABLE
     from opml.workflow import prediction_files
 
@@ -408,6 +410,7 @@ def _score(options: argparse.Namespace) -> None:
 
     for path in options.output:
         suffix_of(path, benchmark.SUFFIXES)
+    check_distinct_files(options.output, [options.answers])
     score = benchmark.score(options.task, options.answers, options.truth)
     for path in options.output:
         benchmark.write(path, score)

@@ -6,7 +6,10 @@ import pytest
 from project import Project
 from support import refusals
 
-CHATTER = ("Using workflow specific profile", "Config file config/config.yaml is extended")
+CHATTER = (
+    *("Using workflow specific profile", "Config file config/config.yaml is extended"),
+    *("Assuming unrestricted shared filesystem", "Building DAG of jobs"),
+)
 CONFIG = "config/config.yaml"
 
 

@@ -58,17 +58,6 @@ def test_what_is_wrong_with_a_catalogue_is_told_in_one_line(few):
     assert "Traceback" not in done.stdout
 
 
-def test_the_shipped_study_names_the_files_that_it_lacks(project):
-    done = project.snakemake("-n", "catalogue", "--configfile", "config/studies/catalogue.yaml", check=False)
-    key = "catalogue.populations.payloads.files"
-    assert f"opml: config/studies/catalogue.yaml: {key}: catalogue/payloads: no such file" in done.stdout
-
-
-def test_without_a_catalogue_there_is_no_target(project):
-    done = project.snakemake("-n", "catalogue", check=False)
-    assert "opml: study: expected a catalogue to train and to test on, got none" in done.stdout
-
-
 @pytest.mark.dag
 def test_a_small_catalogue_runs(few):
     few.snakemake("-j2", "catalogue", asked(few))

@@ -40,12 +40,6 @@ def test_default_target_is_every_figure_and_table(papers_plan):
     assert (plan["svr"], plan["partition"], plan["rso"], plan["transfer_curve"]) == (9, 2, 6, 2)
 
 
-def test_curve_needs_nothing_else(project):
-    plan = project.snakemake("-n", "results/figs/partition_curve.pdf").stdout
-    once = dict.fromkeys([*ONCE, *CHAIN, "partition_curve"], 1)
-    assert jobs(plan) == once | {"train": 9, "evaluate": 9}
-
-
 FIGURES = {
     "svr_testing_1station_absolute.pdf": "errors before and after the correction, svr_testing_1station",
     "svr_training_1station_signed.png": "errors before and after the correction, svr_training_1station",
@@ -101,39 +95,61 @@ def test_trimmed_case_has_the_same_rules(project, papers_plan):
     assert jobs(trimmed).keys() == jobs(papers_plan).keys()
 
 
-@pytest.mark.parametrize(
-    ("target", "expected"),
-    [
-        ("results/truth/lares_i50_a+0.5.parquet", {"truth": 1}),
-        ("results/dataset/lageos1/clear-kaena.parquet", dict.fromkeys(CHAIN, 1)),
-        (
-            "results/metrics/iss/eglin/days-0-30/svr/e_vz/iss_i50/days-30-40.parquet",
-            {**dict.fromkeys(CHAIN, 2), "truths": 1, "train": 1, "evaluate": 1},
-        ),
-        (
-            "results/metrics/iss/clear_noise7_track/grouped-60_split3/svrnocd_s2.5/e_x/iss/rest.parquet",
-            {**dict.fromkeys(CHAIN, 1), "train": 1, "evaluate": 1},
-        ),
-        (
-            "results/metrics/iss/eglin_smoothed/days-0-30/svr/e_y/iss/days-30-40.parquet",
-            {**dict.fromkeys([*CHAIN, *LABELLED], 1), "estimation": 2, "train": 1, "evaluate": 1},
-        ),
-        (
-            "results/rolling/iss/eglin_later/svr/e_y.parquet",
-            {**dict.fromkeys([*CHAIN, *LABELLED], 1), "rolling": 1},
-        ),
-        (
-            "results/replays/iss/eglin/days-0-30/svr.parquet",
-            {**dict.fromkeys(CHAIN, 1), "spread": 1, "replay": 1},
-        ),
-        (
-            "results/metrics/iss/eglin_cd1_light/days-0-30/svr/e_y/iss_i50/days-30-40-zscore.parquet",
-            {**dict.fromkeys(CHAIN, 2), "truths": 1, "train": 1, "evaluate": 1},
-        ),
-    ],
-)
-def test_name_of_a_target_is_enough(project, target, expected):
-    assert jobs(project.snakemake("-n", target).stdout) == {**dict.fromkeys(ONCE, 1), **expected}
+OBSERVED = "environment={solar_activity: OBSERVED, knowledge: forecast, forecast: analogues}"
+CORRECTED = ["arcs", "cd_past", "spread", "replay", "corrected", "export_each_corrected"]
+PLANNED = [  # products and settings, and what has to run but for the tables of the environment
+    (
+        ["figs/partition_curve.pdf"],
+        dict.fromkeys([*CHAIN, "partition_curve"], 1) | {"train": 9, "evaluate": 9},
+    ),
+    (["truth/lares_i50_a+0.5.parquet"], {"truth": 1}),
+    (["truth/iss.parquet", "study={}"], {"truth": 1}),
+    (["dataset/lageos1/clear-kaena.parquet"], dict.fromkeys(CHAIN, 1)),
+    # A run that is too short for the default study makes any other product.
+    (["dataset/lares/eglin.parquet", "duration_days=27"], dict.fromkeys(CHAIN, 1)),
+    (
+        ["metrics/iss/eglin/days-0-30/svr/e_vz/iss_i50/days-30-40.parquet"],
+        {**dict.fromkeys(CHAIN, 2), "truths": 1, "train": 1, "evaluate": 1},
+    ),
+    (
+        ["metrics/iss/clear_noise7_track/grouped-60_split3/svrnocd_s2.5/e_x/iss/rest.parquet"],
+        {**dict.fromkeys(CHAIN, 1), "train": 1, "evaluate": 1},
+    ),
+    (
+        ["metrics/iss/eglin_smoothed/days-0-30/svr/e_y/iss/days-30-40.parquet"],
+        {**dict.fromkeys([*CHAIN, *LABELLED], 1), "estimation": 2, "train": 1, "evaluate": 1},
+    ),
+    (
+        ["rolling/iss/eglin_later/svr/e_y.parquet"],
+        {**dict.fromkeys([*CHAIN, *LABELLED], 1), "rolling": 1},
+    ),
+    (["replays/iss/eglin/days-0-30/svr.parquet"], dict.fromkeys([*CHAIN, "spread", "replay"], 1)),
+    (
+        ["metrics/iss/eglin_cd1_light/days-0-30/svr/e_y/iss_i50/days-30-40-zscore.parquet"],
+        {**dict.fromkeys(CHAIN, 2), "truths": 1, "train": 1, "evaluate": 1},
+    ),
+    # A filter begins at the fits of the run.
+    (["predictions/iss/eglin_filter.parquet"], dict.fromkeys([*CHAIN[:-1], "filter"], 1)),
+    # Outlooks of every three hours for the fit, of every day for the prediction; the truth has neither.
+    (
+        ["scores/iss/eglin_w24_n30.parquet", "forecasts/iss/eglin_w24_n30/days-0-30.oem", OBSERVED],
+        dict.fromkeys(["hindcast", "futures", *CHAIN[:-1], "ensemble", "forecast", "export_forecast"], 1)
+        | {"outlooks": 2},
+    ),
+    (
+        ["corrected/iss/eglin/days-0-20/running_oem", "ephemeris={from: each}"],
+        dict.fromkeys([*CHAIN, *CORRECTED], 1) | {"estimation": 2, "prediction": 2},
+    ),
+]
+
+
+@pytest.mark.parametrize(("asked", "expected"), PLANNED, ids=[asked[0] for asked, _ in PLANNED])
+def test_name_of_a_target_is_enough(project, asked, expected):
+    settings = [one for one in asked if "=" in one]
+    targets = [f"results/{one}" for one in asked if one not in settings]
+    options = ["--config", *settings] if settings else []
+    found = jobs(project.snakemake("-n", *targets, *options).stdout)
+    assert found == {**dict.fromkeys(ONCE, 1), **expected}
 
 
 OWN = """
@@ -238,73 +254,6 @@ def test_mean_elements_need_no_truth_and_sgp4_flies_them(project):
     once = ["element_sets", "fixes_from_elements", "first_orbit", "labels", "labelled_dataset", "sgp4"]
     once += ["improved_history", "improved", "estimation", "prediction", "spread"]
     assert plan == dict.fromkeys([*ONCE, *once], 1) | {"replay": 2}
-
-
-@pytest.mark.parametrize("target", ["study", "beyond"])
-def test_a_target_that_the_study_does_not_ask_for_is_told_in_one_line(project, target):
-    done = project.snakemake("-n", target, "--config", "study={rsos: [iss]}", check=False)
-    assert done.returncode != 0
-    assert "opml: study: expected " in done.stdout
-    assert "Traceback" not in done.stdout
-
-
-def test_any_product_needs_no_study(project):
-    (project.folder / "none.yaml").write_text("study: {}\n")
-    plan = project.snakemake("-n", "results/truth/iss.parquet", "--configfile", "none.yaml").stdout
-    assert jobs(plan)["truth"] == 1
-
-
-def test_a_filter_begins_at_the_fits_of_the_run(project):
-    plan = project.snakemake("-n", "results/predictions/iss/eglin_filter.parquet").stdout
-    assert jobs(plan).items() >= dict.fromkeys(["estimation", "filter", "prediction"], 1).items()
-
-
-SHORT = ("--config", "duration_days=27")
-
-
-def test_a_product_of_a_run_that_is_too_short_for_the_default_study_is_planned(project):
-    plan = project.snakemake("-n", "results/dataset/lares/eglin.parquet", *SHORT).stdout
-    assert jobs(plan) == dict.fromkeys([*ONCE, *CHAIN], 1)
-
-
-@pytest.mark.parametrize("target", ["default", "results/figs/orbit_3d.pdf"])
-def test_the_default_study_of_a_run_that_is_too_short_is_refused_with_the_way_out(project, target):
-    done = project.snakemake("-n", target, *SHORT, check=False)
-    assert done.returncode != 0
-    assert [line for line in done.stdout.splitlines() if line.startswith("opml:")] == [
-        "opml: config/studies/paper.yaml: study.span_days: expected ascending days up to duration_days, 27, "
-        'got 0 and 30; "study: {}" in a file, or --config study={}, asks for no study'
-    ]
-    assert "Traceback" not in done.stdout
-
-
-def test_mornings_need_days_to_train_on(project):
-    done = project.snakemake("-n", "results/replays/iss/eglin/random-80/svr.parquet", check=False)
-    assert done.returncode != 0
-    assert "opml: training split 'random-80': expected a window of days, such as days-0-20" in done.stdout
-    assert "Traceback" not in done.stdout
-
-
-def test_a_forecast_of_the_weather_is_made_for_the_assumed_model_alone(project):
-    sources = "environment={solar_activity: OBSERVED, knowledge: forecast, forecast: analogues}"
-    targets = "results/scores/iss/eglin_w24_n30.parquet", "results/forecasts/iss/eglin_w24_n30/days-0-30.oem"
-    plan = project.snakemake("-n", *targets, "--config", sources).stdout
-    # Outlooks of every three hours for the fit, of every day for the prediction; the truth has neither.
-    once = dict.fromkeys(["solar_activity", "hindcast", "futures", "ensemble", "forecast"], 1)
-    assert jobs(plan).items() >= (once | {"outlooks": 2}).items()
-
-
-def test_ephemerides_from_each_estimate_are_a_folder(project):
-    folder = "results/corrected/iss/eglin/days-0-20/running_oem"
-    plan = project.snakemake("-n", folder, "--config", "ephemeris={from: each}").stdout
-    assert jobs(plan)["export_each_corrected"] == 1
-
-
-def test_a_second_configfile_option_is_told(project):
-    files = ["--configfile", "config/ci.yaml", "--configfile", "config/observed.yaml"]
-    done = project.snakemake("-n", *files, check=False)
-    assert done.returncode != 0
-    assert "opml: --configfile: expected all files after one --configfile" in done.stdout
 
 
 def test_a_new_station_needs_one_line(project):

@@ -70,13 +70,14 @@ class Path:
             )
         off, ways = self._misses()
         strays = (off > _STRAYING + _SMOOTH * ways) & (off > _TIMES_USUAL * np.median(off))
-        wrong = strays | (off > _VELOCITY_MISS + _ROUGH * ways)
-        if wrong.any():
-            both = np.minimum(off[1:], off[:-1])  # a state that is wrong is off what is before and after it
-            worst = int(np.argmax(both)) + 1 if both.max() > 0.5 * off.max() else int(np.argmax(off))
+        # A state that is wrong is off what is before and after it, a burn is in one way alone.
+        spikes = np.flatnonzero(strays[1:] & strays[:-1]) + 1
+        wrong = np.append(spikes, np.flatnonzero(off > _VELOCITY_MISS + _ROUGH * ways))
+        if len(wrong):
+            worst = wrong[0]
             raise InputError(
                 f"{self.name}: expected velocities that lead from position to position, got "
-                f"{off.max() / 1e3:.3g} km off at {ccsds.utc_texts(EPOCH, self.t[worst : worst + 1])[0]}"
+                f"{off[worst] / 1e3:.3g} km off at {ccsds.utc_texts(EPOCH, self.t[worst : worst + 1])[0]}"
             )
 
     def _misses(self) -> tuple[np.ndarray, np.ndarray]:

@@ -72,6 +72,7 @@ def _remark(conjunction: Conjunction) -> str:
         *((remark, True) for remark in told),
         (f"{', '.join(unknown)} without covariance", bool(unknown)),
         (f"{chance.around:.1e} in its revolution", chance.around > _MORE * chance.probability),
+        ("covariance not positive definite", not all(one.is_definite for one in pair)),
         ("covariance widened", chance.mended),
         ("diluted", chance.is_diluted),
     )

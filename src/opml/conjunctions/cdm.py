@@ -16,6 +16,8 @@ from opml import __version__
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.conjunctions.conjunction import LARGEST_RADIUS, Conjunction, Participant, check_radius
+from opml.dynamics.frames import gcrf_to_itrf, spin
+from opml.environment import earth_orientation
 from opml.interop import ccsds
 from opml.interop.object_ids import ObjectId
 from opml.interop.orbit_arcs import contents
@@ -42,6 +44,8 @@ _DENSITY_KEYS = {
 """Keys of CDM 2.0 for the dynamic consider parameter, by the names that comments of CDM 1.0 have."""
 
 _ROUNDED = 1.01  # what digits that were cut off may make of a part that is all of a standard deviation
+_TERRESTRIAL = "ITRF"
+_NODES = 3600.0 * np.arange(-6, 7)  # about a time, for the Earth's orientation then [s]
 _LONGEST = 60  # letters of a name in that of a file
 _METRES = {"": 1.0, "m": 1.0, "km": 1e3}
 
@@ -159,8 +163,8 @@ def read(path: FilePath, *, epoch: str, radius: float | None = None) -> Conjunct
     epoch: UTC text from which times count
     radius: sum of the radii [m]; None: that of the comment HBR
 
-    States are turned from the frames of `ccsds.FRAMES` to GCRF. Raises InputError, naming file and line, for
-    a malformed message, another frame, a radius that neither tells, and one that is none.
+    States are turned from the frames of `ccsds.FRAMES`, and from the ITRF, to GCRF. Raises InputError, naming
+    file and line, for a malformed message, another frame, a radius that neither tells, and one that is none.
     """
     message = ccsds.Message(path, version_key=_KEY, versions=("1.0",), in_comments=_DENSITY_KEYS)
     head, *parts = _blocks(message)
@@ -169,7 +173,7 @@ def read(path: FilePath, *, epoch: str, radius: float | None = None) -> Conjunct
     t = head.time("TCA", np.nan, epoch=epoch, scale="UTC")
     if not np.isfinite(t):
         raise InputError(f"{path}: expected TCA before the objects, got none")
-    first, second = (_participant(message, block) for block in parts)
+    first, second = (_participant(message, block, epoch, t) for block in parts)
     for key, part in _STATED.items():
         _check_stated(message, head, key, float(np.linalg.norm((second.state - first.state)[part])))
     radius = _radius(path) if radius is None else radius
@@ -203,11 +207,11 @@ def _blocks(message: ccsds.Message) -> list[ccsds.KeyValues]:
     return [ccsds.KeyValues(message, block, max(number for number, _ in block.values())) for block in blocks]
 
 
-def _participant(message: ccsds.Message, block: ccsds.KeyValues) -> Participant:
+def _participant(message: ccsds.Message, block: ccsds.KeyValues, epoch: str, t: float) -> Participant:
     def number(key: str, power: int) -> float:
         return message.scale(block.text(key), power, block.line(key))
 
-    turn = ccsds.FRAMES[block.choice("REF_FRAME", tuple(ccsds.FRAMES))]
+    frame = block.choice("REF_FRAME", (*ccsds.FRAMES, _TERRESTRIAL))
     state = np.array([number(key, _KILO) for key in _STATE])
     covariance = np.empty((6, 6))
     for row, column in _LOWER:
@@ -218,8 +222,19 @@ def _participant(message: ccsds.Message, block: ccsds.KeyValues) -> Participant:
     message.check_correlations(covariance, block.line(_covariance_key(0, 0)))
     keys = ("OBJECT_DESIGNATOR", "INTERNATIONAL_DESIGNATOR")
     identity = ObjectId.of(block.text("OBJECT_NAME"), *(block.text(key, "") for key in keys))
-    state = np.kron(np.eye(2), turn) @ state
+    if frame == _TERRESTRIAL:
+        state = _from_earth(state, epoch, t)
+    else:
+        state = np.kron(np.eye(2), ccsds.FRAMES[frame]) @ state
     return Participant(identity, state, covariance, density=_density(message, block, covariance))
+
+
+def _from_earth(state: np.ndarray, epoch: str, t: float) -> np.ndarray:
+    """Return a state (6,) of the ITRF at t [s since the epoch] in GCRF."""
+    orientation = earth_orientation.tabulate(epoch, t + _NODES)
+    (turn,), rate = gcrf_to_itrf(orientation, np.array([t])), spin(orientation)[len(_NODES) // 2]
+    position, velocity = state.reshape(2, 3) @ turn
+    return np.concatenate([position, velocity + np.cross(rate, position)])
 
 
 def _density(message: ccsds.Message, block: ccsds.KeyValues, covariance: np.ndarray) -> DensityError | None:

@@ -16,6 +16,7 @@ from opml.orbits.density_error import DensityError
 from opml.orbits.elements import in_rsw, rsw_rotation
 
 LARGEST_RADIUS = 1e4  # largest sum of the radii of two objects [m]: one that is larger is in another unit
+_NEGATIVE = -0.01  # least variance of scaled axes that rounded digits may make
 _SAME = 1e-2  # [s, m, m/s]; what the interpolation of the same states may differ by
 
 
@@ -43,6 +44,14 @@ class Participant:
         if self.covariance is None:
             return np.zeros((6, 6))
         return self._axes.T @ self.covariance @ self._axes
+
+    @property
+    def is_definite(self) -> bool:
+        """Return whether the covariance has variances below zero in no direction, but for rounding."""
+        if self.covariance is None:
+            return True
+        sigma = np.sqrt(np.maximum(np.diag(self.covariance), np.finfo(float).tiny))
+        return bool(np.linalg.eigvalsh(self.covariance / np.outer(sigma, sigma))[0] > _NEGATIVE)
 
     @property
     def inertial_density(self) -> np.ndarray:

@@ -109,7 +109,7 @@ def _edges(pair: UncertainPairs, end: float) -> np.ndarray:
     t = np.linspace(0.0, end, _PANELS + 1)
     squared = pair.clouds(t)[1]
     for _ in range(_HALVINGS):
-        distance = np.pad(np.sqrt(squared), 1, mode="reflect")
+        distance = np.pad(np.sqrt(np.maximum(squared, 0.0)), 1, mode="reflect")
         # About a collision the distance falls and rises in straight lines.
         may_dip = distance[:-2] + distance[2:] > _DIP * distance[1:-1]
         is_low = may_dip | (squared < squared.min() + _BEYOND)

@@ -18,6 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from opml.base.constants import DAY
 from opml.dynamics.kernels.block import REASONS as REASONS
 from opml.dynamics.kernels.block import advance, workspace
 from opml.dynamics.kernels.lanes import WIDTH, rows
@@ -98,7 +99,8 @@ def propagate(
 
     done = 0
     with ThreadPoolExecutor(threads) as pool:
-        for count in pool.map(propagate, _blocks(outlook, first, last)):
+        days = np.abs(epochs[last] - epochs[first]) // DAY
+        for count in pool.map(propagate, _blocks(days, outlook, first, last)):
             done += count
             if progress:
                 progress(done / len(first))
@@ -166,7 +168,12 @@ class _Ensemble:
         self.arcs.status[members] = status[: len(members)]
 
 
-def _blocks(outlook: np.ndarray, first: np.ndarray, last: np.ndarray) -> Iterator[np.ndarray]:
-    """Yield the arcs of each block: under few outlooks, and of the same time, so that few lanes idle."""
-    order = np.lexsort((last, first, outlook))
+def _blocks(
+    days: np.ndarray, outlook: np.ndarray, first: np.ndarray, last: np.ndarray
+) -> Iterator[np.ndarray]:
+    """Yield the arcs of each block: about as long, under few outlooks, and of the same time.
+
+    So few lanes idle. days: (arcs,) whole days from beginning to end
+    """
+    order = np.lexsort((last, first, outlook, days))
     yield from (order[k : k + WIDTH] for k in range(0, len(order), WIDTH))

@@ -57,9 +57,10 @@ class _Request:
         return id(self.model), self.integrator, forward, self.pace, phase
 
     @property
-    def begin(self) -> int:
-        """When the newest of the arcs begins."""
-        return int(self.epochs[np.asarray(self.departures.first)].max())
+    def longest(self) -> int:
+        """How long the longest of the arcs is."""
+        ends = (self.epochs[np.asarray(at)] for at in (self.departures.first, self.departures.last))
+        return int(np.abs(np.subtract(*ends)).max())
 
 
 class SharedBlocks:
@@ -115,11 +116,12 @@ class SharedBlocks:
     def _propagate_when_all_wait(self) -> None:
         """Propagate arcs of one kind, when there is no caller that does not wait for its own.
 
-        It is the kind of the arcs that begin first: who is behind catches up, and then more go together.
+        It is the kind of the shortest arcs, so that the long ephemerides wait until all fits have ended: then
+        more go together.
         """
         if not self._waiting or len(self._waiting) < self._under_way:
             return
-        kind = min(self._waiting, key=lambda request: request.begin).kind
+        kind = min(self._waiting, key=lambda request: request.longest).kind
         alike = [request for request in self._waiting if request.kind == kind]
         arcs = np.cumsum([len(request.departures) for request in alike])
         propagating = alike[: max(1, int(np.searchsorted(arcs, MOST, side="right")))]

@@ -139,7 +139,7 @@ def check_newest(found: Weather, source: FilePath, *, date: str, oldest: float) 
     end = density.end_of(found)
     if modified_julian_day(date) - end > oldest:
         expected = f"space weather measured up to {date[:10]}, got it up to {epochs.calendar(end)}"
-        raise InputError(f"{source}: expected {expected}; newer: {NEWER_WEATHER}")
+        raise InputError(f"{source}: expected {expected}; newer, for --weather: {NEWER_WEATHER}")
 
 
 def improve(known: PublicData, model: CatalogueModel, *, progress: Progress = _log.info) -> Improved:

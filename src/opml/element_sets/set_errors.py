@@ -42,16 +42,16 @@ class Pairs:
 def build(catalogue: ElementCatalogue, mornings: np.ndarray) -> Pairs:
     """Return the pairs of mornings (n,), modified Julian days (UTC), ascending."""
     rows, judges = find(catalogue, mornings)
-    propagators = _propagate(catalogue, rows)
+    propagated = _propagate(catalogue, rows)
     own = _own_states(catalogue)
-    error = np.where(judges >= 0, along_track(propagators.positions, *own.take(judges)), np.nan)
-    moved = along_track(propagators.kicked, propagators.positions, propagators.velocities)
+    error = np.where(judges >= 0, along_track(propagated.positions, *own.take(judges)), np.nan)
+    moved = along_track(propagated.kicked, propagated.positions, propagated.velocities)
     bstar = catalogue.table["bstar"].to_numpy()[rows["newest"]]
     with np.errstate(divide="ignore", invalid="ignore"):
         rows = rows.assign(error=error, response=moved / (_STEP * bstar))
     earlier = np.arange(len(own.positions))[:, None] - np.arange(1, BACK + 1)
     at = own.take(earlier.ravel())
-    misses = along_track(propagators.back.reshape(-1, 3), *at).reshape(-1, BACK)
+    misses = along_track(propagated.back.reshape(-1, 3), *at).reshape(-1, BACK)
     return Pairs(rows, misses)
 
 

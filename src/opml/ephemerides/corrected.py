@@ -26,7 +26,7 @@ from opml.learning.models.contract import Model
 from opml.learning.models.daily_training import Lessons
 from opml.orbits.elements import in_rsw
 from opml.orbits.rsw_covariance import rates, rsw_covariances
-from opml.tables import SIGMAS, SPREAD, STATE, read_table
+from opml.tables import SIGMAS, SPREAD, STATE, read_table, state_rows
 
 Spreads = Callable[[pd.DataFrame], pd.DataFrame]  # returns the `spread` table of pairs
 
@@ -97,9 +97,9 @@ def _is_sparse(columns: pd.DataFrame, grid: Grid) -> pd.Series:
 
 def interpolate_spread(rows: pd.DataFrame, causes: pd.DataFrame) -> pd.DataFrame:
     """Return rows of one estimate with the columns of a spread that is known at part of their epochs."""
-    t, spreads = causes["t_j"].to_numpy(), causes[SPREAD].to_numpy()
-    finite, at = np.isfinite(spreads).all(axis=1), rows["t_j"].to_numpy()
-    columns = zip(SPREAD, spreads[finite].T, strict=True)
+    t, spreads = causes["t_j"].to_numpy(), np.stack([causes[name].to_numpy() for name in SPREAD])
+    finite, at = np.isfinite(spreads).all(axis=0), rows["t_j"].to_numpy()
+    columns = zip(SPREAD, spreads[:, finite], strict=True)
     return rows.assign(**{name: np.interp(at, t[finite], known) for name, known in columns})
 
 
@@ -121,7 +121,7 @@ def moved(rows: pd.DataFrame, along: np.ndarray) -> np.ndarray:
 
     rows: `TaskPart.columns` of one estimate
     """
-    return corrected(rows["t_j"].to_numpy(), np.ascontiguousarray(rows[STATE]), along)
+    return corrected(rows["t_j"].to_numpy(), state_rows(rows), along)
 
 
 def errors_at_estimates(ephemeris: pd.DataFrame, estimates: pd.DataFrame) -> pd.DataFrame:
@@ -133,7 +133,7 @@ def errors_at_estimates(ephemeris: pd.DataFrame, estimates: pd.DataFrame) -> pd.
     """
     t = ephemeris["t"].to_numpy()
     later = estimates[estimates["converged"] & estimates["t"].between(t[0], t[-1])]
-    at, known = later["t"].to_numpy(), np.ascontiguousarray(later[STATE])
+    at, known = later["t"].to_numpy(), state_rows(later)
     columns = {"duration": at - ephemeris["t_i"].iloc[0]}
     for when, suffix in (("before", "_predicted"), ("after", "")):
         states = through(t, ephemeris[[f"{name}{suffix}" for name in STATE]].to_numpy())(at)

@@ -14,7 +14,7 @@ from opml.catalog.predict import weather_futures
 from opml.ephemerides.ephemeris_task import Task, ephemeris_table, reached
 from opml.ephemerides.task_part import TaskPart
 from opml.orbits.rsw_covariance import AXES, rates, rsw_covariances
-from opml.tables import SCHEMAS, STATE
+from opml.tables import SCHEMAS, STATE, state_rows
 
 SHIFTS = ["d_x", "d_y", "d_z"]
 
@@ -37,7 +37,7 @@ def build(task: Task, futures: pd.DataFrame, *, seed: int) -> pd.DataFrame:
         )
         pairs[_SIGMAS] = distances(sample, len(pairs))
         for rows in reached(pairs, (*STATE, *_SIGMAS)):
-            states = np.ascontiguousarray(rows[STATE])
+            states = state_rows(rows)
             yield ephemeris_table(rows, states, _covariances(states, rows[_SIGMAS].to_numpy()))
 
     tables = [table for part in task.parts() for table in ephemerides(part)]

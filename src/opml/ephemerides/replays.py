@@ -28,7 +28,7 @@ from opml.learning.models.daily_training import Lessons
 from opml.learning.models.learners import needed_tables
 from opml.orbits.elements import in_rsw
 from opml.orbits.rsw_covariance import rates
-from opml.tables import COMPONENTS, DOUBT, SCHEMAS, SPREAD, STATE
+from opml.tables import COMPONENTS, DOUBT, SCHEMAS, SPREAD, STATE, state_rows
 
 STEP = 120.0
 """Time between the epochs of the ephemerides that are replayed [s]: a centimetre from those of a minute."""
@@ -164,31 +164,35 @@ def _held(rows: pd.DataFrame, later: pd.DataFrame, lessons: Lessons) -> pd.DataF
     t, t_i = rows["t_j"].to_numpy(), float(rows["t_i"].iloc[0])
     now = morning(t_i)
     corrections = np.array([expected(rows, lessons(now))])
-    return missed(rows, corrections, later[later["t_j"].between(t[0], t[-1])], now=now)
+    return pd.DataFrame(missed(rows, corrections, later[later["t_j"].between(t[0], t[-1])], now=now))
 
 
-def missed(rows: pd.DataFrame, corrections: np.ndarray, later: pd.DataFrame, *, now: float) -> pd.DataFrame:
+def missed(
+    rows: pd.DataFrame, corrections: np.ndarray, later: pd.DataFrame, *, now: float
+) -> dict[str, np.ndarray]:
     """Return how far an ephemeris is off later states by each correction in turn, but for SIGMA_STATE.
+
+    It is columns of a table, as tables of few rows take longer to make than what is in them.
 
     rows: of one estimate: t_i, and t_j and a state (STATE) at each epoch of the ephemeris
     corrections: (k, epochs) e_y that are taken from it [m]
     later: as `judge` returns it, with SPREAD, at times that the ephemeris has
     now: when it was made [s]
     """
-    at, states = later["t_j"].to_numpy(), np.ascontiguousarray(later[STATE])
+    at, states = later["t_j"].to_numpy(), state_rows(later)
     off = (_arrived(rows, corrections, at) - states).reshape(-1, len(STATE))
     before, *after = in_rsw(off, np.tile(states, (1 + len(corrections), 1))).reshape(-1, *states.shape)
     t_i = float(rows["t_i"].iloc[0])
-    known = {name: later[name].to_numpy() for name in later.columns.difference(STATE, sort=False)}
+    known = {name: later[name].to_numpy() for name in later if name not in STATE}
     known |= {"t_i": np.full(len(at), t_i), "morning": np.full(len(at), now), "duration": at - t_i}
     known |= {"rate": rates(states), "before": before[:, 1]}
     each = {name: np.tile(values, len(after)) for name, values in known.items()}
-    return pd.DataFrame(each | dict(zip(COMPONENTS, np.concatenate(after).T, strict=True)))
+    return each | dict(zip(COMPONENTS, np.concatenate(after).T, strict=True))
 
 
 def _arrived(rows: pd.DataFrame, corrections: np.ndarray, at: np.ndarray) -> np.ndarray:
     """Return where an ephemeris is at times (m,), and where each correction has it: (1 + k, m, 6) GCRF."""
-    t, predicted = rows["t_j"].to_numpy(), np.ascontiguousarray(rows[STATE])
+    t, predicted = rows["t_j"].to_numpy(), state_rows(rows)
     first, last = np.searchsorted(t, [at.min(initial=t[-1]), at.max(initial=t[0])])
     near = slice(max(0, min(first, last) - _NEAR), max(first, last) + _NEAR)
     paths = [predicted[near], *corrected_by_each(t, predicted, corrections, near)]

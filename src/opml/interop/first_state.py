@@ -15,11 +15,6 @@ from opml.tables import STATE
 _ANY = "2000-01-01T12:00:00"
 
 
-def check(path: FilePath) -> None:
-    """Raise InputError, naming file and line or key, where a file has no state to start from."""
-    identity(path)
-
-
 def read(path: FilePath, *, epoch: str, t: float) -> tuple[float, np.ndarray]:
     """Read a state near a time: the state's own time [s] and the GCRF state (6,) [m, m/s].
 
@@ -43,7 +38,10 @@ def read(path: FilePath, *, epoch: str, t: float) -> tuple[float, np.ndarray]:
 
 
 def identity(path: FilePath) -> ObjectId:
-    """Return what a file with a state shows about its object. Raises InputError as `check` does."""
+    """Return what a file with a state shows about its object.
+
+    Raises InputError, naming file and line or key, where it has no state to start from.
+    """
     content = contents(path)
     if oem.matches(content):
         return oem.read(path, epoch=_ANY)[0].identity

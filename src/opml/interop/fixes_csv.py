@@ -29,7 +29,7 @@ SCALES = ("utc", "gps", "tai", "tt")  # names of columns of times
 EXAMPLE = "utc,x_itrf_m,y_itrf_m,z_itrf_m"
 
 _FRAMES = {
-    **dict.fromkeys(("itrf", "ecef", "ecf", "wgs84"), "ITRF"),
+    **dict.fromkeys(("itrf", "ecef", "ecf", "wgs84", "earthfixed"), "ITRF"),
     **dict.fromkeys(("gcrf", "icrf"), "GCRF"),
     **dict.fromkeys(("eme2000", "j2000", "mj2000eq", "earthmj2000eq"), "EME2000"),
 }
@@ -68,7 +68,7 @@ def matches(content: bytes) -> bool:
     if "," in first:
         return not omm.matches(text)
     told = [_told(name) for name in _split(first, _separator(first))]
-    return {"x", "y", "z"} <= {one.get("axis") for one in told}
+    return len(told) > len(_GROUPS[0]) and any({"scale", "time"} & one.keys() for one in told)
 
 
 def read(

@@ -33,14 +33,6 @@ class OrbitFiles:
     positions_alone: bool = False  # whether velocities are passed over, as where they are in another unit
 
 
-def check(files: OrbitFiles) -> None:
-    """Raise InputError where no truth could be made of these files, as `read_arcs` does.
-
-    Files are read as a whole: a second for a month of SP3 every 10 s.
-    """
-    read_arcs(files)
-
-
 def read_arcs(files: OrbitFiles) -> list[Arc]:
     """Read the arcs that reach into the run, in the order of their beginnings.
 

@@ -6,6 +6,7 @@ They are taken as they are, without a curve through them: a fit weighs each by i
 import logging
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -13,7 +14,7 @@ import pandas as pd
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.base.section import JobSettings
-from opml.interop import ccsds, fixes_csv
+from opml.interop import ccsds, fixes_csv, tdm
 from opml.interop.curves.orbit_curve import rotate_to_gcrf
 from opml.interop.object_ids import UNKNOWN, ObjectId
 from opml.interop.orbit_arcs import MOST_APART, Arc, contents
@@ -57,6 +58,14 @@ class FixTaking(JobSettings):
     def sampling(self) -> Sampling:
         """How points are taken."""
         return Sampling(self.sigmas, self.every_s)
+
+
+def is_measured(path: FilePath) -> bool:
+    """Return whether a file has points (SP3, CPF, OEM, CSV) or tracks; a folder is one of element sets."""
+    if Path(path).is_dir():
+        return False
+    content = contents(path)
+    return tdm.matches(content) or is_orbit(content) or fixes_csv.matches(content)
 
 
 def check(files: OrbitFiles, sampling: Sampling) -> None:

@@ -21,7 +21,7 @@ from opml.learning.judge.error_sizes import LEAST_ROWS, Sizes
 from opml.learning.judge.model_choice import choose
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.orbits.rsw_covariance import rates, rsw_covariances
-from opml.tables import SIGMA_STATE, SIZES, STATE
+from opml.tables import SIGMA_STATE, SIZES, STATE, state_rows
 
 _GROUPS = {"constant": "xyz", "rate": "xyz", "drag": "xyz", "velocity": "xyz", "inflation": "01234"}
 _TIMES = ("days", "reach", "flat")
@@ -125,7 +125,7 @@ def ephemeris(paths: pd.DataFrame, selected: SelectedModel, *, step: float) -> p
     t, along = paths["t_j"].to_numpy(), paths[f"e_y_{selected.model}"].to_numpy()
     check_smooth(t, along)
     at = np.arange(np.ceil(t[0] / step), np.floor(t[-1] / step) + 1.0) * step
-    path = np.ascontiguousarray(paths[STATE])
+    path = state_rows(paths)
     predicted, states = np.moveaxis(through(t, np.stack([path, corrected(t, path, along)], axis=1))(at), 1, 0)
     rows = pd.DataFrame(dict(zip(STATE, predicted.T, strict=True))).assign(
         i=paths["i"].iloc[0], t_i=paths["t_i"].iloc[0], t_j=at

@@ -49,7 +49,7 @@ from opml.mornings.records import Records
 from opml.mornings.verdicts import OLDEST, Verdict
 from opml.mornings.watched_object import MorningPlan, ObjectPropagators, Watched
 from opml.orbits.sheets import Rso, Station
-from opml.tables import STATE, STATE_COVARIANCES, symmetric_matrices
+from opml.tables import STATE_COVARIANCES, state_rows, symmetric_matrices
 
 MORNINGS = 7  # mornings before the date that are run again
 STRETCH = 6.0  # length of a stretch of points [h], whose estimate is at its first
@@ -137,7 +137,7 @@ class FittedOrbit(PredictedOrbit):
 
     @cached_property
     def _path(self) -> Callable[[np.ndarray], np.ndarray]:
-        return through(self.ephemeris["t"].to_numpy(), np.ascontiguousarray(self.ephemeris[STATE]))
+        return through(self.ephemeris["t"].to_numpy(), state_rows(self.ephemeris))
 
 
 @dataclass(frozen=True)
@@ -217,7 +217,8 @@ def predict(request: Request, settings: OrbitSettings, *, progress: Progress) ->
         raise InputError(f"{request.files[0]}: expected what an orbit fits, got none: {left.verdict.reason}")
     made = records.estimates[records.estimates["track"] == records.paths[-1].start]
     if (rms := made["weighted_rms"].max()) > _NO_ORBIT:
-        got = f"got some {rms:.0f} standard deviations off the best: are object, frame and times right?"
+        asked = "are object, frame and times right, or did it burn in the last days before --date?"
+        got = f"got some {rms:.0f} standard deviations off the best: {asked}"
         raise InputError(f"{request.files[0]}: expected measurements of an orbit, {got}")
     if rms > _ROUGH_FIT:
         asked = "are sigmas, frame, axes and times right, or did it burn?"

@@ -40,9 +40,9 @@ class Paths:
         """The names of their models."""
         return [name.removeprefix(_ALONG) for name in self.table if name.startswith(_ALONG)]
 
-    def missed(self, later: pd.DataFrame) -> pd.DataFrame:
+    def missed(self, later: pd.DataFrame) -> dict[str, np.ndarray]:
         """Return how far each model is off later states, as `replays.missed`."""
-        corrections = self.table[[f"{_ALONG}{model}" for model in self.models]].to_numpy().T
+        corrections = np.stack([self.table[f"{_ALONG}{model}"].to_numpy() for model in self.models])
         return missed(self.table, corrections, later, now=self.made_at)
 
 

@@ -43,17 +43,17 @@ def judge(watched: Watched, estimates: pd.DataFrame, recent: Recent, records: Re
     records: of earlier mornings
     """
     later = later_states(estimates, recent)
-    tables: list[pd.DataFrame] = []
+    parts: list[dict[str, np.ndarray]] = []
     models: list[str] = []
     for one in records.paths:
         ahead = _ahead(one.table, later, watched)
         if len(ahead):
-            tables.append(one.missed(ahead))
+            parts.append(one.missed(ahead))
             models += [name for name in one.models for _ in range(len(ahead))]
-    if not tables:
+    if not parts:
         return Records.empty().judged
-    off = pd.concat(tables, ignore_index=True)
-    off = off.assign(model=models, **dict.fromkeys(SIGMA_STATE, np.nan))
+    columns = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+    off = pd.DataFrame(columns | {"model": models} | dict.fromkeys(SIGMA_STATE, np.nan))
     return issued.with_sigmas(off, records.issued)
 
 

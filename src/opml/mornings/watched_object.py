@@ -23,7 +23,7 @@ from opml.learning.models.contract import ResolvedSettings
 from opml.orbits.elements import in_rsw
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.orbits.sheets import Station
-from opml.tables import STATE
+from opml.tables import state_rows
 
 SGP4 = "sgp4"  # name of the model that follows SGP4 along the track
 
@@ -74,7 +74,7 @@ class Sgp4:
 
 def _expected(states: Callable[..., np.ndarray], path: pd.DataFrame) -> np.ndarray:
     """Return how far a path is off along the track (n,) [m] of what gives states at times `t`."""
-    predicted = np.ascontiguousarray(path[STATE])
+    predicted = state_rows(path)
     return in_rsw(predicted - states(t=path["t_j"].to_numpy()), predicted)[:, 1]
 
 

@@ -77,7 +77,7 @@ def check_data(source: Source, settings: Settings) -> None:
         with source.naming(("orbits", name)):
             sheets.parse_rso(name, settings.rsos)
             duration = DAY * run.duration_days
-            orbit_from_files.check(
+            orbit_from_files.read_arcs(
                 orbit_from_files.OrbitFiles(paths, run.epoch, duration, positions_alone=name in alone)
             )
     if settings.run.day is None:  # every morning looks at the files itself, and leaves out bad ones
@@ -257,7 +257,7 @@ def _check_starts(source: Source, settings: Settings) -> None:
                 if name not in settings.measured:
                     raise InputError(f"expected an RSO that has {kinds.names()}")
                 if kind == "starts":
-                    first_state.check(settings.starts[name])
+                    first_state.identity(settings.starts[name])
                 else:
                     for time in settings.manoeuvres(name):
                         epochs.parse(time)

@@ -155,6 +155,12 @@ PARAMETER_COVARIANCES = covariance_names(PARAMETERS)
 POSITION_COVARIANCES = covariance_names("xyz")
 
 
+def state_rows(table: pd.DataFrame) -> np.ndarray:
+    """Return the states (n, 6) of a table, row by row in memory."""
+    # One column after the other: pandas takes longer to look up a list of them.
+    return np.column_stack([table[name].to_numpy() for name in STATE])
+
+
 def symmetric_matrices(table: pd.DataFrame, columns: Sequence[str]) -> np.ndarray:
     """Return symmetric matrices (n, k, k) from the columns of their lower triangles, row by row."""
     row, column = np.tril_indices(int(np.sqrt(2 * len(columns))))

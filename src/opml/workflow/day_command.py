@@ -32,9 +32,12 @@ _PROJECT = "config/config.yaml"
 
 _NAMED = 5  # objects at most
 
-_START, _BY_SETS, _MEASURED, _WINDOW = 20.0, 0.8, 3.0, 0.9
-"""What mornings take of a core [s]: before the first; each of an object by its sets, mean of 40; each of one
-by points, as of Swarm A, and for each window of the models' fits."""
+_START, _DATE, _OBJECT, _WINDOW = 20.0, 2.2, 0.8, 0.9
+"""What mornings take of a core [s]: before the first, each date, each object on it, as their arcs are side by
+side, and of one that is measured by points or tracks, as Swarm A, each window of the models' fits."""
+
+_ARENAS = "2"
+"""Heaps of the threads of a job, one an object: of one each they keep a quarter more memory (glibc alone)."""
 
 _TABLES, _MESSAGE, _EPHEMERIDES = 0.006, 1.7, 0.33  # what it leaves [MB]
 _STAY = 14  # mornings that ephemerides stay
@@ -115,10 +118,9 @@ def beforehand(ahead: Mapping[str, int], settings: Settings) -> str:
     """Return in words what mornings take, of which there are so many of each object."""
     objects, number, day = len(settings.measured), sum(ahead.values()), settings.run.day
     models = [settings.values["learners"][name] for name in settings.morning_models]
-    measured = _MEASURED + _WINDOW * len({model.get("window_hours") for model in models})
-    seconds = _START + sum(
-        count * (_BY_SETS if settings.kind_of(rso) is ELEMENTS else measured) for rso, count in ahead.items()
-    )
+    windows = len({model.get("window_hours") for model in models})
+    measured = sum(count for rso, count in ahead.items() if settings.kind_of(rso) is not ELEMENTS)
+    seconds = _START + _DATE * max(ahead.values()) + _OBJECT * number + _WINDOW * windows * measured
     share = 1.0 if day is None or day.messages is None else len(day.messages) / objects
     stay = min(number, _STAY * objects)
     megabytes = number * (_TABLES + share * _MESSAGE) + stay * _EPHEMERIDES
@@ -162,10 +164,11 @@ def _exit_code(command: Sequence[str]) -> int:
     In this one's group each job would print a traceback. Jobs in queues are for Snakemake to end.
     """
     kind = signal.SIGINT if "--profile" in command else signal.SIGKILL
+    environment = {"MALLOC_ARENA_MAX": _ARENAS, **os.environ}
     for number in (signal.SIGTERM, signal.SIGHUP):
         if signal.getsignal(number) == signal.SIG_DFL:
             signal.signal(number, signal.default_int_handler)
-    with subprocess.Popen(command, process_group=0) as process:
+    with subprocess.Popen(command, process_group=0, env=environment) as process:
         try:
             return process.wait()
         except KeyboardInterrupt:

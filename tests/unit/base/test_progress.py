@@ -46,3 +46,11 @@ def test_items_are_counted_with_the_time_that_is_left():
 )
 def test_long_times_are_told_in_minutes(passed, share, told):
     assert progress.remaining(passed, share) == told
+
+
+COUNTS = {0: "0 objects", 1: "1 object", 2: "2 objects"}
+
+
+@pytest.mark.parametrize("number", COUNTS)
+def test_one_thing_is_no_plural(number):
+    assert progress.counted(number, "object") == COUNTS[number]

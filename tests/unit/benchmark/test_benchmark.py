@@ -20,7 +20,8 @@ from support import REPOSITORY, refusal, refusals
 from opml import cli
 from opml.base.errors import InputError
 from opml.benchmark import answers, baselines, recipes, task_folders, tasks
-from opml.benchmark.scores import crps, log_score
+from opml.benchmark import suspicions as suspicions_of
+from opml.benchmark.scores import crps, errors, log_score
 from opml.environment import solar_activity
 from opml.environment.weather import Weather
 from opml.interop import oem
@@ -293,6 +294,49 @@ def test_errors_that_do_not_grow_with_the_lead_are_told(power, any_task, any_tru
     told = suspicions(of_states(any_truth + np.hstack([ahead, 0.0 * ahead]), task, tmp_path), name)
     at_7 = f"peeking: the median error along the track is {1000.0 * 7.0**power:.0f} m at 7 d"
     assert any(one.startswith(at_7) for one in told)
+
+
+@pytest.fixture(scope="module")
+def many():
+    """A task of 120 objects, its truth, and answers that err by 900 m after a day, more later."""
+    leads = np.tile([1, 3, 5, 7], 120)
+    time = [f"2026-01-{6 + lead:02d}T00:00:00" for lead in leads]
+    asked = {"object": np.repeat(np.arange(120), 4), "t": "2026-01-06T00:00:00", "lead": leads, "time": time}
+    task = tasks.BenchmarkTask(SAMPLE, "many", "", 0.0, tasks.HIDDEN, pd.DataFrame(asked))
+    angle = np.linspace(0.0, 6.0, len(leads))
+    truth = np.zeros((len(leads), 6))
+    truth[:, :2] = 7e6 * np.column_stack([np.cos(angle), np.sin(angle)])
+    truth[:, 3:5] = 7.5e3 * np.column_stack([-np.sin(angle), np.cos(angle)])
+    late = 0.12 * leads**1.5 * np.random.default_rng(3).normal(size=len(leads)) / 0.67
+    return task, truth, late
+
+
+def told_of(many, late, peeked=()):
+    """What is told of answers that are late by times [s], the peeked ones within some metres of the truth."""
+    task, truth, _ = many
+    states = np.hstack([truth[:, :3] + truth[:, 3:] * late[:, None], truth[:, 3:]])
+    for place in peeked:
+        states[place, :3] = truth[place, :3] + np.random.default_rng(place).normal(scale=5.0, size=3)
+    none = np.full(len(truth), np.nan)
+    found = answers.Answers(states, np.full((len(truth), 3, 3), np.nan), none, [], {}, "")
+    return suspicions_of.sentences(task, found, errors(task, found, truth), truth)
+
+
+def test_of_many_honest_answers_nothing_is_told(many):
+    assert told_of(many, many[2]) == []
+
+
+def test_every_fifth_answer_that_peeks_is_told(many):
+    (told,) = told_of(many, many[2], peeked=range(0, 480, 5))
+    assert told.startswith("peeking: the best tenth's largest error along the track is ")
+
+
+@pytest.mark.parametrize("seconds", [1.0, -1.0])
+def test_a_second_is_told_although_a_week_errs_by_more(seconds, many):
+    (told,) = told_of(many, many[2] + seconds)
+    where = "ahead of" if seconds > 0.0 else "behind"
+    assert told.startswith("time: states are ")
+    assert f" s {where} their times" in told
 
 
 def flown(truth, shift, task):

@@ -1,14 +1,14 @@
 """Covariances of fits carried to predictions, against arcs that start from draws of the fit's covariance."""
 
 import numpy as np
-import pandas as pd
+from fits import estimates_on, on_orbit
 
 from opml.base.constants import DAY
 from opml.catalog.predict import prediction
 from opml.catalog.predict.covariance import of_positions, propagated
 from opml.catalog.propagator import Propagator
-from opml.orbits.elements import cartesian_from_coe, in_rsw
-from opml.tables import PARAMETER_COVARIANCES, POSITION_COVARIANCES, SCHEMAS, STATE, symmetric_matrices
+from opml.orbits.elements import in_rsw
+from opml.tables import POSITION_COVARIANCES, SCHEMAS, STATE, symmetric_matrices
 
 TIMES = np.array([0.0, 0.4, 1.0]) * DAY
 DRAWS = 400
@@ -24,12 +24,9 @@ def covariance_of_a_fit():
 
 
 def test_carried_covariances_are_those_of_many_arcs(assumed_model, iss):
-    coe = np.tile([6.77e6, 1e-3, 0.9, 0.3, 1.2, 0.0], (3, 1))
-    coe[:, 5] = np.sqrt(assumed_model.gm / coe[0, 0] ** 3) * TIMES
     fit = covariance_of_a_fit()
-    table = pd.DataFrame({"track": 10 + np.arange(3), "t": TIMES, "converged": True, "cd": 2.2})
-    table[STATE] = cartesian_from_coe(coe, assumed_model.gm)
-    table = table.assign(**dict(zip(PARAMETER_COVARIANCES, fit[np.tril_indices(7)], strict=True)))
+    states = on_orbit(TIMES, assumed_model.gm)
+    table = estimates_on(TIMES, states, covariance=fit, cd=2.2)
     propagator = Propagator(assumed_model, iss)
     pairs = prediction.predict_all(propagator, table[["t", *STATE]], table, max_days=2.0)
     carried = propagated(propagator, table, pairs)

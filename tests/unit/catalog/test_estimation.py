@@ -15,27 +15,14 @@ from opml.catalog.fit.least_squares import NOT_CONVERGED, UNDERDETERMINED
 from opml.catalog.fit.starts import Solution, Starts
 from opml.catalog.propagator import Propagator
 from opml.catalog.simulate import tracking, truth
-from opml.tables import PARAMETER_COVARIANCES, PARAMETERS, STATE
+from opml.tables import PARAMETER_COVARIANCES, PARAMETERS, STATE, symmetric_matrices
 
 SIGMAS = [f"sigma_{name}" for name in tracking.QUANTITIES]
-TRUE = {name: f"{name}_true" for name in tracking.QUANTITIES}
 
 
 def estimates(model, orbit, rows, earth_orientation, stations, rso, *, threads=1, seed=42, **settings):
     propagator, settings = Propagator(model, rso, threads=threads), SETTINGS.evolve(**settings)
     return fits.fitted(propagator, orbit, rows, earth_orientation, stations, settings, seed=seed)
-
-
-def without_noise(rows):
-    return rows.assign(**{name: rows[true] for name, true in TRUE.items()})
-
-
-def covariances(table):
-    """Covariances (n, 7, 7) from their lower triangles."""
-    full = np.zeros((len(table), 7, 7))
-    low = np.tril_indices(7)
-    full[:, low[0], low[1]] = full[:, low[1], low[0]] = table[PARAMETER_COVARIANCES].to_numpy()
-    return full
 
 
 @pytest.fixture(scope="module")
@@ -63,7 +50,7 @@ def test_perfect_measurements_give_the_truth(assumed_model, earth_orientation, t
     """Without radiation pressure: the shadow's edge inside a step makes two grids differ by a decimetre."""
     smooth = replace(iss, cr=0.0)
     orbit = truth.simulate(Propagator(assumed_model, smooth), duration=DAY, step=20.0)
-    rows = without_noise(tracking.simulate(orbit, earth_orientation, three_stations, rso="iss", seed=1))
+    rows = fits.without_noise(tracking.simulate(orbit, earth_orientation, three_stations, rso="iss", seed=1))
     found = estimates(assumed_model, orbit, rows, earth_orientation, three_stations, smooth, convergence=1e-6)
     many = found["tracks_used"] >= 3
     assert many.sum() > 10
@@ -90,7 +77,12 @@ def test_noisy_fits_err_as_their_covariances_say(table, orbit, rows):
     assert used["converged"].all()
     true = orbit.set_index("t").loc[used["t"], STATE].to_numpy()
     difference = used[PARAMETERS].to_numpy() - np.column_stack([true, np.full(len(used), 2.2)])
-    chi2 = np.array([d @ np.linalg.solve(p, d) for d, p in zip(difference, covariances(used), strict=True)])
+    chi2 = np.array(
+        [
+            d @ np.linalg.solve(p, d)
+            for d, p in zip(difference, symmetric_matrices(used, PARAMETER_COVARIANCES), strict=True)
+        ]
+    )
     # Seven degrees of freedom; neighbouring windows share measurements, so the mean scatters.
     assert 3.5 < chi2.mean() < 14.0
     # Three numbers a measurement, less seven parameters.
@@ -98,7 +90,12 @@ def test_noisy_fits_err_as_their_covariances_say(table, orbit, rows):
     expected = np.sqrt(1.0 - 7.0 / (3.0 * count))
     assert np.abs(used["weighted_rms"] - expected).max() < 5.0 / np.sqrt(6.0 * count.min())
     # Each covariance is one: symmetric by its layout, and positive.
-    assert np.all(np.linalg.eigvalsh(covariances(used) / np.outer(*[[1e3] * 3 + [1.0] * 4] * 2)) > 0.0)
+    assert np.all(
+        np.linalg.eigvalsh(
+            symmetric_matrices(used, PARAMETER_COVARIANCES) / np.outer(*[[1e3] * 3 + [1.0] * 4] * 2)
+        )
+        > 0.0
+    )
 
 
 def test_the_last_step_is_flown_only_where_that_could_change_it(fitted, rows, table):
@@ -108,7 +105,7 @@ def test_the_last_step_is_flown_only_where_that_could_change_it(fitted, rows, ta
     assert (table["iterations"].iloc[estimation.BATCH :] == 2).all()
     assert (table["iterations"] <= further["iterations"]).all()
     moved = (table[PARAMETERS] - further[PARAMETERS]).to_numpy()
-    doubt = np.sqrt(np.diagonal(covariances(further), axis1=1, axis2=2))
+    doubt = np.sqrt(np.diagonal(symmetric_matrices(further, PARAMETER_COVARIANCES), axis1=1, axis2=2))
     assert np.abs(moved / doubt).max() < SETTINGS.convergence
     # What was not flown is told as it would have been found.
     np.testing.assert_allclose(table["weighted_rms"], further["weighted_rms"], rtol=1e-6)

@@ -7,6 +7,7 @@ import numpy as np
 import orbit_files
 import pandas as pd
 import pytest
+from fits import distances
 from support import BOUNDED_ESTIMATION as SETTINGS
 from support import EPOCH, kepler_orbit, refusal, rsos
 
@@ -39,12 +40,6 @@ def starts(propagator, measured):
     return first_orbit.determined(propagator, measured, settings=SETTINGS)
 
 
-def apart(table, orbit):
-    """Distances [m] from the true states."""
-    true = orbit.set_index("t")[STATE].loc[table["t"]].to_numpy()
-    return np.linalg.norm((table[STATE].to_numpy() - true)[:, :3], axis=1)
-
-
 @pytest.mark.parametrize("name", ["iss", "larets", "lageos1"])
 def test_almost_every_single_track_gives_an_orbit(
     assumed_model, truth_model, earth_orientation, three_stations, name
@@ -66,7 +61,7 @@ def test_almost_every_single_track_gives_an_orbit(
 
 def test_the_first_orbit_is_near_the_true_one_at_every_track(starts, rows, orbit):
     assert starts["track"].tolist() == sorted(rows["track"].unique())
-    assert apart(starts, orbit).max() < 5e3
+    assert distances(starts, orbit).max() < 5e3
 
 
 def test_fits_from_it_are_those_from_the_perturbed_truth(propagator, starts, measured, rows, orbit):
@@ -94,12 +89,12 @@ def test_elements_are_carried_to_every_track(propagator, measured, orbit):
     table = first_orbit.starts_from_state(
         propagator, measured, first_orbit.of_sheet(propagator.rso, propagator.model.gm)
     )
-    assert apart(table, orbit).max() < 50e3
+    assert distances(table, orbit).max() < 50e3
     # From a state in the middle, forward and backward.
     middle = orbit[STATE].iloc[4320].to_numpy()
     table = first_orbit.starts_from_state(propagator, measured, (DAY, middle))
-    assert apart(table, orbit).max() < 20e3
-    assert apart(table[np.abs(table["t"] - DAY) < 20e3], orbit).max() < 2e3
+    assert distances(table, orbit).max() < 20e3
+    assert distances(table[np.abs(table["t"] - DAY) < 20e3], orbit).max() < 2e3
 
 
 def test_elements_that_are_not_known_are_none(assumed_model, iss):
@@ -135,7 +130,7 @@ def test_the_perturbed_truth_depends_on_seed_and_track_only(rows, orbit):
     pd.testing.assert_frame_equal(part, whole.iloc[:4])
     other = start_states.perturbed(orbit, rows, **given | {"seed": 2})
     assert (other[STATE] != whole[STATE]).all(axis=None)
-    assert 300.0 < np.median(apart(whole, orbit)) < 3000.0
+    assert 300.0 < np.median(distances(whole, orbit)) < 3000.0
 
 
 LINES = (
@@ -168,7 +163,7 @@ def test_the_nearest_state_of_positions_is_taken(tmp_path, earth_orientation, is
     known = kepler_orbit(iss, duration=3600.0, step=120.0)[STATE].to_numpy()
     states = orbit_files.flown(orbit_files.attraction_of(earth_orientation), known[0], at)
     orbit_files.cpf(tmp_path / "iss.cpf", at, orbit_files.in_itrf(states, at, earth_orientation))
-    first_state.check(tmp_path / "iss.cpf")
+    first_state.identity(tmp_path / "iss.cpf")
     assert first_state.identity(tmp_path / "iss.cpf") == ObjectId("larets", number=27944)
     for t, nearest in ((3000.0, 25), (1e6, 30)):
         found, state = first_state.read(tmp_path / "iss.cpf", epoch=EPOCH, t=t)
@@ -182,4 +177,4 @@ def test_a_file_without_a_state_is_told(tmp_path, name):
     (tmp_path / "broken.oem").write_text("CCSDS_OEM_VERS = 2.0\nORIGINATOR\n")
     (tmp_path / "broken.tle").write_text(LINES[0][:-1] + "5\n" + LINES[1])
     with pytest.raises(InputError, match=name):
-        first_state.check(tmp_path / name)
+        first_state.identity(tmp_path / name)

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from fits import fitted
+from fits import fitted, without_noise
 from scipy.interpolate import CubicHermiteSpline
 from support import BOUNDED_ESTIMATION as SETTINGS
 
@@ -25,8 +25,7 @@ def orbit(smooth_orbit):
 @pytest.fixture(scope="module")
 def geometric(orbit, earth_orientation, three_stations):
     """Tracks without noise or light time."""
-    rows = tracking.simulate(orbit, earth_orientation, three_stations, rso="iss", seed=1)
-    return rows.assign(**{name: rows[f"{name}_true"] for name in tracking.QUANTITIES})
+    return without_noise(tracking.simulate(orbit, earth_orientation, three_stations, rso="iss", seed=1))
 
 
 @pytest.fixture(scope="module")

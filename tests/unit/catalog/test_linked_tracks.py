@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from fits import distances
 from support import BOUNDED_ESTIMATION as SETTINGS
 
 from opml.base.constants import DAY, EARTH_GM
@@ -18,7 +19,6 @@ from opml.catalog.propagator import Propagator
 from opml.catalog.simulate import tracking, truth
 from opml.catalog.simulate.observing import OBSERVABLES
 from opml.orbits.elements import cartesian_from_coe
-from opml.tables import STATE
 
 ARCSEC = np.radians(1.0 / 3600.0)
 
@@ -54,12 +54,6 @@ def seen(orbits, earth_orientation, three_stations):
         return rows.assign(track=np.cumsum(np.diff(rows["t"], prepend=-np.inf) > 60.0) - 1), stations
 
     return tracks
-
-
-def errors(starts, orbit):
-    """Distances [m] from the true states."""
-    true = orbit.set_index("t")[STATE].loc[starts["t"]].to_numpy()
-    return np.linalg.norm((starts[STATE].to_numpy() - true)[:, :3], axis=1)
 
 
 def test_a_circle_is_found_through_two_lines_of_sight():
@@ -111,7 +105,7 @@ def test_short_tracks_of_angles_are_linked(
     measured = Measured(rows, earth_orientation, stations)
     starts = first_orbit.determined(Propagator(assumed_model, rsos[name]), measured, settings=SETTINGS)
     assert starts["track"].tolist() == rows["track"].unique().tolist()
-    assert errors(starts, orbits[name]).max() < most
+    assert distances(starts, orbits[name]).max() < most
 
 
 def test_fits_go_on_from_telescopes_tracks(assumed_model, iss, orbits, seen, earth_orientation):
@@ -122,7 +116,7 @@ def test_fits_go_on_from_telescopes_tracks(assumed_model, iss, orbits, seen, ear
     found = estimation.estimate_all(propagator, starts, measured, settings=SETTINGS)
     many = found["tracks_used"] >= 3
     assert found["converged"][many].all()
-    assert errors(found[many], orbits["iss"]).max() < 1e3
+    assert distances(found[many], orbits["iss"]).max() < 1e3
 
 
 def test_no_arc_is_flown_that_is_faster_than_any_orbit(assumed_model, iss, seen, earth_orientation):

@@ -184,21 +184,16 @@ def test_a_measurement_twice_is_told(message):
         measured_tracks.check(read(message, message), stations(), epoch=EPOCH, duration=A_DAY)
 
 
+OTHERS = "expected other values than those of .*iss.tdm, line [0-9]+, got"
+CLOSE = "expected no time so close to that of .*iss.tdm, line [0-9]+, .*got one 0.001 s later: is a file"
+
+
 @pytest.mark.parametrize(
-    ("shift", "said"),
-    [(1e-3, "expected other values than those of"), (3600.0, "expected other values than those of")],
+    ("later", "farther", "said"), [(1e-3, 0.0, OTHERS), (3600.0, 0.0, OTHERS), (1e-3, 1e-3, CLOSE)]
 )
-def test_a_copy_with_other_times_is_told(table, message, tmp_path, shift, said):
+def test_a_copy_with_other_times_is_told(table, message, tmp_path, later, farther, said):
     copy = tmp_path / "copy.tdm"
-    tdm.write(copy, table.assign(t=table["t"] + shift), epoch=EPOCH, rso="iss")
-    with pytest.raises(InputError, match=f"copy.tdm: line [0-9]+: {said} .*iss.tdm, line [0-9]+, got"):
-        measured_tracks.check(read(message, copy), stations(), epoch=EPOCH, duration=2 * A_DAY)
-
-
-def test_a_copy_with_other_times_and_roundings_is_told(table, message, tmp_path):
-    copy = tmp_path / "copy.tdm"
-    shifted = table.assign(t=table["t"] + 1e-3, range=table["range"] + 1e-3)
+    shifted = table.assign(t=table["t"] + later, range=table["range"] + farther)
     tdm.write(copy, shifted, epoch=EPOCH, rso="iss")
-    said = "expected no time so close to that of .*iss.tdm, line [0-9]+, .*got one 0.001 s later: is a file"
     with pytest.raises(InputError, match=f"copy.tdm: line [0-9]+: {said}"):
         measured_tracks.check(read(message, copy), stations(), epoch=EPOCH, duration=2 * A_DAY)

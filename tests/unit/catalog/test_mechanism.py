@@ -3,11 +3,12 @@
 import numpy as np
 import pandas as pd
 import pytest
+from fits import estimates_on, on_orbit
 
 from opml.catalog.predict import mechanism
 from opml.catalog.predict.mechanism import FittedArcs
 from opml.catalog.predict.resonance import Resonances
-from opml.orbits.elements import cartesian_from_coe, rsw_rotation
+from opml.orbits.elements import rsw_rotation
 from opml.tables import STATE, mechanism_schema, read_table, write_table
 
 GM = 3.986004415e14
@@ -16,20 +17,14 @@ T = np.array([0.0, 1e4, 5e4, 9e4])
 START, END = np.array([0, 0, 0, 1, 1, 2]), np.array([1, 2, 3, 2, 3, 3])
 
 
-def orbit(t):
-    coe = np.tile([6.8e6, 1e-3, 0.9, 0.3, 1.2, 0.0], (len(t), 1))
-    coe[:, 5] = np.sqrt(GM / 6.8e6**3) * t
-    return cartesian_from_coe(coe, GM)
-
-
 def estimates(cd, converged=True):
-    table = pd.DataFrame({"track": np.arange(4), "t": T, "cd": cd, "cov_cd_cd": 0.01, "converged": converged})
-    return table.assign(**dict(zip(STATE, orbit(T).T, strict=True)))
+    known = {"cd": cd, "cov_cd_cd": 0.01, "converged": converged, "track": np.arange(4)}
+    return estimates_on(T, on_orbit(T, GM), **known)
 
 
 def predictions(offset):
     """Predictions that are `offset` (6,) off the orbit, in RSW of the orbit."""
-    states = orbit(T[END])
+    states = on_orbit(T[END], GM)
     moved = np.einsum("nji,kj->nki", rsw_rotation(states), np.reshape(offset, (2, 3))).reshape(-1, 6)
     table = pd.DataFrame({"i": START, "j": END, "t_i": T[START], "t_j": T[END]})
     return table.assign(**dict(zip(STATE, (states + moved).T, strict=True)))

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
-from fits import fitted
+from fits import fitted, without_noise
 from support import BOUNDED_ESTIMATION as SETTINGS
 from support import EPOCH, environment, kepler_orbit
 
@@ -46,11 +46,6 @@ def mixed(three_stations):
 @pytest.fixture(scope="module")
 def rows(orbit, earth_orientation, mixed):
     return tracking.simulate(orbit, earth_orientation, mixed, rso="iss", seed=1)
-
-
-def without_noise(rows):
-    names = [name for name in OBSERVABLES if name in rows]
-    return rows.assign(**{name: rows[f"{name}_true"] for name in names})
 
 
 @pytest.mark.parametrize(

@@ -3,26 +3,23 @@
 import numpy as np
 import pandas as pd
 import pytest
+from fits import estimates_on, on_orbit
 
 from opml.base.constants import DAY
 from opml.catalog.predict import other_windows, prediction
 from opml.catalog.propagator import Propagator
-from opml.orbits.elements import cartesian_from_coe
 from opml.orbits.manoeuvres import Manoeuvre
-from opml.tables import PARAMETER_COVARIANCES, SCHEMAS, STATE
+from opml.tables import SCHEMAS, STATE
 
 TIMES = np.array([0.0, 0.3, 1.1, 2.0, 2.9]) * DAY
 
 
 def estimates(gm, cd, *, sigma=0.1, converged=True, shift=0.0):
     """Estimates on one low orbit, `shift` [m] ahead of it, with a covariance that knows of no correlation."""
-    coe = np.tile([6.77e6, 1e-3, 0.9, 0.3, 1.2, 0.0], (len(TIMES), 1))
-    coe[:, 5] = np.sqrt(gm / coe[0, 0] ** 3) * TIMES + shift / 6.77e6
-    covariance = np.diag([1.0, 1.0, 1.0, 1e-6, 1e-6, 1e-6, 1.0])[np.tril_indices(7)]
-    table = pd.DataFrame({"track": 10 + np.arange(len(TIMES)), "t": TIMES, "converged": converged})
-    table[STATE] = cartesian_from_coe(coe, gm)
-    table = table.assign(cd=cd, **dict(zip(PARAMETER_COVARIANCES, covariance, strict=True)))
-    return table.assign(cov_cd_cd=np.broadcast_to(np.square(sigma), len(TIMES)))
+    states = on_orbit(TIMES, gm, ahead=shift / 6.77e6)
+    doubt = np.broadcast_to(np.square(sigma), len(TIMES))
+    covariance = np.diag([1.0, 1.0, 1.0, 1e-6, 1e-6, 1e-6, 1.0])
+    return estimates_on(TIMES, states, covariance=covariance, converged=converged, cd=cd, cov_cd_cd=doubt)
 
 
 def predicted(model, table, iss):

@@ -3,6 +3,7 @@
 import numpy as np
 import pandas as pd
 import pytest
+from fits import on_orbit
 from support import ASSUMED_BODIES, EPOCH, environment
 
 from opml.base.constants import DAY, EARTH_RATE, HOUR
@@ -21,17 +22,15 @@ A = 6.77e6
 PAIRS = ((1, 15), (2, 31))
 
 
-def states(t, *, a=A):
-    coe = np.tile([a, 1e-4, 0.9, 0.3, 1.2, 0.0], (len(t), 1))
-    coe[:, 5] = np.sqrt(GM / a**3) * t
-    return dict(zip(STATE, cartesian_from_coe(coe, GM).T, strict=True))
+def states(t):
+    return pd.DataFrame(on_orbit(t, GM, a=A, e=1e-4), columns=STATE)
 
 
 def tables(t):
     """Estimates at `t` and predictions among them, all on one Kepler orbit."""
-    estimates = pd.DataFrame({"track": np.arange(len(t)), "t": t, **states(t)})
+    estimates = states(t).assign(track=np.arange(len(t)), t=t)
     i, j = np.triu_indices(len(t), 1)
-    pairs = pd.DataFrame({"i": i, "j": j, "t_i": t[i], "t_j": t[j], **states(t[j])})
+    pairs = states(t[j]).assign(i=i, j=j, t_i=t[i], t_j=t[j])
     return estimates, pairs
 
 

@@ -3,12 +3,13 @@
 import numpy as np
 import pandas as pd
 import pytest
+from fits import estimates_on, on_orbit
 
 from opml.base.constants import DAY
 from opml.catalog.predict import prediction, sensitivity
 from opml.catalog.propagator import Propagator
-from opml.orbits.elements import cartesian_from_coe, rsw_rotation
-from opml.tables import PARAMETER_COVARIANCES, SCHEMAS, STATE
+from opml.orbits.elements import rsw_rotation
+from opml.tables import SCHEMAS, STATE
 
 TIMES = np.array([0.0, 0.3, 1.1, 2.0, 2.9]) * DAY
 CD = np.array([2.25, 2.1, 4.0, 2.3, 2.2])
@@ -16,15 +17,9 @@ BOUNDS = (1.2, 3.2)
 ALONE = np.eye(7)  # a covariance without correlations
 
 
-def estimates(gm, covariance=ALONE, **columns):
+def estimates(gm, covariance):
     """Estimates on one low orbit, each with the same covariance (7, 7) of PARAMETERS."""
-    coe = np.tile([6.77e6, 1e-3, 0.9, 0.3, 1.2, 0.0], (len(TIMES), 1))
-    coe[:, 5] = np.sqrt(gm / coe[0, 0] ** 3) * TIMES
-    lower = covariance[np.tril_indices(7)]
-    table = pd.DataFrame({"track": 10 + np.arange(len(TIMES)), "t": TIMES, "converged": True})
-    table[STATE] = cartesian_from_coe(coe, gm)
-    table["cd"] = CD
-    return table.assign(**dict(zip(PARAMETER_COVARIANCES, lower, strict=True)), **columns)
+    return estimates_on(TIMES, on_orbit(TIMES, gm), covariance=covariance, cd=CD)
 
 
 @pytest.fixture(scope="module")

@@ -12,7 +12,7 @@ from opml.catalog.fit.estimation import Run
 from opml.catalog.fit.observations import Measured
 from opml.catalog.fit.sequential import Filtering, Leg, Noise, filter_all
 from opml.catalog.simulate import tracking, truth
-from opml.tables import PARAMETER_COVARIANCES, PARAMETERS, STATE
+from opml.tables import PARAMETER_COVARIANCES, PARAMETERS, STATE, symmetric_matrices
 
 CALM = Noise(walk=1e-6, gust=1e-6, kick=1e-7)
 GUSTY = Noise(walk=1e-6, gust=0.1, kick=1e-7)
@@ -61,14 +61,9 @@ class Case:
     def chi2(self, table):
         """Squared Mahalanobis distances of estimates from the truth."""
         parted = self.errors(table)
-        return np.einsum("ni,nij,nj->n", parted, np.linalg.inv(covariances(table)), parted)
-
-
-def covariances(table):
-    """Covariances (n, 7, 7) from their lower triangles."""
-    full, low = np.zeros((len(table), 7, 7)), np.tril_indices(7)
-    full[:, low[0], low[1]] = full[:, low[1], low[0]] = table[PARAMETER_COVARIANCES].to_numpy()
-    return full
+        return np.einsum(
+            "ni,nij,nj->n", parted, np.linalg.inv(symmetric_matrices(table, PARAMETER_COVARIANCES)), parted
+        )
 
 
 def blown(propagator, *, gust, seed, duration):
@@ -137,7 +132,7 @@ def test_without_noise_the_last_row_is_the_batch_fit_of_all_tracks(calm):
     formal = estimate.fit.covariance
     # The first legs are flown from what little is known by then, and bend.
     assert np.abs(parted / np.sqrt(np.diag(formal))).max() < 0.5
-    [covariance] = covariances(table.tail(1))
+    [covariance] = symmetric_matrices(table.tail(1), PARAMETER_COVARIANCES)
     unit = np.sqrt(np.outer(np.diag(formal), np.diag(formal)))
     np.testing.assert_allclose(covariance / unit, formal / unit, rtol=0.0, atol=0.1)
     np.testing.assert_allclose(np.diag(covariance / unit), 1.0, atol=0.02)

@@ -93,28 +93,25 @@ def test_a_measurement_is_made_within_all_limits_and_only_there(
     assert 0 < seen.sum() < len(seen)
 
 
-def test_tracks_are_runs_of_epochs(earth_orientation, three_stations):
+@pytest.mark.parametrize(
+    ("pattern", "missing", "tracks"),
+    [
+        ([0, 1, 1, 0, 0, 1, 0, 1, 1, 1, 0], [], [0, 0, 1, 2, 2, 2]),
+        ([1, 1, 0, 1], [], [0, 0, 1]),
+        ([0, 1, 1, 1, 1, 1, 1, 0], [], [0] * 6),
+        ([0, 1, 1, 1, 1, 1, 1, 0], [3], [0, 0, 1, 1, 1]),
+        ([0, 1, 1, 1, 1, 1, 1, 0], [1], [0] * 5),
+        ([0, 1, 1, 1, 1, 1, 1, 0], [3, 4], [0, 0, 1, 1]),
+    ],
+    ids=["runs", "from the epoch on", "whole", "gap", "gap before", "two gaps"],
+)
+def test_tracks_are_runs_of_epochs_of_the_orbit(earth_orientation, three_stations, pattern, missing, tracks):
     eglin = three_stations[0]
-    orbit = truth_at(overhead(eglin, [0, 1, 1, 0, 0, 1, 0, 1, 1, 1, 0]), earth_orientation)
+    orbit = truth_at(overhead(eglin, pattern), earth_orientation).drop(index=missing)
     found = tracking.simulate(orbit, earth_orientation, [eglin], rso="toy", seed=1)
-    assert found["track"].tolist() == [0, 0, 1, 2, 2, 2]
-    assert found["t"].tolist() == [20.0, 40.0, 100.0, 140.0, 160.0, 180.0]
-
-
-def test_a_gap_of_the_orbit_parts_a_track(earth_orientation, three_stations):
-    whole = truth_at(overhead(three_stations[0], [0, 1, 1, 1, 1, 1, 1, 0]), earth_orientation)
-    for missing, tracks in (([], [0] * 6), ([3], [0, 0, 1, 1, 1]), ([1], [0] * 5), ([3, 4], [0, 0, 1, 1])):
-        table = tracking.simulate(
-            whole.drop(index=missing), earth_orientation, three_stations[:1], rso="iss", seed=42
-        )
-        assert table["track"].tolist() == tracks, missing
-
-
-def test_a_track_may_begin_at_the_epoch(earth_orientation, three_stations):
-    eglin = three_stations[0]
-    orbit = truth_at(overhead(eglin, [1, 1, 0, 1]), earth_orientation)
-    found = tracking.simulate(orbit, earth_orientation, [eglin], rso="toy", seed=1)
-    assert found["track"].tolist() == [0, 0, 1]
+    assert found["track"].tolist() == tracks
+    seen = [20.0 * k for k, above in enumerate(pattern) if above and k not in missing]
+    assert found["t"].tolist() == seen
 
 
 def test_a_track_is_handed_from_station_to_station(earth_orientation, three_stations):

@@ -3,15 +3,14 @@
 import numpy as np
 import pandas as pd
 import pytest
-from support import EPOCH, environment, force_model
+from support import force_model
+from weather_files import outlook
 
 from opml.base.constants import DAY, HOUR
 from opml.catalog.predict import prediction, weather_futures
 from opml.catalog.propagator import Propagator
 from opml.catalog.simulate.truth import initial_state
 from opml.dynamics.forces import with_outlooks
-from opml.environment import known_weather
-from opml.environment.known_weather import Issues
 from opml.tables import PARAMETER_COVARIANCES, SCHEMAS, STATE
 
 RNG = np.random.default_rng(3)
@@ -65,20 +64,16 @@ def test_predictions_without_numbers_are_not_scored():
 
 def test_the_future_that_was_forecast_has_no_difference_and_a_calmer_one_leads(iss):
     model = force_model(2)
-    t = environment()["solar_activity"]["t"].to_numpy()[:60]
-    outlook = known_weather.outlooks(
-        Issues(source="OBSERVED", epoch=EPOCH, forecast={"kind": "persistence"}, issue_hours=24, max_days=1),
-        t,
-    )
-    calm = outlook.assign(kp_3h=0.0, kp_24h=0.0, member=1)
-    futures = pd.concat([outlook.assign(member=0), calm], ignore_index=True)
+    known = outlook(60, days=1)
+    calm = known.assign(kp_3h=0.0, kp_24h=0.0, member=1)
+    futures = pd.concat([known.assign(member=0), calm], ignore_index=True)
     start = initial_state(iss, model.gm)
     times = np.array([0.0, 6.0, 20.0]) * HOUR
     states = dict(zip(STATE, np.tile(start, (3, 1)).T, strict=True))
-    known = dict.fromkeys(PARAMETER_COVARIANCES, 0.0)
-    estimates = pd.DataFrame({"track": range(3), "t": times, **states, "cd": 2.2, "converged": True, **known})
+    sure = dict.fromkeys(PARAMETER_COVARIANCES, 0.0)
+    estimates = pd.DataFrame({"track": range(3), "t": times, **states, "cd": 2.2, "converged": True, **sure})
     truth = estimates[["t", *STATE]]
-    forecasting = Propagator(with_outlooks(model, outlook), iss)
+    forecasting = Propagator(with_outlooks(model, known), iss)
     predictions = prediction.predict_all(forecasting, truth, estimates, max_days=1)
     propagator = Propagator(model, iss)
     found = weather_futures.sample(propagator, futures, estimates, predictions, window=DAY, seed=1)
@@ -89,7 +84,7 @@ def test_the_future_that_was_forecast_has_no_difference_and_a_calmer_one_leads(i
     assert calmer["d_y"].iloc[1] < calmer["d_y"].iloc[0] < 0.0
     # Where the fit is uncertain, members lie apart under one future.
     uncertain = estimates.assign(cov_cd_cd=0.1**2)
-    same = pd.concat([outlook.assign(member=k) for k in range(2)], ignore_index=True)
+    same = pd.concat([known.assign(member=k) for k in range(2)], ignore_index=True)
     draws = [
         weather_futures.sample(propagator, same, uncertain, predictions, window=DAY, seed=seed)
         for seed in (1, 1, 2)

@@ -3,7 +3,8 @@
 import numpy as np
 import pandas as pd
 import pytest
-from support import EPOCH, environment, force_model
+from support import force_model
+from weather_files import outlook
 
 from opml.base.constants import DAY, HOUR
 from opml.catalog.predict import weather_spread
@@ -11,8 +12,6 @@ from opml.catalog.predict.weather_spread import Weathers
 from opml.catalog.propagator import Propagator
 from opml.catalog.simulate.truth import initial_state
 from opml.dynamics.forces import with_outlooks
-from opml.environment import known_weather
-from opml.environment.known_weather import Issues
 from opml.orbits.elements import in_rsw
 from opml.tables import PARAMETER_COVARIANCES, PARAMETERS, SCHEMAS, SPREAD, STATE
 
@@ -65,14 +64,10 @@ def test_a_wild_cd_is_that_of_its_past(iss, estimates, pairs):
 
 
 def test_the_weather_counts_as_far_as_its_futures_lie(iss, estimates, pairs):
-    t = environment()["solar_activity"]["t"].to_numpy()[:80]
-    outlook = known_weather.outlooks(
-        Issues(source="OBSERVED", epoch=EPOCH, forecast={"kind": "persistence"}, issue_hours=24, max_days=2),
-        t,
-    )
-    stormy = outlook.assign(kp_3h=outlook["kp_3h"] + 3.0, kp_24h=outlook["kp_24h"] + 3.0)
-    futures = pd.concat([outlook.assign(member=0), stormy.assign(member=1)], ignore_index=True)
-    model = with_outlooks(force_model(2), outlook)
+    known = outlook(80, days=2)
+    stormy = known.assign(kp_3h=known["kp_3h"] + 3.0, kp_24h=known["kp_24h"] + 3.0)
+    futures = pd.concat([known.assign(member=0), stormy.assign(member=1)], ignore_index=True)
+    model = with_outlooks(force_model(2), known)
     both, worst = (
         built(iss, estimates, pairs, one, model) for one in (futures, futures[futures["member"] == 1])
     )

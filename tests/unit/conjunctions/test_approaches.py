@@ -124,3 +124,15 @@ def test_every_minimum_of_the_distance_is_among_them():
 def test_states_that_do_not_make_a_path_are_refused(t, expected):
     with pytest.raises(InputError, match=f"^a: .*{expected}"):
         Path("a", t, np.ones((len(t), 6)))
+
+
+def test_a_burn_parts_a_path_in_one_way_and_a_wrong_state_in_two():
+    t = 60.0 * np.arange(40)
+    state = np.array([7e6, 0.0, 0.0, 0.0, 7.5e3, 0.0])
+    before = kepler(state, 0.0, t)
+    at_burn = kepler(state, 0.0, np.array([1230.0]))[0] + [0.0, 0.0, 0.0, 60.0, 0.0, 80.0]
+    burned = np.where((t < 1230.0)[:, None], before, kepler(at_burn, 1230.0, t))
+    assert Path("burned", t, burned).heights[0] > 6e6
+    burned[30, 2] += 5e3
+    with pytest.raises(InputError, match="5 km off at 2000-01-01T12:30:00"):
+        Path("spike", t, burned)

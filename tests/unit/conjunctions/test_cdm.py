@@ -12,6 +12,9 @@ from opml.base.errors import InputError
 from opml.conjunctions import as_text, cdm
 from opml.conjunctions.conjunction import Conjunction, Participant
 from opml.conjunctions.probability import chance
+from opml.dynamics.frames import gcrf_to_itrf
+from opml.environment import earth_orientation
+from opml.interop import ccsds
 from opml.interop.object_ids import ObjectId
 from opml.orbits.density_error import DensityError
 
@@ -37,6 +40,13 @@ def shifted(name, metres, sign=1.0):
 CONJUNCTION = Conjunction(12345.678901, participant("ours"), participant("other", -1.0), 20.0)
 
 
+@pytest.fixture
+def message(tmp_path):
+    """The conjunction as a message."""
+    cdm.write(tmp_path / "one.cdm", CONJUNCTION, epoch=EPOCH)
+    return tmp_path / "one.cdm"
+
+
 @pytest.mark.parametrize("number", PUBLISHED)
 def test_published_cases_have_their_probability(number):
     conjunction = cdm.read(shared(f"real/cdm/AlfanoTestCase{number:02d}.cdm"), epoch=EPOCH)
@@ -44,19 +54,37 @@ def test_published_cases_have_their_probability(number):
     assert chance(conjunction.encounter).probability == pytest.approx(PUBLISHED[number], rel=1e-4)
 
 
-def test_what_is_written_comes_back(tmp_path):
-    path = tmp_path / "one.cdm"
-    cdm.write(path, CONJUNCTION, epoch=EPOCH)
-    found = cdm.read(path, epoch=EPOCH)
+def test_what_is_written_comes_back(message):
+    found = cdm.read(message, epoch=EPOCH)
     assert found.t == pytest.approx(CONJUNCTION.t, abs=1e-6)
     assert found.radius == CONJUNCTION.radius
     for one, other in ((found.first, CONJUNCTION.first), (found.second, CONJUNCTION.second)):
         assert one.identity == other.identity
         np.testing.assert_array_equal(one.state, other.state)
         np.testing.assert_array_equal(one.covariance, other.covariance)
-    text = path.read_text()
+    text = message.read_text()
     assert f"COLLISION_PROBABILITY = {CONJUNCTION.chance.probability!r}" in text
     assert f"RELATIVE_POSITION_R = {float(CONJUNCTION.relative[0])!r} [m]" in text
+
+
+def test_states_on_the_turning_earth_are_those_of_gcrf(tmp_path):
+    """Velocities on it are differences of positions on it."""
+    path, t = tmp_path / "one.cdm", CONJUNCTION.t + np.array([-0.5, 0.0, 0.5])
+    cdm.write(path, CONJUNCTION, epoch=EPOCH)
+    turns = gcrf_to_itrf(earth_orientation.tabulate(EPOCH, 3600.0 * np.arange(12.0)), t)
+    text = path.read_text().replace("REF_FRAME = GCRF", "REF_FRAME = ITRF")
+    for one in (CONJUNCTION.first, CONJUNCTION.second):
+        positions = one.state[:3] + np.outer(t - CONJUNCTION.t, one.state[3:])
+        before, now, after = np.einsum("nij,nj->ni", turns, positions)
+        for name, old, new in zip(cdm._STATE, one.state, [*now, *(after - before)], strict=True):
+            text = text.replace(
+                f"\n{name} = {ccsds.number_text(old, -3)} ", f"\n{name} = {1e-3 * float(new)!r} ", 1
+            )
+    path.write_text(text)
+    found = cdm.read(path, epoch=EPOCH)
+    np.testing.assert_allclose(found.first.state, CONJUNCTION.first.state, rtol=0.0, atol=1e-3)
+    np.testing.assert_allclose(found.second.state, CONJUNCTION.second.state, rtol=0.0, atol=1e-3)
+    assert found.chance.probability == pytest.approx(CONJUNCTION.chance.probability, rel=1e-3)
 
 
 def test_the_common_error_of_density_comes_back_and_makes_another_probability(tmp_path):
@@ -111,15 +139,13 @@ def test_messages_are_named_by_objects_and_time_and_need_both_covariances(tmp_pa
 
 
 @pytest.mark.parametrize(("old", "new", "expected"), refusals("cdm"))
-def test_damaged_messages_are_told_in_one_line(tmp_path, old, new, expected):
-    path = tmp_path / "one.cdm"
-    cdm.write(path, CONJUNCTION, epoch=EPOCH)
-    text = path.read_text()
+def test_damaged_messages_are_told_in_one_line(message, old, new, expected):
+    text = message.read_text()
     assert old in text
-    path.write_text(text.replace(old, new, 1))
+    message.write_text(text.replace(old, new, 1))
     with pytest.raises(InputError, match=expected) as raised:
-        cdm.read(path, epoch=EPOCH)
-    assert str(raised.value).startswith(str(path))
+        cdm.read(message, epoch=EPOCH)
+    assert str(raised.value).startswith(str(message))
     assert "\n" not in str(raised.value)
 
 
@@ -146,21 +172,17 @@ def test_other_files_are_no_cdm():
 
 
 @pytest.mark.parametrize("text", ["20.0", "20.0 [m]", "0.02 [km]", "0.02[km]"])
-def test_the_radius_has_the_unit_that_it_tells(tmp_path, text):
-    path = tmp_path / "one.cdm"
-    cdm.write(path, CONJUNCTION, epoch=EPOCH)
-    path.write_text(path.read_text().replace("HBR = 20.0", f"HBR = {text}"))
-    assert cdm.read(path, epoch=EPOCH).radius == pytest.approx(20.0)
+def test_the_radius_has_the_unit_that_it_tells(message, text):
+    message.write_text(message.read_text().replace("HBR = 20.0", f"HBR = {text}"))
+    assert cdm.read(message, epoch=EPOCH).radius == pytest.approx(20.0)
 
 
-def test_the_caller_knows_the_radius_better(tmp_path, capsys):
-    path = tmp_path / "one.cdm"
-    cdm.write(path, CONJUNCTION, epoch=EPOCH)
-    assert cdm.read(path, epoch=EPOCH, radius=5.0).radius == 5.0
-    path.write_text(path.read_text().replace("COMMENT HBR = 20.0\n", ""))
-    assert cli.main(["screen", str(path), "--radius", "20", "--csv"]) == 0
+def test_the_caller_knows_the_radius_better(message, capsys):
+    assert cdm.read(message, epoch=EPOCH, radius=5.0).radius == 5.0
+    message.write_text(message.read_text().replace("COMMENT HBR = 20.0\n", ""))
+    assert cli.main(["screen", str(message), "--radius", "20", "--csv"]) == 0
     assert f"{CONJUNCTION.chance.probability:.6}"[:6] in capsys.readouterr().out
-    assert cli.main(["screen", str(path), "--radius", "-1"]) == 1
+    assert cli.main(["screen", str(message), "--radius", "-1"]) == 1
     assert capsys.readouterr().err == "opml: radius: expected a length above 0, got -1 m\n"
 
 
@@ -203,6 +225,21 @@ def test_real_conjunctions_have_nasas_probability_by_monte_carlo():
         assert is_near or abs(ratio - 1.0) < within, row.Conjunction_ID
     assert methods.count("2D-Nc") == 25
     assert methods.count("3D-Nc") == 2
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_covariance_that_is_none_is_told(sign, tmp_path):
+    """Position and velocity of a real object agree; with another sign no errors have such covariances."""
+    name = "000020580_conj_000002017_20230613_001923_20230608_063715"
+    real = cdm.read(shared(f"real/cara/{name}.cdm.gz"), epoch=EPOCH)
+    covariance = real.first.covariance.copy()
+    covariance[[0, 1], [1, 0]] *= sign
+    cdm.write(
+        tmp_path / "one.cdm", replace(real, first=replace(real.first, covariance=covariance)), epoch=EPOCH
+    )
+    (row,) = as_text.table([cdm.read(tmp_path / "one.cdm", epoch=EPOCH)], epoch=EPOCH).to_dict("records")
+    assert ("covariance not positive definite" in row["remark"]) == (sign < 0.0)
+    assert 0.0 <= row["correlated"] <= row["probability"] < 1e-3
 
 
 def test_the_method_is_in_the_row_and_in_the_message(tmp_path):

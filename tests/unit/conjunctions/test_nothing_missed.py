@@ -40,7 +40,7 @@ def turned(vector, axis, angle):
     return vector * cosine + np.cross(axis, vector) * sine + axis * (axis @ vector) * (1.0 - cosine)
 
 
-def propagator(rng, out, distance, most_eccentric):
+def velocity_of_orbit(rng, out, distance, most_eccentric):
     """The velocity of an orbit with a perigee above 6450 km, at a distance from the Earth in a direction."""
     e, nu = rng.uniform(0.0, most_eccentric), rng.uniform(-2.5, 2.5)
     if distance * (1.0 + e * np.cos(nu)) / (1.0 + e) < 6.45e6:
@@ -53,7 +53,7 @@ def propagator(rng, out, distance, most_eccentric):
 def met(rng, most_eccentric):
     """The states of two objects on crossing orbits that pass each other within two kilometres."""
     out, distance = direction(rng), rng.uniform(6.5e6, 9e6)
-    velocities = [propagator(rng, out, distance, most_eccentric) for _ in range(2)]
+    velocities = [velocity_of_orbit(rng, out, distance, most_eccentric) for _ in range(2)]
     return beside(rng, distance * out, *velocities)
 
 
@@ -66,7 +66,7 @@ def beside(rng, position, one, other):
 def keeping_up(rng):
     """The states of two objects that hardly move relative to each other, or not at all."""
     out, distance = direction(rng), rng.uniform(6.6e6, 8.5e6)
-    velocity = propagator(rng, out, distance, 0.3)
+    velocity = velocity_of_orbit(rng, out, distance, 0.3)
     slowly = rng.choice([0.0, 1e-3, 0.1, 1.0, 10.0]) * direction(rng)
     return beside(rng, distance * out, velocity, velocity + slowly)
 

@@ -44,9 +44,14 @@ def files(tmp_path):
     return paths, at, miss
 
 
+def screened(paths, *, within=5000.0):
+    """What is found where objects of 20 m pass each other."""
+    return screening.screen(screening.read(paths), within=within, radius=20.0)
+
+
 def test_the_meeting_is_found_with_the_covariances_of_its_time(files):
     paths, at, miss = files
-    found = screening.screen(screening.read(paths), within=5000.0, radius=20.0)
+    found = screened(paths)
     (one,) = (one for one in found if abs(np.linalg.norm(one.relative[:3]) - miss) < 1.0)
     scale = 1.0 + 2.0 * at / T[-1]
     for participant in (one.first, one.second):
@@ -108,7 +113,7 @@ def flown_set(path, *, eccentricity=0.001):
 @pytest.mark.parametrize("eccentricity", [0.001, 0.05], ids=["round", "eccentric"])
 def test_mean_elements_have_the_covariance_that_is_usual_for_round_orbits(eccentricity, files, tmp_path):
     sets = flown_set(tmp_path / "sets.tle", eccentricity=eccentricity)
-    found = screening.screen(screening.read([files[0][0], sets]), within=1.5e7, radius=20.0)
+    found = screened([files[0][0], sets], within=1.5e7)
     assert found
     remark = ("covariance of 77 as sets at its height usually err",)
     for one in found:
@@ -142,7 +147,7 @@ def test_sets_share_what_the_density_is_off_by(files, tmp_path):
 
 def test_without_a_covariance_it_is_said(files, tmp_path):
     sets = flown_set(tmp_path / "sets.tle", eccentricity=0.05)
-    found = screening.screen(screening.read([files[0][0], sets]), within=1.5e7, radius=20.0)
+    found = screened([files[0][0], sets], within=1.5e7)
     (row,) = as_text.table(found[:1], epoch=EPOCH).to_dict("records")
     assert "77 without covariance" in row["remark"]
 
@@ -198,16 +203,14 @@ def test_a_meeting_is_not_missed(meeting, tmp_path):
         written(tmp_path / "ours.oem", "DEB", ours, **{"identifier": "2000-001A"} | ours_known),
         written(tmp_path / "other.oem", "DEB", other, **{"identifier": "2000-001B"} | other_known),
     ]
-    found = screening.screen(screening.read(paths), within=1e3, radius=20.0)
+    found = screened(paths, within=1e3)
     nearest = min(np.linalg.norm(one.relative[:3]) for one in found)
     assert nearest == pytest.approx(miss, abs=12.0)
 
 
 def test_where_nothing_is_known_beyond_it_is_said(tmp_path):
     ours = written(tmp_path / "ours.oem", "ours", OURS, edges=(0.0, 9000.0))
-    found = screening.screen(
-        screening.read([ours, written(tmp_path / "b.oem", "b", SLOWER)]), within=1e3, radius=20.0
-    )
+    found = screened([ours, written(tmp_path / "b.oem", "b", SLOWER)], within=1e3)
     *_, row = as_text.table(found, epoch=EPOCH).to_dict("records")
     assert row["remark"] == "nothing known beyond; no covariance"
     assert row["tca"] == "2023-05-01T02:30:00.000000"
@@ -225,17 +228,13 @@ def elements(path, *, epoch=RUN, identifier="2001-001A", bstar=0.0):
 def test_our_own_elements_are_not_held_against_us_and_it_is_said(tmp_path, caplog):
     ours = written(tmp_path / "ours.oem", "ISS", OURS, identifier="2001-001-A")
     other = written(tmp_path / "other.oem", "b", CROSSING)
-    found = screening.screen(
-        screening.read([ours, other, elements(tmp_path / "own.omm")]), within=1.5e7, radius=20.0
-    )
+    found = screened([ours, other, elements(tmp_path / "own.omm")], within=1.5e7)
     assert {one.second.identity.name for one in found} == {"b"}
     assert caplog.messages == ["own.omm: SAT (77, 2001-001A) is ours itself"]
 
 
 def test_elements_in_the_first_place_are_ours(files, tmp_path):
-    found = screening.screen(
-        screening.read([elements(tmp_path / "own.omm"), *files[0]]), within=1.5e7, radius=20.0
-    )
+    found = screened([elements(tmp_path / "own.omm"), *files[0]], within=1.5e7)
     assert {one.first.identity.name for one in found} == {"SAT"}
     assert {one.second.identity.name for one in found} == {"ours", "other"}
 
@@ -251,14 +250,14 @@ AGES = {
 def test_the_age_of_elements_is_told(epoch, tmp_path):
     ours = written(tmp_path / "ours.oem", "ours", OURS)
     sets = elements(tmp_path / "sets.omm", epoch=epoch)
-    found = screening.screen(screening.read([ours, sets]), within=1.5e7, radius=20.0)
+    found = screened([ours, sets], within=1.5e7)
     assert [list(one.second.remarks) for one in found] == [AGES[epoch]] * len(found)
     assert found
 
 
 def test_elements_that_are_too_old_do_not_fly(files, tmp_path, caplog):
     sets = elements(tmp_path / "sets.omm", epoch="2005-01-01T00:00:00")
-    screening.screen(screening.read([*files[0], sets]), within=1.0, radius=20.0)
+    screened([*files[0], sets], within=1.0)
     told = "unknown from 2023-05-01T00:00:00 to 2023-05-03T00:00:00: its elements are of 2005-01-01T00:00:00"
     assert caplog.messages == [f"SAT (77, 2001-001A): {told}"]
     with pytest.raises(InputError, match=r"expected elements that SGP4 propagates from 2023-05-01"):
@@ -270,7 +269,7 @@ def test_covariances_do_not_reach_beyond_their_times(tmp_path):
     segment = oem.Segment("ours", t, kepler(OURS, 9000.0, t), t[:1], COVARIANCE[None], covariance_frame="RSW")
     oem.write(tmp_path / "ours.oem", [segment], epoch=RUN)
     paths = [tmp_path / "ours.oem", written(tmp_path / "other.oem", "b", CROSSING)]
-    rows = as_text.table(screening.screen(screening.read(paths), within=1e3, radius=20.0), epoch=EPOCH)
+    rows = as_text.table(screened(paths, within=1e3), epoch=EPOCH)
     expected = ["b without covariance"] + ["covariances of ours are of other times; no covariance"] * 6
     assert rows["remark"].tolist() == expected
     assert rows["probability"].isna().tolist() == [False] + [True] * 6
@@ -290,10 +289,10 @@ def test_a_covariance_that_no_orbit_has_is_told(times, known, files, tmp_path):
     (one,) = oem.read(paths[1], epoch=RUN)
     odd = replace(one, covariances=times * one.covariances)
     oem.write(tmp_path / "odd.oem", [odd], epoch=RUN)
-    found = screening.screen(screening.read([paths[0], tmp_path / "odd.oem"]), within=5000.0, radius=20.0)
+    found = screened([paths[0], tmp_path / "odd.oem"])
     told = as_text.table(found, epoch=EPOCH)["remark"]
     assert told.str.contains(known).all()
-    usual = as_text.table(screening.screen(screening.read(paths), within=5000.0, radius=20.0), epoch=EPOCH)
+    usual = as_text.table(screened(paths), epoch=EPOCH)
     assert not usual["remark"].str.contains("known to").any()
 
 
@@ -388,9 +387,9 @@ def test_ephemerides_that_share_no_time_are_told(short, files, tmp_path, caplog)
     late = tmp_path / "late.oem"
     oem.write(late, [replace(segment, name="late", identity=UNKNOWN, t=segment.t + 1e7)], epoch=EPOCH)
     with pytest.raises(InputError, match=r"another ephemeris from 2023-05-01T00:00:00 to .*, got none"):
-        screening.screen(screening.read([short, late]), within=1e3, radius=20.0)
+        screened([short, late], within=1e3)
     caplog.clear()
-    assert screening.screen(screening.read([short, late, files[0][1]]), within=1.0, radius=20.0) == []
+    assert screened([short, late, files[0][1]], within=1.0) == []
     assert caplog.messages == ["late: unknown from 2023-05-01T00:00:00 to 2023-05-01T00:20:00"]
 
 
@@ -407,7 +406,7 @@ def test_a_radius_of_no_object_is_refused(short, files):
 
 def test_segments_that_hold_the_same_states_tell_an_approach_once(files):
     paths, *_ = files
-    once = screening.screen(screening.read(paths), within=5000.0, radius=20.0)
+    once = screened(paths)
     (segment,) = oem.read(paths[1], epoch=RUN)
     part, covered = T[len(T) // 2 + 90] > T, segment.covariance_t < T[len(T) // 2 + 90]
     begin = replace(
@@ -419,16 +418,16 @@ def test_segments_that_hold_the_same_states_tell_an_approach_once(files):
     )
     oem.write(paths[1], [begin, segment], epoch=RUN)
     assert len(screening.read(paths)[1].trajectories) == 2
-    again = screening.screen(screening.read(paths), within=5000.0, radius=20.0)
+    again = screened(paths)
     assert [one.t for one in again] == pytest.approx([one.t for one in once], abs=1e-6)
 
 
 def test_another_solution_of_the_same_time_is_told_too(files):
     paths, *_ = files
-    once = screening.screen(screening.read(paths), within=5000.0, radius=20.0)
+    once = screened(paths)
     (segment,) = oem.read(paths[1], epoch=RUN)
     oem.write(paths[1], [replace(segment, covariances=4.0 * segment.covariances), segment], epoch=RUN)
-    assert len(screening.screen(screening.read(paths), within=5000.0, radius=20.0)) == 2 * len(once)
+    assert len(screened(paths)) == 2 * len(once)
 
 
 def test_times_beyond_known_leap_seconds_are_written_without_a_warning(recwarn):
@@ -445,7 +444,7 @@ def test_a_message_is_no_ephemeris(short, tmp_path):
 def test_what_cannot_be_screened_is_told_in_one_line(files, tmp_path):
     paths, *_ = files
     with pytest.raises(InputError, match=r"^conjunctions: expected ephemerides of another object than"):
-        screening.screen(screening.read([paths[0], paths[0]]), within=1e3, radius=20.0)
+        screened([paths[0], paths[0]], within=1e3)
     sets = tmp_path / "nothing.tle"
     sets.write_text("nothing\n")
     assert "nothing.tle" in refusal(screening.read, [paths[0], sets])

@@ -10,6 +10,7 @@ from opml.base.constants import DAY, HOUR, WGS84_A
 from opml.dynamics import ensemble
 from opml.dynamics.ensemble import REASONS, Departures, propagate
 from opml.dynamics.kernels.gravity import weights
+from opml.dynamics.kernels.lanes import WIDTH
 from opml.dynamics.settings import Integrator
 from opml.orbits.elements import TURN, cartesian_from_coe, coe_from_cartesian, true_from_mean_anomaly
 
@@ -316,6 +317,13 @@ def test_no_step_has_midnight_in_it(assumed_model, way):
     assert np.linalg.norm(coarse[:, :3] - fine[:, :3], axis=1).max() < 1e-3
     over = assumed_model._replace(midnight=assumed_model.midnight + 0.5 * DAY)  # the same sky at noon
     assert np.linalg.norm(fly(over, epochs, states, reflection=0.0).path(0)[-1, :3] - fine[-1, :3]) > 1.0
+
+
+def test_arcs_of_a_block_are_about_as_long():
+    """Windows of one and of three days, in turn: no short arc idles in its lane while a long one flies."""
+    days, ends = np.tile([1.0, 3.0], 2 * WIDTH), np.arange(4 * WIDTH)
+    blocks = list(ensemble._blocks(days, np.repeat([0, 1], 2 * WIDTH), ends, ends))
+    assert [sorted(set(days[block])) for block in blocks] == [[1.0], [1.0], [3.0], [3.0]]
 
 
 def test_progress_ends_at_one(assumed_model):

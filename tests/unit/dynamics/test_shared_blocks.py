@@ -89,17 +89,18 @@ def test_it_is_the_arc_that_flies_without_a_raster_but_for_its_steps(assumed_mod
     assert np.linalg.norm((one.states - plain.states)[:, :3], axis=1).max() < 0.01
 
 
-def test_arcs_of_all_callers_are_one_flight_and_those_that_begin_first_are_first(assumed_model, flights):
+def test_arcs_of_all_callers_are_one_flight_and_the_shortest_are_first(assumed_model, flights):
+    """Who has short ones again does not keep the long ones of others from waiting for his."""
     blocks, ahead = SharedBlocks(), partial(caller, epochs=RASTER, seed=1)
     back = partial(caller, epochs=SPANS["back"], seed=1)
     blocks.run(
         [
             partial(ahead, blocks, assumed_model, rounds=2),
-            partial(back, blocks, assumed_model, rounds=1),
+            partial(back, blocks, assumed_model, rounds=2),
             partial(ahead, blocks, assumed_model, rounds=1),
         ]
     )
-    assert flights == [6, 3, 3]
+    assert flights == [3, 3, 6, 3]
 
 
 def test_arcs_beyond_the_most_that_fly_at_once_fly_next(assumed_model, flights, monkeypatch):

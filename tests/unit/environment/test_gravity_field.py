@@ -178,75 +178,42 @@ def test_eigen_6s_out_of_reach_is_said_in_one_line(tmp_path, monkeypatch):
 CONTENT = (HEAD + ROWS).encode()
 
 
-class Answers(BaseHTTPRequestHandler):
-    """Answers as its classes do, without a word on stderr."""
+ALL = len(CONTENT)
+OUT_OF_REACH = "expected http.* within reach, got "
+ANSWERS = {  # status, length that is promised, content that comes, and what is said of it
+    "another file": (200, ALL - 1, CONTENT[1:], "expected SHA-256 .* got another"),
+    "half of it": (200, ALL, CONTENT[: ALL // 2], OUT_OF_REACH),
+    "its beginning, then nothing": (200, ALL, CONTENT[:100], OUT_OF_REACH),
+    "a circle": (302, 0, b"", OUT_OF_REACH + "TooManyRedirects"),
+    "a page of its own": (404, ALL, CONTENT, OUT_OF_REACH + "HTTPError"),
+}
 
-    def answer(self, status, length, content, **headers):
+
+class Handler(BaseHTTPRequestHandler):
+    """Answers as its server is told to, without a word on stderr."""
+
+    def do_GET(self):
+        status, length, content = self.server.answers.get(self.path, self.server.answers["/"])
         self.send_response(status)
-        for key, value in headers.items():
-            self.send_header(key, value)
+        self.send_header("Location", "/moved")
         self.send_header("Content-Length", str(length))
         self.end_headers()
         self.wfile.write(content)
+        if len(content) == 100:  # keeps the line open
+            self.wfile.flush()
+            self.server.over.wait(10.0)
 
     def log_message(self, *_):
         pass
-
-
-class Lies(Answers):
-    """Says all is well, and sends another file."""
-
-    def do_GET(self):
-        self.answer(200, len(CONTENT) - 1, CONTENT[1:])
-
-
-class Truncates(Answers):
-    """Promises the whole file and hangs up half-way."""
-
-    def do_GET(self):
-        self.answer(200, len(CONTENT), CONTENT[: len(CONTENT) // 2])
-
-
-class Stalls(Answers):
-    """Sends the beginning, then nothing, and keeps the line open."""
-
-    def do_GET(self):
-        self.answer(200, len(CONTENT), CONTENT[:100])
-        self.wfile.flush()
-        self.server.over.wait(10.0)
-
-
-class Circles(Answers):
-    """Sends the client round in circles."""
-
-    def do_GET(self):
-        self.answer(302, 0, b"", Location=self.path)
-
-
-class Refuses(Answers):
-    """Has no such file, and says so on a page of its own."""
-
-    def do_GET(self):
-        self.answer(404, len(CONTENT), CONTENT)
-
-
-class Redirects(Answers):
-    """Has moved the file."""
-
-    def do_GET(self):
-        if self.path == "/moved":
-            self.answer(200, len(CONTENT), CONTENT)
-        else:
-            self.answer(302, 0, b"", Location="/moved")
 
 
 @pytest.fixture
 def fetched(tmp_path, monkeypatch):
     """Fetches EIGEN-6S, whose content is told to be CONTENT, from a server of its own into an empty cache."""
 
-    def fetch(handler):
-        with ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
-            server.over = Event()
+    def fetch(answers):
+        with ThreadingHTTPServer(("127.0.0.1", 0), Handler) as server:
+            server.answers, server.over = answers, Event()
             Thread(target=server.serve_forever, daemon=True).start()
             monkeypatch.setenv("OPML_CACHE", str(tmp_path))
             monkeypatch.setattr(gravity_field, "EIGEN_6S_URL", f"http://127.0.0.1:{server.server_port}/")
@@ -261,30 +228,22 @@ def fetched(tmp_path, monkeypatch):
     return fetch
 
 
-@pytest.mark.parametrize(
-    ("handler", "message"),
-    [
-        (Lies, "expected SHA-256 .* got another"),
-        (Truncates, "expected http.* within reach, got "),
-        (Stalls, "expected http.* within reach, got "),
-        (Circles, "expected http.* within reach, got TooManyRedirects"),
-        (Refuses, "expected http.* within reach, got HTTPError"),
-    ],
-)
-def test_a_fetch_that_goes_wrong_is_said_and_leaves_nothing(tmp_path, fetched, handler, message):
+@pytest.mark.parametrize("case", ANSWERS)
+def test_a_fetch_that_goes_wrong_is_said_and_leaves_nothing(tmp_path, fetched, case):
+    *answer, message = ANSWERS[case]
     with pytest.raises(InputError, match=rf"^EIGEN-6S: {message}"):
-        fetched(handler)
+        fetched({"/": answer})
     assert not [path for path in tmp_path.rglob("*") if path.is_file()]
 
 
 def test_a_file_that_has_moved_is_fetched(fetched):
-    assert gravity_field.read_icgem(fetched(Redirects)).name == "TOY"
+    moved = {"/": (302, 0, b""), "/moved": (200, ALL, CONTENT)}
+    assert gravity_field.read_icgem(fetched(moved)).name == "TOY"
 
 
 def test_eigen_6s_in_the_cache_is_used_without_network(tmp_path, monkeypatch):
-    content = (HEAD + ROWS).encode()
-    (tmp_path / "eigen-6s.gfc").write_bytes(content)
+    (tmp_path / "eigen-6s.gfc").write_bytes(CONTENT)
     monkeypatch.setenv("OPML_CACHE", str(tmp_path))
     monkeypatch.setattr(gravity_field, "EIGEN_6S_URL", "http://127.0.0.1:9/")
-    monkeypatch.setattr(gravity_field, "_EIGEN_6S_SHA256", hashlib.sha256(content).hexdigest())
+    monkeypatch.setattr(gravity_field, "_EIGEN_6S_SHA256", hashlib.sha256(CONTENT).hexdigest())
     assert gravity_field.read_icgem(gravity_field.resolve("EIGEN-6S")).name == "TOY"

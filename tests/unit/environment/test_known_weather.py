@@ -1,5 +1,7 @@
 """What an assumed model knows of the weather: nothing that was measured later."""
 
+from functools import partial
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -40,41 +42,39 @@ def mjd(utc):
     return float(sum(epochs.utc(utc, 0.0))) - epochs.MJD_ZERO
 
 
-@pytest.mark.parametrize("utc", ["2016-09-29T00:00:00", "2016-09-29T20:00:00", "2016-09-30T04:12:00"])
-@pytest.mark.parametrize("forecast", FORECASTS)
-def test_no_outlook_knows_what_was_measured_after_its_issue(tmp_path, monkeypatch, utc, forecast):
-    expected = outlooks(forecast=forecast)
+def futures(forecast):
+    issues = Issues(source="OBSERVED", epoch=EPOCH, forecast=FORECASTS[forecast], issue_hours=6, max_days=1)
+    return known_weather.tabulate_futures(issues, T, members=3)
+
+
+EVENING = "2016-09-29T20:00:00"
+TABLES = {
+    **{
+        f"outlooks by {name}, {utc}": (partial(outlooks, forecast=name), "issued", utc)
+        for name in FORECASTS
+        for utc in ("2016-09-29T00:00:00", EVENING, "2016-09-30T04:12:00")
+    },
+    **{f"futures by {name}": (partial(futures, name), "issued", EVENING) for name in FORECASTS},
+    "hindcast": (partial(known_weather.hindcast, "OBSERVED", EPOCH, T), "t", EVENING),
+}
+
+
+@pytest.mark.parametrize("table", TABLES)
+def test_no_table_knows_what_was_measured_after_its_issue(tmp_path, monkeypatch, table):
+    tabulate, time, utc = TABLES[table]
+    expected = tabulate()
     other = other_after(tmp_path / "other.csv", mjd(utc))
     # As the source of the run, and as the history to learn from.
     monkeypatch.setitem(solar_activity.PACKAGED, "OBSERVED", str(other))
-    found = outlooks(forecast=forecast)
-    known = expected["issued"] <= epochs.seconds_between(EPOCH, utc)
+    found = tabulate()
+    known = expected[time] <= epochs.seconds_between(EPOCH, utc)
     assert 0.2 < known.mean() < 0.8
     pd.testing.assert_frame_equal(found[known], expected[known], check_exact=True)
     assert not found[~known].equals(expected[~known])
 
 
-@pytest.mark.parametrize("forecast", FORECASTS)
-def test_no_future_knows_what_was_measured_after_its_issue(tmp_path, monkeypatch, forecast):
-    utc = "2016-09-29T20:00:00"
-    issues = Issues(source="OBSERVED", epoch=EPOCH, forecast=FORECASTS[forecast], issue_hours=6, max_days=1)
-    expected = known_weather.tabulate_futures(issues, T, members=3)
-    other = other_after(tmp_path / "other.csv", mjd(utc))
-    monkeypatch.setitem(solar_activity.PACKAGED, "OBSERVED", str(other))
-    found = known_weather.tabulate_futures(issues, T, members=3)
-    known = expected["issued"] <= epochs.seconds_between(EPOCH, utc)
-    pd.testing.assert_frame_equal(found[known], expected[known], check_exact=True)
-    assert not found[~known].equals(expected[~known])
-    assert expected.groupby("issued")["member"].nunique().eq(3).all()
-
-
-def test_no_hindcast_knows_what_was_measured_after_its_time(tmp_path):
-    utc = "2016-09-29T20:00:00"
-    expected = known_weather.hindcast("OBSERVED", EPOCH, T)
-    found = known_weather.hindcast(other_after(tmp_path / "other.csv", mjd(utc)), EPOCH, T)
-    known = epochs.seconds_between(EPOCH, utc) >= T
-    pd.testing.assert_frame_equal(found[known], expected[known], check_exact=True)
-    assert not found[~known].equals(expected[~known])
+def test_each_issue_has_all_members_of_futures():
+    assert futures("persistence").groupby("issued")["member"].nunique().eq(3).all()
 
 
 def test_a_forecast_starts_from_what_is_measured_and_reaches_beyond(tmp_path):

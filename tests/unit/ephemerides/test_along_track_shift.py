@@ -85,7 +85,8 @@ def test_an_ephemeris_of_steps_of_five_minutes_misses_where_the_whole_path_does(
     table = pd.DataFrame(predicted, columns=STATE).assign(t_j=T, t_i=0.0)[::5]
     later = pd.DataFrame(true, columns=STATE).assign(t_j=T)
     misses = [
-        missed(table, along[None, ::5], later.iloc[rows], now=0.0) for rows in ([9, 2003, 4300], [2003])
+        pd.DataFrame(missed(table, along[None, ::5], later.iloc[rows], now=0.0))
+        for rows in ([9, 2003, 4300], [2003])
     ]
     pd.testing.assert_frame_equal(misses[0].iloc[[1]].reset_index(drop=True), misses[1], rtol=0, atol=1e-6)
     assert (misses[0]["before"].abs() > 10.0).all()

@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from element_histories import history
+from fits import estimates_on, on_orbit
 from support import force_model
 
 from opml.base.constants import DAY
@@ -25,7 +26,7 @@ from opml.interop.element_sets import sgp4_baseline
 from opml.interop.object_ids import ObjectId
 from opml.learning.judge.error_sizes import Sizes
 from opml.learning.models.linear_law import LinearLaw
-from opml.orbits.elements import cartesian_from_coe, in_rsw
+from opml.orbits.elements import in_rsw
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.orbits.rsw_covariance import rates
 from opml.tables import (
@@ -88,15 +89,10 @@ OPTIONS = {"spreads": spreads, "first_morning": 0.0}
 
 def estimates(gm, cd, ahead=0.0):
     """Estimates on one low orbit, `ahead` [m] of it, with a covariance that ties drag to the velocity."""
-    coe = np.tile([6.77e6, 1e-3, 0.9, 0.3, 1.2, 0.0], (len(TIMES), 1))
-    coe[:, 5] = np.sqrt(gm / coe[0, 0] ** 3) * TIMES + ahead / 6.77e6
     covariance = np.diag([9.0, 9.0, 9.0, 1e-6, 1e-6, 1e-6, 0.01])
     covariance[6, 3] = covariance[3, 6] = 5e-5
-    table = pd.DataFrame({"track": np.arange(len(TIMES)), "t": TIMES, "converged": True})
-    table[STATE] = cartesian_from_coe(coe, gm)
-    return table.assign(
-        cd=cd, **dict(zip(PARAMETER_COVARIANCES, covariance[np.tril_indices(7)], strict=True))
-    )
+    states = on_orbit(TIMES, gm, ahead=ahead / 6.77e6)
+    return estimates_on(TIMES, states, covariance=covariance, cd=cd, track=np.arange(len(TIMES)))
 
 
 @pytest.fixture(scope="module")

@@ -3,14 +3,13 @@
 import numpy as np
 import pandas as pd
 import pytest
-from support import EPOCH, environment, force_model
+import weather_files
+from support import EPOCH, force_model
 
 from opml.base.constants import DAY, HOUR
 from opml.catalog.propagator import Propagator
 from opml.catalog.simulate.truth import initial_state
 from opml.dynamics.forces import with_outlooks
-from opml.environment import known_weather
-from opml.environment.known_weather import Issues
 from opml.ephemerides import forecast
 from opml.ephemerides.ephemeris_task import Grid, Task
 from opml.ephemerides.known_tables import KnownTables
@@ -32,11 +31,7 @@ GRID = Grid(step=600.0, max_days=0.5, end=2.0 * DAY)
 
 @pytest.fixture(scope="module")
 def outlook():
-    t = environment()["solar_activity"]["t"].to_numpy()[:60]
-    return known_weather.outlooks(
-        Issues(source="OBSERVED", epoch=EPOCH, forecast={"kind": "persistence"}, issue_hours=24, max_days=1),
-        t,
-    )
+    return weather_files.outlook(60, days=1)
 
 
 @pytest.fixture(scope="module")

@@ -16,7 +16,8 @@ def scores():
         for band in (corrector_scores.ALL, 2)
         for lead in (1, 3)
     ]
-    shares = {f"{way}_{part}": 80.0 for way in ("scaled", "learned") for part in ("low", "median", "high")}
+    medians = {"scaled": 80.0, "learned": 80.0, "improved": 60.0}
+    shares = {f"{way}_{part}": one for way, one in medians.items() for part in ("low", "median", "high")}
     table = pd.DataFrame(rows).assign(**shares | {"learned_low": 70.0, "scaled_high": 95.0}, objects=7)
     return table.assign(learned_median=table["learned_median"] + 5.0 * (table["band"] == 2))
 
@@ -53,9 +54,7 @@ def test_headline_names_the_heights_of_its_shares_and_the_note_both_seasons():
 
 
 def test_every_test_has_a_panel_with_its_dates():
-    medians = {f"improved_{part}": 60.0 for part in ("low", "median", "high")}
-    table = scores().assign(**medians)
-    tests = pd.concat([table.assign(test=name) for name in ("summer", "rise")])
+    tests = pd.concat([scores().assign(test=name) for name in ("summer", "rise")])
     figure = every_season(tests, {"summer": "2026-05-31 on", "rise": "2022-11-01 on"})
     assert [axes.get_title("left") for axes in figure.axes] == ["2026-05-31 on", "2022-11-01 on"]
     for axes in figure.axes:
@@ -69,8 +68,7 @@ def test_every_test_has_a_panel_with_its_dates():
 
 def test_no_test_lies_outside_its_panel():
     """The second one is worse than SGP4, and more so than the first."""
-    medians = {f"improved_{part}": 60.0 for part in ("low", "median", "high")}
-    summer = scores().assign(test="summer", **medians)
+    summer = scores().assign(test="summer")
     storm = summer.assign(test="storm", improved_median=180.0, improved_high=220.0)
     figure = every_season(pd.concat([summer, storm]), {"summer": "", "storm": ""})
     assert figure.get_suptitle().strip() == (

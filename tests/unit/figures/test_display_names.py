@@ -8,35 +8,23 @@ from opml.learning.models import learners
 
 
 @pytest.mark.parametrize(
-    ("name", "words"),
+    ("display", "name", "words"),
     [
-        ("swarm", "Swarm A"),
-        ("hy2a", "HAIYANG 2A"),
-        ("iss_i50_a+20", "ISS-based RSO, i = 50 deg, a + 20 km"),
-        ("mine_a-5", "mine, a - 5 km"),
-        ("each RSO", "each RSO"),
+        (display_names.display_rso, "swarm", "Swarm A"),
+        (display_names.display_rso, "hy2a", "HAIYANG 2A"),
+        (display_names.display_rso, "iss_i50_a+20", "ISS-based RSO, i = 50 deg, a + 20 km"),
+        (display_names.display_rso, "mine_a-5", "mine, a - 5 km"),
+        (display_names.display_rso, "each RSO", "each RSO"),
+        (display_names.display_stations, "eglin", "one radar (Eglin)"),
+        (display_names.display_stations, "eglin-clear-kaena_noise43", "three radars (Eglin, Clear, Kaena)"),
+        (display_names.display_stations, "a-b-c-d", "4 radars (A, B, C, D)"),
+        (display_names.display_learner, "svr", "the paper's SVR"),
+        (display_names.display_learner, "sgp4", "SGP4"),
+        (display_names.display_learner, "mechanism", "mechanism"),
     ],
 )
-def test_rsos_in_words(name, words):
-    assert display_names.display_rso(name) == words
-
-
-@pytest.mark.parametrize(
-    ("name", "words"),
-    [
-        ("eglin", "one radar (Eglin)"),
-        ("eglin-clear-kaena_noise43", "three radars (Eglin, Clear, Kaena)"),
-        ("a-b-c-d", "4 radars (A, B, C, D)"),
-    ],
-)
-def test_stations_in_words(name, words):
-    assert display_names.display_stations(name) == words
-
-
-def test_the_paper_s_learner_is_told():
-    assert display_names.display_learner("svr") == "the paper's SVR"
-    assert display_names.display_learner("sgp4") == "SGP4"
-    assert display_names.display_learner("mechanism") == "mechanism"
+def test_names_in_words(display, name, words):
+    assert display(name) == words
 
 
 def described(settings):

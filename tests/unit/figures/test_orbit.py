@@ -3,6 +3,7 @@
 import numpy as np
 import pandas as pd
 import pytest
+from drawing import assert_inside
 from matplotlib.colors import to_hex
 
 from opml.base.constants import DAY
@@ -178,7 +179,4 @@ def test_stable_bytes_and_nothing_clipped(truth, tracking, tmp_path):
         style.save(two, *files[2:])
         assert files[0].read_bytes() == files[2].read_bytes()
         assert files[1].read_bytes() == files[3].read_bytes()
-        box = one.get_tightbbox()  # inches
-        assert min(box.x0, box.y0) >= 0.0
-        assert box.x1 <= one.get_figwidth()
-        assert box.y1 <= one.get_figheight()
+        assert_inside(one)

@@ -1,11 +1,8 @@
 """The curves of P_ML: what they draw, and that their files are the same bytes each time."""
 
-import os
-import subprocess
-import sys
-
 import pandas as pd
 import pytest
+from drawing import assert_inside, assert_same_in_another_process
 
 from opml.base.errors import InputError
 from opml.figures import p_ml_curves, style
@@ -214,31 +211,13 @@ def test_everything_stays_inside_the_column(metrics, transfers, scales):
         inclination_curve(with_seeds(transfers, (0.0, 1.0)), published=published),
         p_ml_curves.kernel_scale_sensitivity(scales, rules),
     ):
-        figure.draw_without_rendering()
-        box = figure.get_tightbbox()  # inches
-        assert box.x0 >= 0.0
-        assert box.y0 >= 0.0
-        assert box.x1 <= figure.get_figwidth()
-        assert box.y1 <= figure.get_figheight()
+        assert_inside(figure)
         assert figure.get_figwidth() in (pytest.approx(88.0 / 25.4), pytest.approx(180.0 / 25.4))
 
 
 @pytest.mark.slow
 def test_same_bytes_in_another_process(metrics, tmp_path):
-    figure = p_ml_curves.partition_curve(metrics, published=PUBLISHED)
-    style.save(figure, tmp_path / "a.pdf", tmp_path / "a.png")
-    metrics.to_json(tmp_path / "metrics.json", double_precision=15)
-    program = (
-        "import sys, pandas as pd\n"
-        "from opml.figures import p_ml_curves, style\n"
-        "metrics = pd.read_json(sys.argv[1] + '/metrics.json', precise_float=True)\n"
-        f"figure = p_ml_curves.partition_curve(metrics, published={PUBLISHED})\n"
-        "style.save(figure, sys.argv[1] + '/b.pdf', sys.argv[1] + '/b.png')\n"
-    )
-    environment = os.environ | {"PYTHONHASHSEED": "7", "TZ": "Asia/Tokyo", "SOURCE_DATE_EPOCH": "1"}
-    subprocess.run([sys.executable, "-c", program, str(tmp_path)], check=True, env=environment)
-    for kind in ("pdf", "png"):
-        assert (tmp_path / f"a.{kind}").read_bytes() == (tmp_path / f"b.{kind}").read_bytes()
+    assert_same_in_another_process([p_ml_curves.partition_curve], metrics, tmp_path)
 
 
 def test_failed_save_leaves_nothing(metrics, tmp_path):

@@ -1,13 +1,11 @@
 """The figures of prediction errors: the values they draw, their labels, and stable bytes."""
 
-import os
-import subprocess
-import sys
 from dataclasses import replace
 
 import numpy as np
 import pandas as pd
 import pytest
+from drawing import assert_inside, assert_same_in_another_process
 from matplotlib.colors import to_rgba
 from support import refusal
 
@@ -280,28 +278,19 @@ def test_the_context_says_what_was_trained_and_tested_and_which_rows_there_are(t
 
 
 @pytest.mark.parametrize(
-    ("name", "words"),
+    ("describe", "name", "words"),
     [
-        ("random-80_split43", "80 % of the predictions"),
-        ("grouped-80", "80 % of the estimates"),
-        ("days-0-30", "days 0 to 30"),
+        (axis_labels.describe_training, "random-80_split43", "80 % of the predictions"),
+        (axis_labels.describe_training, "grouped-80", "80 % of the estimates"),
+        (axis_labels.describe_training, "days-0-30", "days 0 to 30"),
+        (axis_labels.describe_test, "rest", "the rest"),
+        (axis_labels.describe_test, "seen-zscore", "the same rows, standardised alone"),
+        (axis_labels.describe_test, "days-30-40-unfenced", "days 30 to 40, no fences"),
+        (axis_labels.describe_test, "days-30-40-fence3", "days 30 to 40, fences of its own"),
     ],
 )
-def test_training_rows_in_words(name, words):
-    assert axis_labels.describe_training(name) == words
-
-
-@pytest.mark.parametrize(
-    ("name", "words"),
-    [
-        ("rest", "the rest"),
-        ("seen-zscore", "the same rows, standardised alone"),
-        ("days-30-40-unfenced", "days 30 to 40, no fences"),
-        ("days-30-40-fence3", "days 30 to 40, fences of its own"),
-    ],
-)
-def test_tested_rows_in_words(name, words):
-    assert axis_labels.describe_test(name) == words
+def test_trained_and_tested_rows_in_words(describe, name, words):
+    assert describe(name) == words
 
 
 def test_the_context_stands_in_the_figure(evaluation, told):
@@ -394,35 +383,14 @@ def test_everything_stays_inside(evaluation, pairs):
         (88.0, prediction_errors.individual_increased(evaluation, component="e_vx")),
         (88.0, prediction_errors.individual_distribution(evaluation)),
     ):
-        figure.draw_without_rendering()
-        box = figure.get_tightbbox()  # inches
         assert figure.get_figwidth() == pytest.approx(width / 25.4)
-        assert min(box.x0, box.y0) >= 0.0
-        assert box.x1 <= figure.get_figwidth()
-        assert box.y1 <= figure.get_figheight()
+        assert_inside(figure)
 
 
 @pytest.mark.slow
 def test_same_bytes_in_another_process(evaluation, tmp_path):
-    names = ("svr_absolute", "individual_increased")
-    for name in names:
-        figure = getattr(prediction_errors, name)(evaluation)
-        style.save(figure, tmp_path / f"a_{name}.pdf", tmp_path / f"a_{name}.png")
-    evaluation.to_json(tmp_path / "evaluation.json", double_precision=15)
-    program = (
-        "import sys, pandas as pd\n"
-        "from opml.figures import prediction_errors, style\n"
-        "evaluation = pd.read_json(sys.argv[1] + '/evaluation.json', precise_float=True)\n"
-        f"for name in {names}:\n"
-        "    stem = f'{sys.argv[1]}/b_{name}'\n"
-        "    style.save(getattr(prediction_errors, name)(evaluation), stem + '.pdf', stem + '.png')\n"
-    )
-    environment = os.environ | {"PYTHONHASHSEED": "7", "TZ": "Asia/Tokyo", "SOURCE_DATE_EPOCH": "1"}
-    subprocess.run([sys.executable, "-c", program, str(tmp_path)], check=True, env=environment)
-    for name in names:
-        for kind in ("pdf", "png"):
-            ours, theirs = (tmp_path / f"{run}_{name}.{kind}" for run in "ab")
-            assert ours.read_bytes() == theirs.read_bytes()
+    draws = [prediction_errors.svr_absolute, prediction_errors.individual_increased]
+    assert_same_in_another_process(draws, evaluation, tmp_path)
 
 
 @pytest.mark.slow

@@ -64,69 +64,50 @@ def test_an_interval_does_not_depend_on_the_others(orbit, attraction):
     np.testing.assert_allclose(one.coefficients[7], everything.coefficients[7], rtol=0, atol=1e-6)
 
 
-def jumps_of(orbit, attraction, cadence, change):
-    """Times of nodes, and jumps of an orbit whose states were changed."""
-    nodes = slice(None, None, int(cadence / STEP))
-    t, states = orbit[0][nodes], orbit[1][nodes].copy()
-    change(t, states)
+def jumps_of(t, states, attraction):
+    """Jumps of an orbit at its nodes, beside their times."""
     bridges: Bridges = bridge(t, states[:, :3], attraction, wanted=np.ones(len(t) - 1, bool))
     return t, bridges.jumps
 
 
-def test_a_smooth_orbit_has_no_breaks(orbit, attraction):
-    for cadence in (10.0, 60.0, 300.0):
-        found, jumping, broken = orbit_breaks.find(
-            *jumps_of(orbit, attraction, cadence, lambda t, states: None)
-        )
-        assert (found, jumping.any(), broken.any()) == ([], False, False)
+def kind_of(one):
+    return "seam" if one.is_seam else "one way" if one.one_way else ""
 
 
-def test_a_step_is_a_seam_between_two_nodes(orbit, attraction):
-    def shifted(t, states):
-        states[t >= 6000.0, :3] += [3.0, 4.0, 0.0]
-
-    found, jumping, broken = orbit_breaks.find(*jumps_of(orbit, attraction, 60.0, shifted))
-    assert (found[0].first, found[0].last, found[0].is_seam) == (99, 100, True)
-    assert found[0].step == pytest.approx(5.0, rel=0.01)
-    assert np.flatnonzero(jumping).tolist() == [99, 100]
-    assert np.flatnonzero(broken).tolist() == [99]
-
-
-def test_a_step_within_the_accuracy_of_an_orbit_is_bridged(orbit, attraction):
-    def shifted(t, states):
-        states[t >= 6000.0, 0] += 0.03
-
-    found, _, broken = orbit_breaks.find(*jumps_of(orbit, attraction, 10.0, shifted))
-    assert not any(one.is_seam or one.one_way for one in found)
-    assert not broken.any()
+FAR = np.random.default_rng(2).normal(0.0, 1e4, (5, 3))
+TO_AND_FRO = np.outer(np.where(np.arange(97) % 2, 4.0, -4.0), [1.0, 0.0, 0.0])
+MOVED = {  # cadence, nodes, by how much [m]; breaks: first and last node and kind; intervals that stay open
+    "none": (60.0, slice(0), 0.0, [], []),
+    "none, dense": (10.0, slice(0), 0.0, [], []),
+    "none, thin": (300.0, slice(0), 0.0, [], []),
+    "to and fro": (60.0, slice(84, None), TO_AND_FRO, [], []),
+    "a step": (60.0, slice(100, None), [3.0, 4.0, 0.0], [(99, 100, "seam")], [99]),
+    "a step within the accuracy": (10.0, slice(600, None), [0.03, 0.0, 0.0], [(599, 600, "")], []),
+    "one": (60.0, slice(100, 101), [0.0, 1e3, 0.0], [(99, 101, "")], [99, 100]),
+    "side by side": (60.0, slice(100, 105), FAR, [(99, 105, "")], range(99, 105)),
+    "the first": (60.0, slice(1), [0.0, 1e3, 0.0], [(1, 1, "one way")], [0]),
+    "the last": (60.0, slice(180, 181), [0.0, 1e3, 0.0], [(179, 179, "one way")], [179]),
+}
 
 
-def test_a_wrong_node_stands_alone(orbit, attraction):
-    def astray(t, states):
-        states[t == 6000.0, 1] += 1000.0
-
-    found, _, broken = orbit_breaks.find(*jumps_of(orbit, attraction, 60.0, astray))
-    assert [(one.first, one.last, one.is_seam, one.one_way) for one in found] == [(99, 101, False, False)]
-    assert np.flatnonzero(broken).tolist() == [99, 100]
-
-
-def test_wrong_nodes_side_by_side_stand_alone(orbit, attraction):
-    def astray(t, states):
-        states[100:105, :3] += np.random.default_rng(2).normal(0.0, 1e4, (5, 3))
-
-    found, _, broken = orbit_breaks.find(*jumps_of(orbit, attraction, 60.0, astray))
-    assert [(one.first, one.last) for one in found] == [(99, 105)]
-    assert np.flatnonzero(broken).tolist() == list(range(99, 105))
+@pytest.mark.parametrize(("cadence", "nodes", "by", "breaks", "are_open"), MOVED.values(), ids=MOVED)
+def test_breaks_are_where_nodes_were_moved(orbit, attraction, cadence, nodes, by, breaks, are_open):
+    raster = slice(None, None, int(cadence / STEP))
+    t, states = orbit[0][raster], orbit[1][raster].copy()
+    states[nodes, :3] += by
+    found, jumping, broken = orbit_breaks.find(*jumps_of(t, states, attraction))
+    assert [(one.first, one.last, kind_of(one)) for one in found] == breaks
+    assert np.flatnonzero(broken).tolist() == list(are_open)
+    assert np.flatnonzero(jumping).tolist() == [
+        k for first, last, _ in breaks for k in range(first, last + 1)
+    ]
 
 
-@pytest.mark.parametrize("node", [0, 180])
-def test_a_wrong_node_at_an_end_stands_alone(orbit, attraction, node):
-    def astray(t, states):
-        states[node, 1] += 1000.0
-
-    _, _, broken = orbit_breaks.find(*jumps_of(orbit, attraction, 60.0, astray))
-    assert broken[0 if node == 0 else -1]
-    assert broken.sum() == 1
+def test_the_step_of_a_seam_is_told(orbit, attraction):
+    t, states = orbit[0][::12], orbit[1][::12].copy()
+    states[t >= 6000.0, :3] += [3.0, 4.0, 0.0]
+    (seam,), _, _ = orbit_breaks.find(*jumps_of(t, states, attraction))
+    assert seam.step == pytest.approx(5.0, rel=0.01)
 
 
 @pytest.mark.parametrize("at", [6000.0, 6010.0, 6030.0, 6055.0])
@@ -135,19 +116,10 @@ def test_a_kick_is_a_manoeuvre_with_its_size(orbit, attraction, at):
     k = int(at / STEP)
     after = flown(attraction, orbit[1][k] + np.append(np.zeros(3), kick), orbit[0][k:])
 
-    def kicked(t, states):
-        states[t > at] = after[np.isin(orbit[0][k:], t[t > at])]
-
-    found, _, broken = orbit_breaks.find(*jumps_of(orbit, attraction, 60.0, kicked))
+    t, states = orbit[0][::12], orbit[1][::12].copy()
+    states[t > at] = after[np.isin(orbit[0][k:], t[t > at])]
+    found, _, broken = orbit_breaks.find(*jumps_of(t, states, attraction))
     assert [one.one_way for one in found] == [True]
     assert found[0].velocity == pytest.approx(0.5, rel=0.01)
     assert abs(found[0].t - at) <= 30.0
     assert np.flatnonzero(broken).tolist() == ([] if at == 6000.0 else [100])
-
-
-def test_an_orbit_that_becomes_noisy_does_not_break(orbit, attraction):
-    def noisy(t, states):
-        states[t > 5000.0, 0] += np.where(np.arange((t > 5000.0).sum()) % 2, 4.0, -4.0)
-
-    found, jumping, broken = orbit_breaks.find(*jumps_of(orbit, attraction, 60.0, noisy))
-    assert (found, jumping.any(), broken.any()) == ([], False, False)

@@ -91,26 +91,29 @@ def test_what_is_malformed_is_named_by_file_and_line(tmp_path, old, new, message
     assert refusal(read, path).startswith(f"{path}: {message}")
 
 
-def test_a_position_without_an_epoch_or_twice_in_one_is_refused(tmp_path):
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        (
+            lambda lines: [*lines[:25], lines[23], *lines[25:]],
+            "line 26: expected an epoch before this line, got PL47",
+        ),
+        (
+            lambda lines: [*lines[:22], lines[23], *lines[22:]],
+            "line 23: expected an epoch before this line, got PL47",
+        ),
+        (lambda lines: [*lines[:-2], lines[-2][:44]], "line 34: expected digits up to column 46, got VL47"),
+        (
+            lambda lines: [line.replace("PL47", "PL48") for line in lines],
+            "expected a position of L47, got none",
+        ),
+    ],
+    ids=["twice in an epoch", "before an epoch", "cut within a number", "of another satellite"],
+)
+def test_positions_out_of_place_are_named_by_line(tmp_path, changed, message):
     path = written(tmp_path / "orbit.sp3", T, STATES)
-    lines = path.read_text().splitlines()
-    path.write_text("\n".join([*lines[:25], lines[23], *lines[25:]]))
-    assert "line 26: expected an epoch before this line, got PL47" in refusal(read, path)
-    path.write_text("\n".join([*lines[:22], lines[23], *lines[22:]]))
-    assert "line 23: expected an epoch before this line, got PL47" in refusal(read, path)
-
-
-def test_a_line_cut_within_a_number_is_noticed(tmp_path):
-    path = written(tmp_path / "orbit.sp3", T, STATES)
-    lines = path.read_text().splitlines()
-    path.write_text("\n".join([*lines[:-2], lines[-2][:44]]))
-    assert "line 34: expected digits up to column 46, got VL47" in refusal(read, path)
-
-
-def test_a_satellite_without_positions_is_refused(tmp_path):
-    path = written(tmp_path / "orbit.sp3", T, STATES)
-    path.write_text(path.read_text().replace("PL47", "PL48"))
-    assert "expected a position of L47, got none" in refusal(read, path)
+    path.write_text("\n".join(changed(path.read_text().splitlines())))
+    assert message in refusal(read, path)
 
 
 def test_a_file_packed_and_damaged_is_refused(tmp_path):

@@ -101,7 +101,7 @@ def test_every_format_gives_the_orbit_back(tmp_path, orbit, nodes, deviations, k
     assert facts["interpolation_error_m"]["rms"] < 0.1
     assert (facts["seams"], facts["manoeuvres"], facts["positions_left_out"]) == ([], [], 0)
     assert json.loads(json.dumps(facts)) == facts
-    orbit_from_files.check(OrbitFiles([path], EPOCH, DURATION))
+    orbit_from_files.read_arcs(OrbitFiles([path], EPOCH, DURATION))
 
 
 def test_an_oem_on_the_grid_comes_through_bit_for_bit(tmp_path, orbit):
@@ -296,7 +296,7 @@ def test_positions_in_another_unit_are_refused(tmp_path, nodes, factor):
     with pytest.raises(
         InputError, match=r"a\.oem: line \d+: expected positions 6357 to 600000 km .*unit right"
     ):
-        orbit_from_files.check(OrbitFiles([path], EPOCH, DURATION))
+        orbit_from_files.read_arcs(OrbitFiles([path], EPOCH, DURATION))
 
 
 def test_a_mark_of_the_byte_order_is_passed_over(tmp_path, orbit):
@@ -384,7 +384,7 @@ def unfit(tmp_path, orbit, nodes):
 def test_what_does_not_fit_is_told_before_alike(unfit, what):
     paths, epoch = unfit(what)
     with pytest.raises(InputError, match=REFUSED[what]) as checked:
-        orbit_from_files.check(OrbitFiles(paths, epoch, DURATION))
+        orbit_from_files.read_arcs(OrbitFiles(paths, epoch, DURATION))
     with pytest.raises(InputError) as read:
         read_truth(paths, epoch=epoch)
     assert str(checked.value) == str(read.value)
@@ -451,7 +451,7 @@ def real():
         pattern, epoch, days, _ = REAL[name]
         paths = sorted(shared("real").glob(pattern))
         files = OrbitFiles(paths, epoch, days * DAY)
-        orbit_from_files.check(files)
+        orbit_from_files.read_arcs(files)
         return truth_from_orbit.truth(files, step=20.0)
 
     return read

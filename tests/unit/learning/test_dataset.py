@@ -19,7 +19,7 @@ from support import refusal
 
 from opml.base.errors import InputError
 from opml.learning.data import dataset
-from opml.learning.data.cleaning import Burns, Cleaning
+from opml.learning.data.cleaning import NO_BURNS, Burns, Cleaning
 from opml.orbits.elements import cartesian_from_coe
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import LEARNING_VARIABLES, SCHEMAS, SIGMAS, STATE, read_table, write_table
@@ -85,9 +85,18 @@ def tracking():
     )
 
 
-def build(estimates, predictions, tracking, **changes):
+def build(estimates, predictions, tracking, *, labels=None, burns=NO_BURNS, **changes):
     cleaning = Cleaning(**CLEANING).evolve(**changes)
-    return dataset.build(estimates, predictions, tracking, gm=GM, cleaning=cleaning)
+    return dataset.build(
+        estimates, predictions, tracking, gm=GM, cleaning=cleaning, burns=burns, labels=labels
+    )
+
+
+def with_errors(predictions, *e_y):
+    """Predictions of which those that survive have these errors."""
+    table = predictions.set_index(["i", "j"])
+    table.loc[[(2, 3), (2, 4), (4, 5)], "e_y"] = e_y
+    return table.reset_index()
 
 
 @pytest.fixture
@@ -185,10 +194,9 @@ def test_kept_rows_have_every_learning_variable(rows):
 
 def test_fences_drop_what_lies_outside(estimates, predictions, tracking):
     # Surviving e_y: 0, 10 and 1000, so q1 = 2.5, q3 = 752.5 and with 1/4 of the range the upper fence is 940.
-    predictions = predictions.set_index(["i", "j"])
-    predictions.loc[[(2, 3), (2, 4), (4, 5)], "e_y"] = [0.0, 10.0, 1000.0]
-    predictions.loc[(0, 1), "e_y"] = -1e9  # dropped for another reason: neither counted nor renamed
-    predictions = predictions.reset_index()
+    predictions = with_errors(predictions, 0.0, 10.0, 1000.0)
+    # Dropped for another reason: neither counted nor renamed.
+    predictions.loc[(predictions["i"] == 0) & (predictions["j"] == 1), "e_y"] = -1e9
     rows = build(estimates, predictions, tracking, fence=0.25).set_index(["i", "j"])
     assert rows.loc[(4, 5), "reason"] == dataset.OUTSIDE_FENCES
     assert rows["keep"].sum() == 2
@@ -198,9 +206,7 @@ def test_fences_drop_what_lies_outside(estimates, predictions, tracking):
 
 
 def test_fences_come_from_their_days_and_hold_for_all(estimates, predictions, tracking):
-    predictions = predictions.set_index(["i", "j"])
-    predictions.loc[[(2, 3), (2, 4), (4, 5)], "e_y"] = [0.0, 10.0, 13.0]
-    predictions = predictions.reset_index()
+    predictions = with_errors(predictions, 0.0, 10.0, 13.0)
     # From 0 and 10 alone: q1 = 0, q3 = 10, the upper fence 12.
     rows = build(estimates, predictions, tracking, fence=0.2, fence_days=[0, 4]).set_index(["i", "j"])
     assert rows.loc[(4, 5), "reason"] == dataset.OUTSIDE_FENCES
@@ -213,9 +219,7 @@ def test_fence_days_without_a_row(estimates, predictions, tracking):
 
 
 def test_fences_of_no_days_come_from_all_rows(estimates, predictions, tracking):
-    predictions = predictions.set_index(["i", "j"])
-    predictions.loc[[(2, 3), (2, 4), (4, 5)], "e_y"] = [0.0, 10.0, 1000.0]
-    predictions = predictions.reset_index()
+    predictions = with_errors(predictions, 0.0, 10.0, 1000.0)
     # q1 = 2.5 and q3 = 752.5 of all three, the upper fence 1007.5; 0 and 10 alone would put it at 13.4.
     assert build(estimates, predictions, tracking, fence=0.34, fence_days=None)["keep"].sum() == 3
     assert build(estimates, predictions, tracking, fence=0.34, fence_days=[0, 4])["keep"].sum() == 2
@@ -236,12 +240,7 @@ def test_no_cleaning_drops_only_what_lacks_something(estimates, predictions, tra
 def test_rows_that_cross_a_manoeuvre_are_dropped_with_that_reason(estimates, predictions, tracking):
     before = build(estimates, predictions, tracking)
     t = float(before["t_i"].iloc[len(before) // 2])
-    after = dataset.build(
-        *(estimates, predictions, tracking),
-        gm=GM,
-        cleaning=Cleaning(**CLEANING),
-        burns=Burns([Manoeuvre(t + 1.0)], window=100.0),
-    )
+    after = build(estimates, predictions, tracking, burns=Burns([Manoeuvre(t + 1.0)], window=100.0))
     begin = before[["t_b", "t_i"]].min(axis=1) - 100.0
     crossing = (begin < t + 1.0) & (t + 1.0 <= before["t_j"])
     assert crossing.any()
@@ -283,9 +282,8 @@ def test_a_manoeuvre_changes_no_row_whose_error_was_known_before_it_was_found(
     estimates, predictions, tracking
 ):
     def dropped(known):
-        burn = Manoeuvre(3.5 * DAY, known)
-        cleaning, burns = Cleaning(**CLEANING), Burns([burn], window=0.1 * DAY)
-        rows = dataset.build(estimates, predictions, tracking, gm=GM, cleaning=cleaning, burns=burns)
+        burns = Burns([Manoeuvre(3.5 * DAY, known)], window=0.1 * DAY)
+        rows = build(estimates, predictions, tracking, burns=burns)
         return rows["reason"] == dataset.CROSSES_MANOEUVRE
 
     rows, always = build(estimates, predictions, tracking), dropped(-np.inf)
@@ -317,14 +315,8 @@ def labels_of(predictions):
 
 def test_labels_take_the_place_of_the_true_errors(tmp_path, estimates, predictions, tracking):
     truth = build(estimates, predictions, tracking)
-    rows = dataset.build(
-        estimates,
-        predictions.assign(**dict.fromkeys(E_ALL, np.nan)),  # what has no truth has no true errors
-        tracking,
-        gm=GM,
-        cleaning=Cleaning(**CLEANING),
-        labels=labels_of(predictions),
-    )
+    measured = predictions.assign(**dict.fromkeys(E_ALL, np.nan))  # what has no truth has no true errors
+    rows = build(estimates, measured, tracking, labels=labels_of(predictions))
     assert rows.columns.tolist() == SCHEMAS["labelled"].names
     lost = ((rows["i"] == 2) & (rows["j"] == 4)).to_numpy()
     assert truth.loc[lost, "keep"].all()
@@ -340,15 +332,8 @@ def test_labels_take_the_place_of_the_true_errors(tmp_path, estimates, predictio
 
 def test_a_manoeuvre_before_the_label_is_known_drops_the_row(estimates, predictions, tracking):
     def dropped(labels):
-        rows = dataset.build(
-            estimates,
-            predictions,
-            tracking,
-            gm=GM,
-            cleaning=Cleaning(**CLEANING),
-            burns=Burns([Manoeuvre(5.5 * DAY)]),
-            labels=labels,
-        )
+        burns = Burns([Manoeuvre(5.5 * DAY)])
+        rows = build(estimates, predictions, tracking, burns=burns, labels=labels)
         return set(rows.loc[rows["reason"] == dataset.CROSSES_MANOEUVRE, "j"])
 
     assert 5 not in dropped(None)
@@ -360,8 +345,7 @@ def test_fences_come_from_labels_that_were_known(estimates, predictions, trackin
     labels.loc[labels["j"] == 5, "e_y"] = 1e9
     kept = []
     for days in ([0, 5.5], [0, 7]):
-        cleaning = Cleaning(**(CLEANING | {"fence": 3.0, "fence_days": days}))
-        rows = dataset.build(estimates, predictions, tracking, gm=GM, cleaning=cleaning, labels=labels)
+        rows = build(estimates, predictions, tracking, labels=labels, fence=3.0, fence_days=days)
         kept.append(rows.set_index(["i", "j"]).loc[(4, 5), "keep"])
     assert kept == [False, True]
 

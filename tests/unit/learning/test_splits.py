@@ -29,6 +29,10 @@ def train(table, name, seed=42):
     return splits.training_rows(table, name, span_days=SPAN, seed=seed)
 
 
+def to_test(table, name, trained=None):
+    return splits.test_rows(table, name, span_days=SPAN, trained=trained)
+
+
 def candidates(table):
     return (table["keep"] & (table["t_j"] <= 30 * DAY)).to_numpy()
 
@@ -50,9 +54,9 @@ def test_labels_that_are_not_known_yet_are_not_trained_on(table, name):
 def test_rows_learned_from_under_labels_are_not_tested_on(table):
     late = table.assign(t_known=table["t_j"] + 0.5 * DAY, keep=table["keep"] & (table["i"] % 3 > 0))
     trained = train(late, "random-80")
-    rest = splits.test_rows(table, "rest", span_days=SPAN, trained=trained)
+    rest = to_test(table, "rest", trained)
     assert (rest == candidates(table) & ~trained).all()
-    seen = splits.test_rows(table, "seen", span_days=SPAN, trained=trained)
+    seen = to_test(table, "seen", trained)
     assert (seen == trained).all()
 
 
@@ -79,8 +83,7 @@ def test_later_days_do_not_move_the_draw(table):
 
 def test_rest_and_seen_are_complements_in_the_span(table):
     trained = train(table, "random-80")
-    seen = splits.test_rows(table, "seen", span_days=SPAN, trained=trained)
-    rest = splits.test_rows(table, "rest", span_days=SPAN, trained=trained)
+    seen, rest = (to_test(table, name, trained) for name in ("seen", "rest"))
     assert (seen == trained).all()
     assert not (seen & rest).any()
     assert ((seen | rest) == candidates(table)).all()
@@ -88,7 +91,7 @@ def test_rest_and_seen_are_complements_in_the_span(table):
 
 def test_windows_are_half_open_and_adjoin(table):
     trained = train(table, "days-0-30")
-    tested = splits.test_rows(table, "days-30-40", span_days=SPAN, trained=trained)
+    tested = to_test(table, "days-30-40", trained)
     t_j = table["t_j"].to_numpy()
     assert (trained == (table["keep"] & (t_j <= 30 * DAY))).all()
     assert (tested == (table["keep"] & (t_j > 30 * DAY) & (t_j <= 40 * DAY))).all()
@@ -97,19 +100,19 @@ def test_windows_are_half_open_and_adjoin(table):
 
 def test_window_leaves_trained_rows_out(table):
     trained = train(table, "days-0-30")
-    tested = splits.test_rows(table, "days-20-40", span_days=SPAN, trained=trained)
+    tested = to_test(table, "days-20-40", trained)
     assert table["t_j"][tested].min() > 30 * DAY
 
 
 def test_another_rso_has_no_trained_rows(table):
-    rest = splits.test_rows(table, "rest", span_days=SPAN, trained=None)
+    rest = to_test(table, "rest")
     assert (rest == candidates(table)).all()
     with pytest.raises(InputError, match="'seen': expected at least one kept row"):
-        splits.test_rows(table, "seen", span_days=SPAN, trained=None)
+        to_test(table, "seen")
 
 
 def test_untrained_window_is_open_at_its_first_day(table):
-    first = table["t_j"][splits.test_rows(table, "days-30-40", span_days=SPAN, trained=None)].min()
+    first = table["t_j"][to_test(table, "days-30-40")].min()
     assert first == 30 * DAY + 3600.0
 
 
@@ -130,7 +133,7 @@ def test_bad_training_names(table, name):
 @pytest.mark.parametrize("name", ["random-20", "Rest", "days-30", "days-030-40", "all"])
 def test_bad_test_names(table, name):
     with pytest.raises(InputError, match=r"test split '.*': expected seen, rest, days"):
-        splits.test_rows(table, name, span_days=SPAN, trained=None)
+        to_test(table, name)
 
 
 @pytest.mark.parametrize("name", ["random-0", "random-101"])
@@ -145,7 +148,7 @@ def test_window_backwards(table):
 def test_splits_without_rows(table):
     assert "'days-60-70': expected at least one kept row" in refusal(train, table, "days-60-70")
     with pytest.raises(InputError, match="'rest': expected at least one kept row"):
-        splits.test_rows(table, "rest", span_days=SPAN, trained=train(table, "days-0-30"))
+        to_test(table, "rest", train(table, "days-0-30"))
     with pytest.raises(InputError, match="'random-80': expected at least one kept row"):
         train(table.assign(keep=False), "random-80")
 
@@ -168,8 +171,8 @@ def test_smaller_grouped_shares_nest_in_larger_ones(table):
 
 def test_unseen_window_leaves_out_estimates_from_before_it(table):
     trained = train(table, "days-0-30")
-    window = splits.test_rows(table, "days-30-40", span_days=SPAN, trained=trained)
-    unseen = splits.test_rows(table, "days-30-40-unseen", span_days=SPAN, trained=trained)
+    window = to_test(table, "days-30-40", trained)
+    unseen = to_test(table, "days-30-40-unseen", trained)
     assert (window | ~unseen).all()
     assert (table["t_i"][unseen] > 30 * DAY).all()
     assert (table["t_i"][window & ~unseen] <= 30 * DAY).all()
@@ -183,12 +186,9 @@ def test_a_test_without_fences_takes_what_only_they_dropped(table):
     )
     errors = np.where(fenced, 1e5, np.arange(len(table)) % 11)
     table = table.assign(reason=reasons, e_y=errors)
-    kept, free, refenced = (
-        splits.test_rows(table, f"days-30-40{fence}", span_days=SPAN, trained=None)
-        for fence in ("", "-unfenced", "-fence3")
-    )
+    kept, free, refenced = (to_test(table, f"days-30-40{fence}") for fence in ("", "-unfenced", "-fence3"))
     assert set(table["reason"][free & ~kept]) == {OUTSIDE_FENCES}
     assert (free | ~kept).all()
     assert (refenced == kept).all()  # their errors are far outside of the others'
-    wide = splits.test_rows(table, "days-30-40-fence1000000", span_days=SPAN, trained=None)
+    wide = to_test(table, "days-30-40-fence1000000")
     assert (wide == free).all()

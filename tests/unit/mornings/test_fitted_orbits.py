@@ -133,7 +133,7 @@ def test_measurements_that_no_orbit_fits_are_refused(tmp_path):
     utc = np.datetime64("2016-10-02T00:00:00") + t.astype("m8[s]")
     table = pd.DataFrame(dict(zip(("utc", "x_gcrf_m", "y_gcrf_m", "z_gcrf_m"), [utc, *circle], strict=True)))
     table.to_csv(tmp_path / "mine.csv", index=False, date_format="%Y-%m-%dT%H:%M:%S")
-    with pytest.raises(InputError, match=r"mine.csv: expected measurements of an orbit, got .* off the"):
+    with pytest.raises(InputError, match=r"mine.csv: expected .* off the best: .* did it burn"):
         made_of(tmp_path / "mine.csv", date=None)
 
 
@@ -229,5 +229,5 @@ def test_points_of_no_orbit_are_refused(tmp_path):
 def test_weather_that_ends_too_early_is_refused(tmp_path):
     lines = "utc,x_gcrf_m,y_gcrf_m,z_gcrf_m\n2026-05-01T00:00:00,7e6,0,0\n2026-05-01T02:00:00,0,7e6,0\n"
     (tmp_path / "new.csv").write_text(lines)
-    with pytest.raises(InputError, match=r"OBSERVED: expected space weather.* newer: http"):
+    with pytest.raises(InputError, match=r"OBSERVED: expected space weather.* newer, for --weather: http"):
         made_of(tmp_path / "new.csv", date=None)

@@ -122,33 +122,23 @@ def test_number_has_one_spelling(value):
 
 
 @pytest.mark.parametrize(
-    ("rso", "degrees", "expected"),
+    ("vary", "rso", "by", "expected"),
     [
-        ("iss", 50, "iss_i50"),
-        ("iss", 50.5, "iss_i50.5"),
-        ("iss", 51.6393, "iss"),
-        ("iss_i50", 52, "iss_i52"),
-        ("iss_a+50", 50, "iss_i50_a+50"),
-        ("iss_i50_a+50", 51.6393, "iss_a+50"),
+        (name_at_inclination, "iss", 50, "iss_i50"),
+        (name_at_inclination, "iss", 50.5, "iss_i50.5"),
+        (name_at_inclination, "iss", 51.6393, "iss"),
+        (name_at_inclination, "iss_i50", 52, "iss_i52"),
+        (name_at_inclination, "iss_a+50", 50, "iss_i50_a+50"),
+        (name_at_inclination, "iss_i50_a+50", 51.6393, "iss_a+50"),
+        (name_at_offset, "iss", 0, "iss"),
+        (name_at_offset, "iss", 50, "iss_a+50"),
+        (name_at_offset, "iss", -7.5, "iss_a-7.5"),
+        (name_at_offset, "iss_i50", 10, "iss_i50_a+10"),
+        (name_at_offset, "iss_a+10", 0, "iss"),
     ],
 )
-def test_inclination_of_an_rso(rso, degrees, expected):
-    assert name_at_inclination(rso, degrees, RSOS) == expected
-    assert parse_rso(expected, RSOS).name == expected
-
-
-@pytest.mark.parametrize(
-    ("rso", "km", "expected"),
-    [
-        ("iss", 0, "iss"),
-        ("iss", 50, "iss_a+50"),
-        ("iss", -7.5, "iss_a-7.5"),
-        ("iss_i50", 10, "iss_i50_a+10"),
-        ("iss_a+10", 0, "iss"),
-    ],
-)
-def test_offset_of_an_rso(rso, km, expected):
-    assert name_at_offset(rso, km, RSOS) == expected
+def test_an_rso_is_named_by_its_inclination_and_offset(vary, rso, by, expected):
+    assert vary(rso, by, RSOS) == expected
     assert parse_rso(expected, RSOS).name == expected
 
 
@@ -222,40 +212,34 @@ def test_what_the_pattern_accepts_can_be_parsed(base, inclination, offset):
     assert varied.a - RSOS[base].a == pytest.approx(0 if offset is None else 1e3 * float(offset), abs=1e-6)
 
 
-@pytest.mark.parametrize(
-    ("text", "split"),
-    [
-        ("random-80", Split("random", percent=80)),
-        ("grouped-12.5", Split("grouped", percent=12.5)),
-        ("days-0-30", Split("days", days=(0, 30))),
-    ],
-)
-def test_training_split_and_back(text, split):
-    assert naming.parse_train(text) == split
-    assert str(split) == text
-    assert re.fullmatch(naming.TRAIN, text)
+TRAIN, TEST = (naming.parse_train, naming.TRAIN), (naming.parse_test, naming.TEST)
 
 
 @pytest.mark.parametrize(
-    ("text", "split"),
+    ("grammar", "text", "split"),
     [
-        ("rest", Split("rest")),
-        ("seen", Split("seen")),
-        ("days-30-40.5", Split("days", days=(30, 40.5))),
-        ("days-30-40-unseen", Split("days", days=(30, 40), unseen=True)),
-        ("rest-zscore", Split("rest", standardisation="own")),
-        ("seen-zscore", Split("seen", standardisation="own")),
-        ("days-30-40-unfenced", Split("days", days=(30, 40), fence=math.inf)),
+        (TRAIN, "random-80", Split("random", percent=80)),
+        (TRAIN, "grouped-12.5", Split("grouped", percent=12.5)),
+        (TRAIN, "days-0-30", Split("days", days=(0, 30))),
+        (TEST, "rest", Split("rest")),
+        (TEST, "seen", Split("seen")),
+        (TEST, "days-30-40.5", Split("days", days=(30, 40.5))),
+        (TEST, "days-30-40-unseen", Split("days", days=(30, 40), unseen=True)),
+        (TEST, "rest-zscore", Split("rest", standardisation="own")),
+        (TEST, "seen-zscore", Split("seen", standardisation="own")),
+        (TEST, "days-30-40-unfenced", Split("days", days=(30, 40), fence=math.inf)),
         (
+            TEST,
             "days-3-4-unseen-fence1.5-zscore",
             Split("days", 100, (3, 4), True, fence=1.5, standardisation="own"),
         ),
     ],
 )
-def test_test_split_and_back(text, split):
-    assert naming.parse_test(text) == split
+def test_a_split_and_back(grammar, text, split):
+    parse, pattern = grammar
+    assert parse(text) == split
     assert str(split) == text
-    assert re.fullmatch(naming.TEST, text)
+    assert re.fullmatch(pattern, text)
 
 
 @pytest.mark.parametrize(

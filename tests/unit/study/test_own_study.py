@@ -1,7 +1,6 @@
 """A study of one's own: its experiments, its report and its figures."""
 
 import re
-from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -28,11 +27,24 @@ EPOCH = "2019-09-03T00:00:00"
 DAY = 86400.0
 
 
-def own_of(tracks=(), **parts):
-    """A study of `lares`; `tracks`: RSOs whose tracks were really measured."""
-    values = paper_values() | {"tracks": {name: ["a.tdm"] for name in tracks}}
-    values["study"] = {"rsos": ["lares"], "days": {"train": [0, 8], "test": [8, 12]}} | parts
+KEY = ("lares", "eglin-clear-kaena")
+TRACKS = {"tracks": {"lares": ["a.tdm"]}}
+ELEMENTS = {"elements": {"lares": ["sets.tle"]}}
+JUDGED = ELEMENTS | {"orbits": {"lares": ["an.orbit"]}}
+
+
+def own_of(given=None, **study):
+    """A study of `lares` whose run has settings of its own."""
+    values = paper_values() | (given or {})
+    values["study"] = {"rsos": ["lares"], "days": {"train": [0, 8], "test": [8, 12]}} | study
     return OwnStudy(study_of(values))
+
+
+def of_elements(*kinds):
+    """A study of mean elements over 27 days with a learner of each of some kinds more, and all learners."""
+    learners = paper_values()["learners"] | {kind: {"kind": kind} for kind in kinds}
+    given = ELEMENTS | {"learners": learners}
+    return own_of(given, days={"train": [0, 18], "test": [18, 27]}), learners
 
 
 def evaluation(count=400, seed=0):
@@ -94,45 +106,42 @@ def test_mornings_are_replayed_of_models_that_are_quick_to_train():
 
 
 def test_mean_elements_have_models_of_their_own():
-    values = paper_values() | {"elements": {"lares": ["sets.tle"]}}
-    values["study"] = {"rsos": ["lares"], "days": {"train": [0, 18], "test": [18, 27]}}
-    values["learners"] = values["learners"] | {"sgp4": {"kind": "sgp4"}}
-    own = OwnStudy(study_of(values))
+    own, learners = of_elements("sgp4")
     assert own.study.station_sets == ["fixes"]
-    assert own.learners == [name for name in MODELS_OF_ELEMENTS if name in values["learners"]]
+    assert own.learners == [name for name in MODELS_OF_ELEMENTS if name in learners]
     assert {name for *_, name in own.replayed} == {*own.learners} - {"repredicted"}
     assert {"sgp4", "held96"} < {*own.learners}
 
 
 def test_improved_sets_are_compared_where_the_model_of_the_density_is_installed(monkeypatch):
-    values = paper_values() | {"elements": {"lares": ["sets.tle"]}}
-    values["study"] = {"rsos": ["lares"], "days": {"train": [0, 18], "test": [18, 27]}}
-    values["learners"] = values["learners"] | {name: {"kind": name} for name in ("density", "learned")}
-    own = OwnStudy(study_of(values))
+    own, _ = of_elements("density", "learned")
     assert own.learners[1:3] == ["density", "learned"]
     assert {"density", "learned"} < {*own.replayed_models}
     monkeypatch.setattr(nrlmsis, "find_spec", lambda name: None)
-    assert {"density", "learned"}.isdisjoint(OwnStudy(study_of(values)).learners)
+    assert {"density", "learned"}.isdisjoint(of_elements("density", "learned")[0].learners)
 
 
-def test_what_is_learned_from_labels_is_judged_by_the_truth_where_there_is_one():
-    assert own_of().datasets_with_truth == []
-    assert own_of(label="later").datasets_with_truth == [("lares", "eglin-clear-kaena")]
-    assert own_of(tracks=["lares"]).datasets_with_truth == []
-    values = paper_values() | {"elements": {"lares": ["sets.tle"]}, "orbits": {"lares": ["an.orbit"]}}
-    values["study"] = {"rsos": ["lares"], "days": {"train": [0, 8], "test": [8, 12]}}
-    assert OwnStudy(study_of(values)).datasets_with_truth == [("lares", "fixes")]
+@pytest.mark.parametrize(
+    ("given", "study", "judged"),
+    [
+        ({}, {}, []),
+        ({}, {"label": "later"}, [KEY]),
+        (TRACKS, {}, []),
+        (JUDGED, {}, [("lares", "fixes")]),
+    ],
+)
+def test_what_is_learned_from_labels_is_judged_by_the_truth_where_there_is_one(given, study, judged):
+    assert own_of(given, **study).datasets_with_truth == judged
 
 
 def test_manoeuvres_of_what_was_measured_are_those_named_even_where_an_orbit_judges():
-    values = paper_values() | {"elements": {"lares": ["sets.tle"]}, "orbits": {"lares": ["an.orbit"]}}
-    values["study"] = {"rsos": ["lares"], "days": {"train": [0, 8], "test": [8, 12]}}
-    told = OwnStudy(study_of(values | {"manoeuvres": {"lares": ["2016-10-01T00:00:00"]}})).report
+    told = own_of(JUDGED | {"manoeuvres": {"lares": ["2016-10-01T00:00:00"]}}).report
     assert told.sources["lares", "fixes"].manoeuvres == "named in `manoeuvres`: 1"
     assert (told.truths, told.label) == (["files"], "later")
-    finding = values | {"histories": {"lares": {"find_manoeuvres": True}}}
-    found = OwnStudy(study_of(finding)).report.sources["lares", "fixes"].manoeuvres
-    assert found == "named in `manoeuvres`: 0; others are found in the history"
+    found = own_of(JUDGED | {"histories": {"lares": {"find_manoeuvres": True}}}).report
+    assert found.sources["lares", "fixes"].manoeuvres == (
+        "named in `manoeuvres`: 0; others are found in the history"
+    )
 
 
 def test_models_that_a_short_run_has_no_morning_of_are_left_out():
@@ -158,13 +167,11 @@ def test_without_days_to_train_on_no_morning_is_replayed():
     [
         ({}, "## Truth and assumed model", "These tracks have no true orbit"),
         ({"orbits": {"lares": ["a.sp3"]}}, "The true orbit is that of the files", "truth model"),
-        ({"tracks": {"lares": ["a.tdm"]}}, "These tracks have no true orbit.", "truth model"),
+        (TRACKS, "These tracks have no true orbit.", "truth model"),
     ],
 )
 def test_the_report_says_what_flew(given, told, untold):
-    values = paper_values() | given
-    values["study"] = {"rsos": ["lares"], "days": {"train": [0, 8], "test": [8, 12]}, "learners": ["svr"]}
-    text = labelled_report(OwnStudy(study_of(values)))
+    text = report_of(own_of(given, learners=["svr"]))
     assert told in text
     assert untold not in text
 
@@ -232,34 +239,38 @@ def estimates_of(table):
     return pd.DataFrame({"track": tracks, "converged": tracks != 49} | cd)
 
 
-def tables(metrics, evaluations, datasets, estimates, rolling=()):
-    """Tables of a study without replays."""
-    return report.OwnStudyTables(
-        metrics, evaluations, datasets, estimates, {}, dict(rolling), {}, {}, {}, {}, {}
-    )
-
-
-SHARES = {"rows": 100, "estimates": 7, "p_ml": 20.0, "p_ml_low": 18.0, "p_ml_high": 23.0}
-
+SHARES = {"rows": 100, "estimates": 7, "p_ml": 20.0, "p_ml_low": 18.0, "p_ml_high": 23.0, "p_ml_later": 21.0}
 SOUND = pd.DataFrame({"cd": [2.2] * 100, "cov_cd_cd": 0.01, "converged": True})
 """Estimates that somebody would fly."""
 
 
+def report_of(own, table=None, *, evaluations=None, **more):
+    """The report of a study; table: the evaluation of all models that have none of their own."""
+    table = evaluation() if table is None else table
+    held = report.OwnStudyTables(
+        metrics=pd.DataFrame([one.columns() | SHARES for one in own.experiments.values()]),
+        evaluations=dict.fromkeys(own.stated, table) | (evaluations or {}),
+        datasets={KEY: dataset_of(table)},
+        estimates={KEY: estimates_of(table)},
+        rolling=dict.fromkeys(own.rolling, trained_anew(table)),
+        truths=dict.fromkeys(own.datasets_with_truth, dataset_of(table)),
+        **{name: {} for name in ("noise", "replays", "calibration", "conjunctions", "pictures")} | more,
+    )
+    return document.markdown(report.document(own.report, held))
+
+
+def trained_anew(table):
+    """An evaluation of a learner that is trained anew on two days, and leaves half where it is not."""
+    return table.assign(day=8.0 + table["i"] % 2, predicted_once=0.5 * table["true"])
+
+
 @pytest.fixture
 def told():
-    """A small study's request, with tables of everything that it asks for."""
-    own = own_of(learners=["none", "running", "svr"])
-    metrics = pd.DataFrame([one.columns() | SHARES for one in own.experiments.values()])
-    good, poor = evaluation(), evaluation()
+    """The report of a small study, with tables of everything that it asks for."""
+    own, poor = own_of(learners=["none", "running", "svr"]), evaluation()
     poor["predicted"] *= poor["i"] < 25
     poor["residual"] = poor["true"] - poor["predicted"]
-    evaluations = {one: poor if one[-1] == "svr" else good for one in own.stated}
-    key = ("lares", "eglin-clear-kaena")
-    return document.markdown(
-        report.document(
-            own.report, tables(metrics, evaluations, {key: dataset_of(good)}, {key: estimates_of(good)})
-        )
-    )
+    return report_of(own, evaluations={one: poor for one in own.stated if one[-1] == "svr"})
 
 
 def test_the_report_answers_without_the_papers_notions(told):
@@ -271,33 +282,12 @@ def test_the_report_answers_without_the_papers_notions(told):
     assert not re.search(r"\bnan\b|Peng|reading of|slip", told)
 
 
-def trained_anew(table):
-    """An evaluation of a learner that is trained anew on two days, and leaves half where it is not."""
-    return table.assign(day=8.0 + table["i"] % 2, predicted_once=0.5 * table["true"])
-
-
-def labelled_report(own):
-    """The report of a study that learned from labels."""
-    numbers = {"p_ml": 20.0, "p_ml_low": 18.0, "p_ml_high": 23.0, "p_ml_later": 21.0}
-    metrics = pd.DataFrame([one.columns() | numbers for one in own.experiments.values()])
-    table, key = evaluation(), ("lares", "eglin-clear-kaena")
-    held = tables(
-        metrics,
-        dict.fromkeys(own.stated, table),
-        {key: dataset_of(table)},
-        {key: estimates_of(table)},
-        dict.fromkeys(own.rolling, trained_anew(table)),
-    )
-    truths = dict.fromkeys(own.datasets_with_truth, dataset_of(table))
-    return document.markdown(report.document(own.report, replace(held, truths=truths)))
-
-
 def test_labels_and_learners_trained_anew_have_tables_of_their_own():
     own = own_of(learners=["svr"], label="later", rolling={"learners": ["svr"], "last_days": 5})
     assert {one.label for one in own.experiments.values()} == {"_later"}
     assert own.panels == ["eglin-clear-kaena_later"]
     assert own.study.rolling == {"days": [8, 12], "every_days": 1, "last_days": 5}
-    text = labelled_report(own)
+    text = report_of(own)
     assert "| lares | eglin-clear-kaena | `svr` | 21.0 | 21.0 | 21.0 |" in text
     assert "| lares | eglin-clear-kaena | `svr` | 10.0 | 50.0 | 10.0 | 50.0 |" in text
     assert "from day 8 to 12" in text
@@ -312,7 +302,7 @@ def test_labels_and_learners_trained_anew_have_tables_of_their_own():
 
 
 def test_a_study_of_measured_tracks_tells_of_no_truth():
-    text = labelled_report(own_of(tracks=["lares"], learners=["svr"]))
+    text = report_of(own_of(TRACKS, learners=["svr"]))
     assert "These tracks have no true orbit." in text
     assert "are against the true orbit" not in text
     assert "## Assumed model\n" in text
@@ -357,25 +347,18 @@ def test_the_study_leads_with_metres_and_skill_against_the_best_without_learning
 
 
 def test_a_split_that_training_days_touch_says_so():
-    text = labelled_report(own_of(splits={"past": ["random-50", "rest"]}, learners=["svr"]))
+    text = report_of(own_of(splits={"past": ["random-50", "rest"]}, learners=["svr"]))
     assert "training days touch these predictions, which flatters models that learn" in text
     assert "Skill is against no correction, the best model without learning" in text
 
 
 def test_the_best_without_learning_is_the_pasts_where_mornings_were_replayed():
-    own = own_of(learners=["running", "fit96", "mechanism"])
-    key, good, poor = ("lares", "eglin-clear-kaena"), evaluation(), evaluation()
+    own, poor = own_of(learners=["running", "fit96", "mechanism"]), evaluation()
     poor["residual"] = 0.2 * poor["true"]
-    flown = mornings_of("running", "fit96", "mechanism").tables
-    found = tables(
-        pd.DataFrame([one.columns() | SHARES for one in own.experiments.values()]),
-        # On the days tested fit96 is better, in the past running was.
-        {one: poor if one[-1] == "running" else good for one in own.stated},
-        {key: dataset_of(good)},
-        {key: estimates_of(good)},
-    )
-    text = document.markdown(
-        report.document(own.report, replace(found, replays={(*key, name): flown[name] for name in flown}))
+    replays = {(*KEY, name): table for name, table in mornings_of(*own.learners).tables.items()}
+    # On the days tested fit96 is better, in the past running was.
+    text = report_of(
+        own, evaluations={one: poor for one in own.stated if one[-1] == "running"}, replays=replays
     )
     assert "Skill is against `running`, of the replayed models without learning the best on" in text
     assert rows_of(text, "Errors and skill")["`mechanism`"][-1] == "50"
@@ -389,15 +372,8 @@ def test_the_best_without_learning_is_the_pasts_where_mornings_were_replayed():
     ],
 )
 def test_absurd_fits_are_what_a_study_says_first(changed, symptom):
-    key = ("lares", "eglin-clear-kaena")
-    text = document.markdown(
-        absurd_fits.section(
-            absurd_fits.symptoms(
-                {key: estimates_of(evaluation()).assign(**changed), ("iss", "eglin"): SOUND}
-            ),
-            12,
-        )
-    )
+    fits = {KEY: estimates_of(evaluation()).assign(**changed), ("iss", "eglin"): SOUND}
+    text = document.markdown(absurd_fits.section(absurd_fits.symptoms(fits), 12))
     assert text.startswith("## Unrealistic fits\n")
     assert symptom in text
     assert "`estimation: {window_hours: 48}`" in text
@@ -414,17 +390,8 @@ def test_sound_fits_are_no_reason_for_a_warning(told):
 
 
 def test_a_duration_that_nothing_reaches_has_no_number():
-    own = own_of(learners=["svr"])
-    short = evaluation()
-    evaluations = dict.fromkeys(own.stated, short[short["duration"] < 3 * DAY])
-    metrics = pd.DataFrame(
-        [one.columns() | {"p_ml": 1.0, "p_ml_low": 1.0, "p_ml_high": 1.0} for one in own.experiments.values()]
-    )
-    key = ("lares", "eglin-clear-kaena")
-    dataset = {key: dataset_of(short)}
-    text = document.markdown(
-        report.document(own.report, tables(metrics, evaluations, dataset, {key: estimates_of(short)}))
-    )
+    whole = evaluation()
+    text = report_of(own_of(learners=["svr"]), whole[whole["duration"] < 3 * DAY])
     assert "| 1 d | 2 d |" in text
     assert "| 4 d |" not in text
 

@@ -404,7 +404,7 @@ def test_files_that_hold_no_tracks_are_told(tmp_path, content):
 
 
 def test_an_orbit_beside_tracks_judges(tmp_path, monkeypatch):
-    monkeypatch.setattr(checks.orbit_from_files, "check", lambda *_, **__: None)
+    monkeypatch.setattr(checks.orbit_from_files, "read_arcs", lambda *_, **__: None)
     settings = checked(with_tracks(tmp_path, "orbits: {mine: a.tdm}"))
     study = Study(replace(settings, values=settings.values | {"study": {"rsos": ["mine"]}}))
     assert (study.label, study.truth_of("mine"), study.is_measured("mine")) == ("later", "files", True)

@@ -44,34 +44,27 @@ def fly(results, group):
         write_table(told(results, group), pd.DataFrame({"rso": group}), TRUTH_GROUPS, metadata={})
 
 
-def test_as_many_fly_together_as_a_kernel_has_lanes(tmp_path):
-    found = groups(STUDY, [*NAMES, "given"], results=tmp_path)
-    assert found == [tuple(NAMES[:LANES]), tuple(NAMES[LANES:])]
+GROUPS = {  # groups that flew, what is asked for, groups that fly or flew
+    "as many as a kernel has lanes": ([], [*NAMES, "given"], [NAMES[:LANES], NAMES[LANES:]]),
+    "none": ([], [], []),
+    "one": ([], NAMES[:1], []),
+    "one of a file": ([], ["given"], []),
+    "one, and one of a file": ([], [*NAMES[:1], "given"], []),
+    "one more": ([NAMES[:3]], [NAMES[5], *NAMES[:3]], [NAMES[:3]]),
+    "some more": ([NAMES[:3], NAMES[3:4]], NAMES[:6], [NAMES[:3], NAMES[4:6]]),
+    "less": ([NAMES[:3], NAMES[3:4]], NAMES[1:2], [NAMES[:3]]),
+    "the second first": ([NAMES[LANES:]], NAMES, [NAMES[:LANES], NAMES[LANES:]]),
+    "one that flew in two": ([NAMES[:2], NAMES[1:3]], NAMES[:3], [NAMES[:2]]),
+    "others": ([NAMES[:3]], NAMES[3:5], [NAMES[3:5]]),
+    "one that is not simulated any more": ([[*NAMES[:2], "given"]], NAMES[:3], []),
+}
 
 
-@pytest.mark.parametrize("alone", [[], NAMES[:1], ["given"], [*NAMES[:1], "given"]])
-def test_one_rso_is_no_flight(tmp_path, alone):
-    assert groups(STUDY, alone, results=tmp_path) == []
-
-
-def test_an_rso_that_is_added_flies_alone(tmp_path):
-    fly(tmp_path, NAMES[:3])
-    assert groups(STUDY, [NAMES[5], *NAMES[:3]], results=tmp_path) == [tuple(NAMES[:3])]
-
-
-def test_rsos_that_are_added_fly_together(tmp_path):
-    fly(tmp_path, NAMES[:3])
-    fly(tmp_path, NAMES[3:4])
-    expected = [tuple(NAMES[:3]), tuple(NAMES[4:6])]
-    assert groups(STUDY, NAMES[:6], results=tmp_path) == expected
-    # Whoever is asked for less finds the same group.
-    assert groups(STUDY, NAMES[1:2], results=tmp_path) == expected[:1]
-
-
-def test_groups_keep_their_order_whichever_is_over_first(tmp_path):
-    first, second = NAMES[:LANES], NAMES[LANES:]
-    fly(tmp_path, second)
-    assert groups(STUDY, NAMES, results=tmp_path) == [tuple(first), tuple(second)]
+@pytest.mark.parametrize(("flown", "asked", "expected"), GROUPS.values(), ids=GROUPS)
+def test_rsos_fly_in_groups_that_stay(tmp_path, flown, asked, expected):
+    for group in flown:
+        fly(tmp_path, group)
+    assert groups(STUDY, asked, results=tmp_path) == [tuple(group) for group in expected]
 
 
 def test_a_truth_that_is_lost_or_damaged_flies_with_those_it_flew_with(tmp_path):
@@ -95,19 +88,3 @@ def test_a_flight_whose_truths_are_all_gone_is_none(tmp_path):
     for rso in NAMES[1:4]:
         truth(tmp_path, rso).unlink()
     assert groups(STUDY, NAMES[:3], results=tmp_path) == [tuple(NAMES[:3])]
-
-
-def test_no_rso_is_in_two_groups(tmp_path):
-    fly(tmp_path, NAMES[:2])
-    fly(tmp_path, NAMES[1:3])
-    assert groups(STUDY, NAMES[:3], results=tmp_path) == [tuple(NAMES[:2])]
-
-
-def test_the_groups_of_other_studies_are_left_alone(tmp_path):
-    fly(tmp_path, NAMES[:3])
-    assert groups(STUDY, NAMES[3:5], results=tmp_path) == [tuple(NAMES[3:5])]
-
-
-def test_a_flight_with_an_rso_that_is_not_simulated_any_more_is_none(tmp_path):
-    fly(tmp_path, [*NAMES[:2], "given"])
-    assert groups(STUDY, NAMES[:3], results=tmp_path) == []

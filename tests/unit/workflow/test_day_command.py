@@ -80,7 +80,8 @@ def test_what_is_ahead_is_told(tmp_path):
         settings.morning_models = models
         told = beforehand({"first": 0, "second": 100}, settings)
         assert f"100 mornings: about {minutes} min of one core" in told
-    assert "about 2 min of" in beforehand({"first": 100, "second": 0}, settings)
+    assert "about 6 min of" in beforehand({"first": 100, "second": 0}, settings)
+    assert "about 7 min of" in beforehand({"first": 100, "second": 20}, settings)
 
 
 def test_a_workflow_that_fails_without_a_word_is_told(monkeypatch, capsys):
@@ -123,6 +124,14 @@ def test_an_interrupt_ends_all_jobs_without_a_word(number, tmp_path, capfd):
     striking.join(timeout=60.0)
     assert left == [""]
     assert capfd.readouterr().err == ""
+
+
+def test_threads_of_jobs_share_two_heaps_unless_told_otherwise(monkeypatch):
+    told = [sys.executable, "-c", "import os, sys; sys.exit(int(os.environ['MALLOC_ARENA_MAX']))"]
+    monkeypatch.delenv("MALLOC_ARENA_MAX", raising=False)
+    assert day_command._exit_code(told) == 2
+    monkeypatch.setenv("MALLOC_ARENA_MAX", "5")
+    assert day_command._exit_code(told) == 5
 
 
 def test_pages_of_days_stay_while_another_call_is_at_work(tmp_path, monkeypatch):

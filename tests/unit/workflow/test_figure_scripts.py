@@ -1,13 +1,11 @@
 """Scripts that draw, run in process as Snakemake runs them."""
 
 import json
-import runpy
 from datetime import date
-from types import SimpleNamespace
 
 import pandas as pd
 from mornings import replays
-from support import REPOSITORY
+from scripts import files, run
 
 from opml.learning.judge import rolling_origins
 from opml.learning.judge.error_sizes import as_known
@@ -30,27 +28,11 @@ def test_learners_trained_anew_are_drawn_with_the_weather_and_dates(tmp_path, mo
         "last_days": 20.0,
         "weather": "under forecast weather",
     }
-    drawn = [tmp_path / "rolling.pdf"], [tmp_path / "rolling.png"]
-    snakemake = SimpleNamespace(
-        rule="study_rolling",
-        log=[str(tmp_path / "log")],
-        params=SimpleNamespace(settings=settings),
-        input=[],
-        output=SimpleNamespace(pdf=drawn[0], png=drawn[1]),
-    )
-    script = REPOSITORY / "workflow" / "scripts" / "study_rolling.py"
-    made = runpy.run_path(str(script), init_globals={"snakemake": snakemake})
+    drawn = files(pdf=[tmp_path / "rolling.pdf"], png=[tmp_path / "rolling.png"])
+    made = run("study_rolling", [], drawn, log=tmp_path / "log", **settings)
     note = made["figure"].legends[0].get_title().get_text()
     assert note == "Swarm A by one radar (Eglin), 20 days to learn from at most\nunder forecast weather"
     assert all(path.stat().st_size > 0 for (path,) in drawn)
-
-
-class Files(list):
-    """Files of a job by their order and by name, as Snakemake gives them."""
-
-    def __init__(self, *paths, **named):
-        super().__init__(paths)
-        self.__dict__.update(named)
 
 
 def test_conjunctions_of_a_study_are_told_and_drawn(tmp_path, monkeypatch):
@@ -65,23 +47,12 @@ def test_conjunctions_of_a_study_are_told_and_drawn(tmp_path, monkeypatch):
     write_table(tmp_path / "fits", fits, "covariances", metadata={})
     settings = {"learners": ["none", "running"], "laws": [], "seed": 1, "days": [1.0], "note": "a note"}
     settings |= {"epoch": "2019-09-03T00:00:00", "radius_m": 20.0, "threshold": 1e-4, "weather": "forecast"}
-    told, drawn = tmp_path / "told", Files(pdf=[tmp_path / "c.pdf"], png=[tmp_path / "c.png"])
-    files = Files(
+    told, drawn = tmp_path / "told", files(pdf=[tmp_path / "c.pdf"], png=[tmp_path / "c.png"])
+    read = files(
         replays=[tmp_path / "none", tmp_path / "running"], judge=[], fits=tmp_path / "fits", beside=[]
     )
-    for rule, read, made in (
-        ("conjunctions", files, Files(told)),
-        ("study_conjunctions", Files(told), drawn),
-    ):
-        snakemake = SimpleNamespace(
-            rule=rule,
-            log=[str(tmp_path / "log")],
-            params=SimpleNamespace(settings=settings),
-            input=read,
-            output=made,
-        )
-        script = REPOSITORY / "workflow" / "scripts" / f"{rule}.py"
-        runpy.run_path(str(script), init_globals={"snakemake": snakemake})
+    run("conjunctions", read, [told], log=tmp_path / "log", **settings)
+    run("study_conjunctions", [told], drawn, log=tmp_path / "log", **settings)
     table = read_table(told, "conjunctions")
     assert set(table["weather"]) == {"forecast"}
     models = table.loc[table["crossing"] == "any", "model"]
@@ -95,19 +66,11 @@ def test_a_day_of_many_objects_is_told_drawn_and_listed(tmp_path, monkeypatch):
     told[0] |= {"height_km": 550.0, "inclination_deg": 53.0}
     told[0] |= {"expected": [{"day": 1, "along_track_sigma_m": 90.0}]}
     outcomes.write(tmp_path / "objects_0.json", told)
-    suffixes = ("md", "tsv", "html", "json", "png")
-    files = {suffix: tmp_path / f"day.{suffix}" for suffix in suffixes}
+    made = files(**{suffix: tmp_path / f"day.{suffix}" for suffix in ("md", "tsv", "html", "json", "png")})
     settings = {"epoch": "2016-09-28T12:09:45", "hour": 6.0, "date": "2016-10-05", "watched": ["o7"]}
-    snakemake = SimpleNamespace(
-        rule="day",
-        log=[str(tmp_path / "log")],
-        params=SimpleNamespace(settings=settings),
-        input=Files(objects=[tmp_path / "objects_0.json"]),
-        output=Files(**files),
-    )
-    script = REPOSITORY / "workflow" / "scripts" / "day_of_many.py"
-    runpy.run_path(str(script), init_globals={"snakemake": snakemake})
-    assert len(files["tsv"].read_text().splitlines()) == 202
-    assert len(json.loads(files["json"].read_text())["objects"]) == 201
-    assert "**o7. Send: good**" in files["md"].read_text()
-    assert all(path.stat().st_size > 0 for path in files.values())
+    read = files(objects=[tmp_path / "objects_0.json"])
+    run("day_of_many", read, made, log=tmp_path / "log", **settings)
+    assert len(made.tsv.read_text().splitlines()) == 202
+    assert len(json.loads(made.json.read_text())["objects"]) == 201
+    assert "**o7. Send: good**" in made.md.read_text()
+    assert all(path.stat().st_size > 0 for path in made)

@@ -1,15 +1,14 @@
 """Scripts that take what was measured, run in process as Snakemake runs them."""
 
-import runpy
 from dataclasses import asdict
-from types import SimpleNamespace
 
 import laser_files
 import numpy as np
 import pandas as pd
 import pytest
 from element_histories import history, tle_text
-from support import EPOCH, ESTIMATION, EXCERPTS, REPOSITORY, environment, force_model, kepler_orbit, stations
+from scripts import files, run
+from support import EPOCH, ESTIMATION, EXCERPTS, environment, force_model, kepler_orbit, stations
 
 from opml.base.constants import DAY, GM, HOUR, SPEED_OF_LIGHT
 from opml.catalog.fit import fixes, start_states
@@ -25,30 +24,14 @@ from opml.tables import FIX_SIGMAS, SCHEMAS, STATE, read_kind, read_metadata, re
 MANOEUVRES = ["2016-09-28T14:09:45", "2016-09-28T13:09:45.500"]
 
 
-class Files(list):
-    """The files of a job, some of them named."""
-
-    def __init__(self, *paths, **named):
-        super().__init__([*paths, *named.values()])
-        vars(self).update(named)
-
-
 @pytest.fixture
 def taken(tmp_path):
     """The table that a script makes of files and settings, and its metadata."""
 
-    def take(script, files, **settings):
+    def take(script, read, **settings):
         out = tmp_path / "table.parquet"
-        snakemake = SimpleNamespace(
-            rule=script,
-            log=[str(tmp_path / "log")],
-            params=SimpleNamespace(settings={"epoch": EPOCH, "manoeuvres": MANOEUVRES, **settings}),
-            input=files,
-            output=[str(out)],
-            threads=1,
-        )
-        path = REPOSITORY / "workflow" / "scripts" / f"{script}.py"
-        runpy.run_path(str(path), init_globals={"snakemake": snakemake})
+        given = {"epoch": EPOCH, "manoeuvres": MANOEUVRES, **settings}
+        run(script, read, [str(out)], log=tmp_path / "log", **given)
         return read_table(out, read_kind(out)), read_metadata(out)
 
     return take
@@ -63,13 +46,13 @@ def orientation(tmp_path):
 
 def fitted_to(tmp_path, orientation):
     """What a fit reads of the table that was taken."""
-    files = Files(tracking=str(tmp_path / "table.parquet"), earth_orientation=orientation)
-    return fixes.read(files, list(stations().values()))
+    read = files(tracking=str(tmp_path / "table.parquet"), earth_orientation=orientation)
+    return fixes.read(read, list(stations().values()))
 
 
 def test_tracks_know_the_manoeuvres_of_the_settings(taken, tmp_path, orientation):
     sheet = [asdict(station) for station in stations().values()]
-    table, facts = taken("tracking_from_tdm", Files(str(EXCERPTS / "orekit.tdm")), stations=sheet)
+    table, facts = taken("tracking_from_tdm", [str(EXCERPTS / "orekit.tdm")], stations=sheet)
     assert table["track"].nunique() > 10
     assert facts["manoeuvres"] == [{"t": HOUR + 0.5}, {"t": 2 * HOUR}]
     assert facts["object"] == {"name": "ISS", "designator": "", "number": 0}
@@ -80,7 +63,7 @@ def test_tracks_know_the_object_that_their_participant_names(taken, tmp_path):
     text = (EXCERPTS / "orekit.tdm").read_text().replace("= ISS\n", "= 1998-067A\n")
     (tmp_path / "mine.tdm").write_text(text)
     sheet = [asdict(station) for station in stations().values()]
-    _, facts = taken("tracking_from_tdm", Files(str(tmp_path / "mine.tdm")), stations=sheet)
+    _, facts = taken("tracking_from_tdm", [str(tmp_path / "mine.tdm")], stations=sheet)
     assert facts["object"] == {"name": "", "designator": "1998-067A", "number": 0}
 
 
@@ -88,9 +71,9 @@ def test_fixes_are_thinned_and_gathered_as_the_settings_say(taken, tmp_path, ori
     orbit = kepler_orbit(iss, duration=DAY, step=60.0)
     segments = oem.segments_of(orbit, "truth", ObjectId("iss", "1998-067A"))
     oem.write(tmp_path / "iss.oem", segments, epoch=EPOCH)
-    files = Files(str(tmp_path / "iss.oem"), earth_orientation=orientation)
+    read = files(points=str(tmp_path / "iss.oem"), earth_orientation=orientation)
     fixing = {"sigmas": [1.0, 2.0, 3.0], "every_s": 600.0, "stretch_hours": 2.0}
-    table, facts = taken("fixes_from_files", files, duration_days=0.5, taking=fixing)
+    table, facts = taken("fixes_from_files", read, duration_days=0.5, taking=fixing)
     assert table.groupby("track").size().tolist() == [12] * 6 + [1]
     assert (table[["sigma_r", "sigma_s", "sigma_w"]].to_numpy() == fixing["sigmas"]).all()
     measured = fitted_to(tmp_path, orientation)
@@ -109,19 +92,19 @@ def test_sets_of_mean_elements_are_read_weighed_and_flown_as_the_settings_say(ta
         "find_manoeuvres": False,
     }
     told = settings | {"sigma_m": [50.0, 100.0, 20.0]}
-    sets, facts = taken("element_sets", Files(str(tmp_path / "sets.tle")), taking=told)
+    sets, facts = taken("element_sets", [str(tmp_path / "sets.tle")], taking=told)
     assert sets["number"].tolist() == [25544] * 3
     assert facts["object"] == {"name": "25544", "designator": "", "number": 25544}
     path = tmp_path / "sets.parquet"
     write_table(path, sets, "element_sets", metadata={})
-    table, facts = taken("fixes_from_elements", Files(str(path)), duration_days=2.5, taking=told)
+    table, facts = taken("fixes_from_elements", [str(path)], duration_days=2.5, taking=told)
     assert table.groupby("track").size().tolist() == [37] * 2
     np.testing.assert_allclose(table["t_estimate"].unique(), [DAY, 2 * DAY], atol=1e-3)
     np.testing.assert_allclose(table[FIX_SIGMAS[:3]].iloc[0], np.array(told["sigma_m"]) * np.sqrt(37 / 2))
     assert fitted_to(tmp_path, orientation).states is not None
     assert facts["manoeuvres"] == [{"t": HOUR + 0.5, "anew": True}, {"t": 2 * HOUR, "anew": True}]
     learned, _ = taken(
-        "fixes_from_elements", Files(str(path)), duration_days=2.5, taking=settings | {"sigma_m": None}
+        "fixes_from_elements", [str(path)], duration_days=2.5, taking=settings | {"sigma_m": None}
     )
     assert learned["sigma_r"].iloc[0] == pytest.approx(100.0 * np.sqrt(37 / 2))
 
@@ -132,23 +115,15 @@ def test_laser_ranges_know_their_stations_and_the_manoeuvres_of_the_settings(tak
     write_table(bodies, environment()["ephemerides"], "ephemerides", metadata={})
     tables = {"earth_orientation": orientation, "ephemerides": bodies}
     sites = [str(tmp_path / f"{name}.snx") for name in ("coordinates", "eccentricities")]
-    files = Files(points=[str(tmp_path / "lageos.crd")], sites=sites, **tables)
+    read = files(points=[str(tmp_path / "lageos.crd")], sites=sites, **tables)
     ranging = {"reflectors_m": 0.25, "sigma_m": 0.01, "without": [7119]}
-    table, facts = taken("ranges_from_files", files, duration_days=1.0, taking=ranging)
+    table, facts = taken("ranges_from_files", read, duration_days=1.0, taking=ranging)
     assert table["station"].tolist() == ["7090", "7090"]
     one_way = 0.5 * np.array([0.0392, 0.0391]) * SPEED_OF_LIGHT
     np.testing.assert_allclose(table["range"], one_way + 0.25, rtol=1e-12)
     assert table["sigma_range"].tolist() == [0.01, 0.01]
     assert facts["manoeuvres"] == [{"t": HOUR + 0.5}, {"t": 2 * HOUR}]
     assert isinstance(fitted_to(tmp_path, orientation), LaserRanges)
-
-
-class NamedFiles(dict):
-    """The files of a job, all of them named."""
-
-    def __init__(self, **named):
-        super().__init__(named)
-        vars(self).update(named)
 
 
 @pytest.fixture
@@ -184,8 +159,8 @@ def fixed(tmp_path, iss):
 )
 def test_estimates_tell_the_noise_of_what_was_measured_alone(taken, fixed, start, axes):
     paths, settings = fixed
-    files = NamedFiles(**paths, tracking=paths["fixes"], start=paths[start])
-    estimates, facts = taken("estimation", files, **settings)
+    read = files(**paths, tracking=paths["fixes"], start=paths[start])
+    estimates, facts = taken("estimation", read, **settings)
     assert estimates["converged"].all()
     assert [one["instrument"] for one in facts.get("instruments", [])] == axes
 
@@ -197,7 +172,7 @@ def test_burns_that_are_found_stand_beside_those_that_are_named(taken, tmp_path)
     write_table(tmp_path / "sets.parquet", raised, "element_sets", metadata={})
     settings = {"reach_hours": 12.0, "every_s": 1200.0, "sigma_m": None, "find_manoeuvres": True}
     _, facts = taken(
-        "fixes_from_elements", Files(str(tmp_path / "sets.parquet")), duration_days=8.0, taking=settings
+        "fixes_from_elements", [str(tmp_path / "sets.parquet")], duration_days=8.0, taking=settings
     )
     found = {"t": 5 * DAY, "known": 6 * DAY, "anew": True}
     named = [{"t": HOUR + 0.5, "anew": True}, {"t": 2 * HOUR, "anew": True}]
@@ -208,9 +183,8 @@ def test_sets_are_improved_beside_the_catalogue_of_the_run(taken, tmp_path):
     sets = history([-1.0, 1.0, 2.0, 9.0], bstar=1e-4)
     (tmp_path / "sets.tle").write_text(tle_text(sets))
     write_table(tmp_path / "sets.parquet", sets, "element_sets", metadata={})
-    files = Files(element_sets=str(tmp_path / "sets.parquet"))
-    files.catalogue = [str(tmp_path / "sets.tle")]
-    table, _ = taken("improved_history", files, duration_days=8.0, weather="OBSERVED")
+    read = files(element_sets=str(tmp_path / "sets.parquet"), catalogue=[str(tmp_path / "sets.tle")])
+    table, _ = taken("improved_history", read, duration_days=8.0, weather="OBSERVED")
     assert list(zip(table["model"], table["t"] / DAY, strict=True)) == [
         (model, day) for model in ("density", "learned") for day in (1.0, 2.0)
     ]
@@ -228,11 +202,11 @@ def test_sgp4_is_held_against_predictions(taken, tmp_path):
     pairs = pd.DataFrame(flown | {"i": [0], "j": [1], "t_i": [DAY], "t_j": [2 * DAY], "reason": [""]})
     write_table(tmp_path / "predictions.parquet", pairs, "predictions", metadata={})
     names = {name: str(tmp_path / f"{name}.parquet") for name in ("predictions", "sets")}
-    files = Files(predictions=names["predictions"], element_sets=names["sets"])
-    table, _ = taken("sgp4", files)
+    read = files(predictions=names["predictions"], element_sets=names["sets"])
+    table, _ = taken("sgp4", read)
     assert table[["i", "j"]].to_numpy().tolist() == [[0, 1]]
     assert np.isfinite(table["sgp4_y"]).all()
     improved = pd.concat([sets.assign(model=name) for name in ("density", "learned")])
     write_table(tmp_path / "improved.parquet", improved, "improved_history", metadata={})
-    files = Files(predictions=names["predictions"], improved_history=str(tmp_path / "improved.parquet"))
-    assert taken("improved", files)[0]["learned_y"].tolist() == table["sgp4_y"].tolist()
+    read = files(predictions=names["predictions"], improved_history=str(tmp_path / "improved.parquet"))
+    assert taken("improved", read)[0]["learned_y"].tolist() == table["sgp4_y"].tolist()

@@ -20,6 +20,8 @@ from opml.orbits.elements import in_rsw
 from opml.orbits.manoeuvres import Manoeuvre, read_manoeuvres, when_burns_are_known
 from opml.tables import STATE, read_table
 
+_KEYS = ["i", "j"]  # of pairs
+
 
 def exclude_burns(estimates: pd.DataFrame, *, manoeuvres: Sequence[Manoeuvre], window: float) -> pd.DataFrame:
     """Return the estimates, of which those with a manoeuvre in their window count as not converged.
@@ -82,10 +84,10 @@ def arcs_table(
     predicted = predictions[STATE].to_numpy()
     arc, nudged = (_at_pairs(states, predictions) for states in (arc_predictions, larger))
     differences = {"l_arc": predicted - arc, "v_arc": (nudged - arc) / CD_NUDGE}
-    estimates = _by_pair(arc_estimates, predictions)
-    usable = _usable(estimates, differences)
-    table = predictions[["i", "j"]].assign(cd_arc=np.where(usable, estimates["cd"], apriori))
-    return table.assign(**_turned(differences, predicted, usable))
+    at = _estimate_of(predictions, arc_estimates)
+    usable = _usable(at, arc_estimates, differences)
+    cd = np.where(usable, arc_estimates["cd"].to_numpy()[at], apriori)
+    return _of_pairs(predictions, {"cd_arc": cd} | _turned(differences, predicted, usable))
 
 
 def arc_departures(
@@ -94,8 +96,8 @@ def arc_departures(
     """Return i, j and the columns l_arc_* of the table `arcs`; arguments as of `build_arcs`."""
     predicted = predictions[STATE].to_numpy()
     differences = {"l_arc": predicted - _at_pairs(arc_predictions, predictions)}
-    usable = _usable(_by_pair(arc_estimates, predictions), differences)
-    return predictions[["i", "j"]].assign(**_turned(differences, predicted, usable))
+    usable = _usable(_estimate_of(predictions, arc_estimates), arc_estimates, differences)
+    return _of_pairs(predictions, _turned(differences, predicted, usable))
 
 
 def build_past(
@@ -107,8 +109,8 @@ def build_past(
     apriori, memory_days: as for `past_cd`
     """
     past = past_cd(arc_estimates, apriori=apriori, memory_days=memory_days)
-    at_pairs = _by_pair(arc_estimates.assign(cd=past["mean"].to_numpy()), predictions)
-    return predictions[["i", "j"]].assign(cd_past=at_pairs["cd"].to_numpy())
+    mean = past["mean"].to_numpy()[_estimate_of(predictions, arc_estimates)]
+    return _of_pairs(predictions, {"cd_past": mean})
 
 
 def build_held(
@@ -154,8 +156,8 @@ def held_table_of(
     """
     predicted = predictions[STATE].to_numpy()
     differences = {"h_arc": predicted - held_predictions[STATE].to_numpy()}
-    usable = _usable(_by_pair(arc_estimates, predictions), differences)
-    return predictions[["i", "j"]].assign(**_turned(differences, predicted, usable))
+    usable = _usable(_estimate_of(predictions, arc_estimates), arc_estimates, differences)
+    return _of_pairs(predictions, _turned(differences, predicted, usable))
 
 
 def nudged_predictions(
@@ -181,26 +183,31 @@ def _propagated(predictions: pd.DataFrame, states: np.ndarray) -> pd.DataFrame:
 
     Differences are taken of columns of tables, as sums of another layout in memory round differently.
     """
-    return predictions[["i", "j"]].assign(**dict(zip(STATE, states.T, strict=True)))
+    return _of_pairs(predictions, dict(zip(STATE, states.T, strict=True)))
+
+
+def _of_pairs(predictions: pd.DataFrame, columns: Mapping[str, np.ndarray]) -> pd.DataFrame:
+    """Return a table of i and j of pairs, and of further columns (n,)."""
+    return pd.DataFrame({key: predictions[key] for key in _KEYS} | dict(columns), index=predictions.index)
 
 
 def _at_pairs(states: pd.DataFrame, predictions: pd.DataFrame) -> np.ndarray:
     """Return the states (n, 6) of a table at the pairs of predictions, NaN where it has none."""
-    keys = ["i", "j"]
-    if np.array_equal(states[keys], predictions[keys]):
+    if all(np.array_equal(states[key].to_numpy(), predictions[key].to_numpy()) for key in _KEYS):
         return states[STATE].to_numpy()
-    pairs = pd.MultiIndex.from_frame(predictions[keys])
-    return states.set_index(keys)[STATE].reindex(pairs).to_numpy()
+    pairs = pd.MultiIndex.from_frame(predictions[_KEYS])
+    return states.set_index(_KEYS)[STATE].reindex(pairs).to_numpy()
 
 
-def _by_pair(estimates: pd.DataFrame, predictions: pd.DataFrame) -> pd.DataFrame:
-    return estimates[["track", "converged", "cd"]].set_index("track").loc[predictions["i"]]
+def _estimate_of(predictions: pd.DataFrame, estimates: pd.DataFrame) -> np.ndarray:
+    """Return the row (n,) of the estimate that each pair starts from; tracks of estimates ascend."""
+    return np.searchsorted(estimates["track"].to_numpy(), predictions["i"].to_numpy())
 
 
-def _usable(estimates: pd.DataFrame, differences: Mapping[str, np.ndarray]) -> np.ndarray:
-    """Return which pairs (n,) tell something: the estimate converged, the differences are numbers."""
+def _usable(at: np.ndarray, estimates: pd.DataFrame, differences: Mapping[str, np.ndarray]) -> np.ndarray:
+    """Return which pairs (n,) tell something: their estimate, in row `at`, converged, and all are numbers."""
     reached = np.isfinite(np.concatenate(list(differences.values()), axis=1)).all(axis=1)
-    return estimates["converged"].to_numpy() & reached
+    return estimates["converged"].to_numpy(bool)[at] & reached
 
 
 def _turned(

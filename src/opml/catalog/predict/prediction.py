@@ -8,7 +8,7 @@ from opml.catalog.propagator import Propagator
 from opml.catalog.simulate.truth import interpolate
 from opml.dynamics.ensemble import REASONS
 from opml.orbits.elements import in_rsw
-from opml.tables import COMPONENTS, STATE
+from opml.tables import COMPONENTS, STATE, state_rows
 
 TRUE = [f"{name}_true" for name in STATE]
 
@@ -28,7 +28,7 @@ def predict_all(
     pairs = predict(propagator, estimates, arrivals=estimates.set_index("track")["t"], max_days=max_days)
     true = _true_states(truth, pairs["t_j"])
     # Row by row in memory, as sums of other layouts round differently.
-    errors = in_rsw(np.ascontiguousarray(pairs[STATE]) - true, true)
+    errors = in_rsw(state_rows(pairs) - true, true)
     return pairs.assign(
         **dict(zip(TRUE, true.T, strict=True)), **dict(zip(COMPONENTS, errors.T, strict=True))
     )

@@ -44,7 +44,8 @@ class Cleaning(Section):
         if self.cd_bounds is None:
             return np.ones(np.shape(cd), dtype=bool)
         low, high = self.cd_bounds
-        return drag_coefficient_inside(cd, cd_min=low, cd_max=high)
+        kept: np.ndarray = (cd >= low) & (cd <= high)
+        return kept
 
 
 @dataclass(frozen=True)
@@ -75,11 +76,6 @@ PAPER_FENCE = 3.0
 
 PAPER_CLEANING = Cleaning(cd_min=PAPER_BOUNDS[0], cd_max=PAPER_BOUNDS[1], fence=PAPER_FENCE)
 """The cleaning of the paper, with fences from all rows that survive its bounds."""
-
-
-def drag_coefficient_inside(cd: np.ndarray, *, cd_min: float, cd_max: float) -> np.ndarray:
-    """Return which drag coefficients lie in [cd_min, cd_max] (bool, shape of cd; NaN does not)."""
-    return (cd >= cd_min) & (cd <= cd_max)
 
 
 def quartiles(values: np.ndarray) -> tuple[float, float]:
