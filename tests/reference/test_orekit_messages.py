@@ -108,7 +108,7 @@ def ephemeris():
     )
 
 
-@pytest.mark.parametrize("segments", [oem.corrected_segments, oem.forecast_segments])
+@pytest.mark.parametrize("segments", [oem.SEGMENTS["corrected"], oem.SEGMENTS["forecast"]])
 def test_orekit_reads_an_ephemeris_with_covariances_in_rsw(org, ephemeris, tmp_path, segments):
     oem.write(tmp_path / "c.oem", segments(ephemeris, rso="iss"), epoch=EPOCH)
     (segment,) = parsed(org, "Oem", tmp_path / "c.oem").getSegments()

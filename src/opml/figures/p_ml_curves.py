@@ -23,6 +23,7 @@ from opml.figures.style import (
     PUBLISHED,
     RESIDUAL,
     SERIES,
+    add_head_and_legend,
     column_figure,
     legend,
     page_figure,
@@ -68,7 +69,12 @@ def partition_curve(
     axes.set_xlabel("training data [% of the dataset]")
     axes.set_xlim(0.0, 100.0)
     axes.set_xticks(range(0, 101, 10))
-    return _finish(figure, axes, points, component)
+    _label(axes, component)
+    best = test.loc[test["share"].idxmax(), ["share", "p_ml"]]
+    headline = f"Trained on {best['share']:.0f} %, {best['p_ml']:.0f} % of the error remains"
+    note = lines(_training_note(points), _bars_note(points))
+    add_head_and_legend(figure, headline, note, columns=2)
+    return figure
 
 
 def transfer_curve(

@@ -144,9 +144,11 @@ def errorbar_absolute(
     evaluation: pd.DataFrame, *, component: str = "e_y", context: Context = NO_CONTEXT
 ) -> Figure:
     """Draw mean and spread of the absolute errors against the duration: `svr_absolute`'s right panel."""
-    figure, axes = column_figure(height_mm=72.0)
+    figure, axes = column_figure(height_mm=76.0)
     _draw_bars(axes, evaluation, component, context, absolute=True)
-    legend(figure, columns=3, note=lines(context.note, BARS))
+    headline = f"{_p_ml(evaluation):.0f} % of the error remains"
+    note = lines(context.note, "bars: mean and standard deviation by quarter of a day")
+    add_head_and_legend(figure, headline, note, columns=3)
     return figure
 
 
@@ -402,7 +404,7 @@ def _individual(
 ) -> Figure:
     """Draw the predictions of an evaluation that are to be drawn; is_drawn: (n,)."""
     errors = _drawn_errors(evaluation, component, absolute=True)[is_drawn]
-    figure, axes = column_figure(height_mm=80.0)
+    figure, axes = column_figure(height_mm=78.0)
     axes.scatter(
         errors["duration"],
         errors["true"],

@@ -67,7 +67,7 @@ def matches(content: bytes) -> bool:
     first = next((line for line in text.splitlines() if line.strip() and not line.startswith("#")), "")
     if "," in first:
         return not omm.matches(text)
-    told = [_told(name) for name in _split(first, _separator(first))]
+    told = [_told(name) for name in re.split(_separator(first), first.strip())]
     return len(told) > len(_GROUPS[0]) and any({"scale", "time"} & one.keys() for one in told)
 
 
@@ -168,7 +168,7 @@ class _Columns:
                 raise self._wrong(f"one column {name}", f"{names.count(name)}")
             if "axis" in told:
                 self._add(name, told, place)
-                frames |= {told["frame"]} if "frame" in told else set()
+                frames |= {told.get("frame", "none")} if told["axis"][-1] in "xyz" else set()
             elif told.keys() & {"scale", "time"}:
                 times.append((place, told.get("scale", "")))
             elif name != PASSED_OVER:
@@ -180,9 +180,9 @@ class _Columns:
             )
         self.time, self.scale = times[0]
         self._check_groups()
-        if len(frames) != 1:
-            expected = "one frame in the names of x, y and z, such as x_itrf_m or x_gcrf_km"
-            raise self._wrong(expected, " and ".join(sorted(frames)) or ",".join(names))
+        if len(frames) != 1 or frames == {"none"}:
+            expected = "one frame in the names of all of a state, such as x_itrf_m or x_gcrf_km"
+            raise self._wrong(expected, " and ".join(sorted(frames)))
         self.frame = frames.pop()
 
     def _add(self, name: str, told: dict[str, str], place: int) -> None:

@@ -7,8 +7,9 @@ Source: CCSDS 502.0-B-2, section 5.
 """
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from itertools import islice
 from typing import NamedTuple
 
@@ -112,20 +113,15 @@ def prediction_segments(predictions: pd.DataFrame, *, rso: str) -> list[Segment]
     ]
 
 
-def corrected_segments(corrected: pd.DataFrame, *, rso: str) -> list[Segment]:
-    """Return the segments of a table `corrected`, one per estimate, with a covariance every ten minutes."""
-    return _ephemeris_segments(corrected, rso, "corrected prediction")
+def corrected_segments(
+    corrected: pd.DataFrame, *, rso: str, content: str = "corrected prediction"
+) -> list[Segment]:
+    """Return the segments of a table `corrected`, one per estimate, with a covariance every ten minutes.
 
-
-def forecast_segments(forecast: pd.DataFrame, *, rso: str) -> list[Segment]:
-    """Return the segments of a table `forecast`, one per estimate, with a covariance every ten minutes."""
-    return _ephemeris_segments(forecast, rso, "prediction, with the weather's covariances,")
-
-
-def _ephemeris_segments(table: pd.DataFrame, rso: str, content: str) -> list[Segment]:
-    """Return a segment per estimate with covariances in RSW; `content` begins its remark."""
+    content: what its remark begins with
+    """
     segments = []
-    for i, rows in table.groupby("i", sort=True):
+    for i, rows in corrected.groupby("i", sort=True):
         t = rows["t"].to_numpy()
         every = max(1, round(_COVARIANCE_STEP / float(np.median(np.diff(t)))))
         sparse = np.unique(np.append(np.arange(0, len(t), every), len(t) - 1))
@@ -144,12 +140,12 @@ def _ephemeris_segments(table: pd.DataFrame, rso: str, content: str) -> list[Seg
     return segments
 
 
-SEGMENTS = {
+SEGMENTS: dict[str, Callable[..., list[Segment]]] = {
     "truth": truth_segments,
     "estimates": estimate_segments,
     "predictions": prediction_segments,
     "corrected": corrected_segments,
-    "forecast": forecast_segments,
+    "forecast": partial(corrected_segments, content="prediction, with the weather's covariances,"),
 }
 """Makers of the segments of a message, by the table."""
 

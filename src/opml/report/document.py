@@ -149,6 +149,7 @@ _NUMBERS = re.compile(r"-|[-+]?\.?\d[\d.,e+\-]*( %)?( / [-+]?\d[\d.e+\-]*| \([^a
 """A cell of a number, of two, or of one with its interval."""
 
 _TIME = re.compile(r"[\dT:-]+Z")
+_SENTENCE = 40  # characters of a cell that is not to be squeezed to a word a line
 
 
 def _markdown(block: Block) -> str:
@@ -220,9 +221,10 @@ def _class(kind: str) -> str:
 
 
 def _kind(cells: Sequence[str]) -> str:
-    """Return the class of a column's cells, ` class=number` or `time` where all of them are one."""
+    """Return the class of a column's cells, as ` class="number"`: what all of them are, or one a sentence."""
     kinds = {"number": _NUMBERS, "time": _TIME}
     found = [name for name, form in kinds.items() if cells and all(map(form.fullmatch, cells))]
+    found += ["sentence"] if any(len(cell) >= _SENTENCE for cell in cells) else []
     return f' class="{found[0]}"' if found else ""
 
 

@@ -33,7 +33,9 @@ def lines(figure):
 
 
 def test_draws_the_test_part_in_order(metrics):
-    drawn = lines(p_ml_curves.partition_curve(metrics, published=PUBLISHED))
+    figure = p_ml_curves.partition_curve(metrics, published=PUBLISHED)
+    drawn = lines(figure)
+    assert figure.get_suptitle().startswith("Trained on 90 %, 2 % of the error remains\n")
     assert drawn["test part"] == ([10.0, 50.0, 90.0], pytest.approx([200 / 15, 200 / 55, 200 / 95]))
     assert drawn["training part"][1] == pytest.approx([100 / 15, 100 / 55, 100 / 95])
     assert drawn["Peng & Bai, test part"] == ([40, 80, 90], [14.8, 9.6, 9.7])

@@ -355,6 +355,7 @@ def test_a_legend_shows_each_thing_once_under_the_note_within_the_width(evaluati
     assert len(legend.get_texts()) == 3
     assert legend.get_title().get_text().count("trained on") == 1
     narrow = prediction_errors.errorbar_absolute(evaluation, context=told)
+    assert narrow.get_suptitle().startswith("22 % of the error remains\n")
     narrow.draw_without_rendering()
     assert narrow.legends[0].get_window_extent().x1 <= narrow.bbox.x1
 

@@ -230,6 +230,7 @@ def test_headings_in_use_give_the_same_points(tmp_path, t, states):
 def test_headings_in_blanks_are_no_mean_elements():
     assert fixes_csv.matches(b"utc x_itrf_m y_itrf_m z_itrf_m\n")
     assert fixes_csv.matches(b"Sat.UTCGregorian   Sat.EarthTOD.X   Sat.EarthTOD.Y   Sat.EarthTOD.Z\n")
+    assert not fixes_csv.matches(b'"an open quote; x; y; z\n')
     assert not fixes_csv.matches(b"SPACE X 1 DEB\n1 00005U 58002B   00179.78495062  .00000023  00000-0\n")
 
 

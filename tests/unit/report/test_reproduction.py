@@ -61,6 +61,13 @@ def test_columns_of_numbers_stand_on_the_right(cell):
     assert 'class="number"' not in document.html_page([Table(["a"], [[cell], ["b 2"]])], title="A")
 
 
+def test_a_column_of_sentences_is_no_column_of_single_words():
+    rows = [["`a`", "its 90 % intervals held 61 % of the last errors"], ["`b`", ""]]
+    page = document.html_page([Table(["model", "why"], rows)], title="A")
+    assert '<th>model</th><th class="sentence">why</th>' in page
+    assert ".sentence{min-width:" in page
+
+
 def test_bold_words_are_bold_in_the_page():
     assert "<p><strong>iss.</strong> 2 * 3</p>" in document.html_page(
         [Paragraph("**iss.** 2 * 3")], title="A"

@@ -22,7 +22,7 @@ class PopulationSettings(Section):
     """Objects that learn from each other."""
 
     files: PathList = setting("files or folders of element sets (TLE, OMM)", unit="path")
-    label: Absent[Text] = absent("what figures call them; by default the population's name")
+    label: Absent[Text] = absent("what figures call them; by default the population's name", unit="text")
 
 
 class SeasonSettings(Section):
