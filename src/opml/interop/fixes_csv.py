@@ -215,7 +215,8 @@ class _Columns:
             raise self._wrong("units of all of x, y and z, or of none", ", ".join(sorted(named)))
         radius = float(np.median(np.linalg.norm(self.values(table, lines, _GROUPS[0], 1.0), axis=1)))
         unit = "m" if radius >= _LEAST_METRES else "km"
-        _log.warning("%s: %s, as its columns have no unit and are %.5g long", self.path, unit, radius)
+        message = "%s: lengths are taken as %s: no column names a unit, and positions are %.5g long"
+        _log.warning(message, self.path, unit, radius)
         return _UNITS[unit]
 
     def values(

@@ -238,7 +238,8 @@ def test_a_unit_that_is_seen_by_the_radius_is_told(tmp_path, caplog):
     path = tmp_path / "orbit.csv"
     path.write_text(GOOD.replace("_m", ""))
     points_from_files.check(OrbitFiles([path], EPOCH, DAY), PLACES)
-    assert caplog.messages == [f"{path}: m, as its columns have no unit and are 7.0022e+06 long"]
+    why = "no column names a unit, and positions are 7.0022e+06 long"
+    assert caplog.messages == [f"{path}: lengths are taken as m: {why}"]
 
 
 def test_files_of_one_rso_have_one_format(tmp_path, t, states):
