@@ -1,6 +1,6 @@
 """The picture of docs/day.md: the verdicts of some months of mornings, day by day.
 
-    opml day --date 2018-08-28 --configfile config/studies/mornings.yaml
+    opml day --date 2018-07-20 --configfile config/studies/mornings.yaml
     python -m validation.pictures.every_morning results/mornings BURNS
 
 BURNS is a folder of the operators' lists of burns, `Sentinel-3A.yaml` for the object `sentinel3a`.
