@@ -34,6 +34,15 @@ FEWEST = 20  # rows to learn or judge from
 LEVEL, NORMAL = 0.9, 1.645
 
 
+def held_weather(folder):
+    """Return the lines of the weather known at t, after t as on its last days, below a header."""
+    known = (folder / "weather.csv").read_text().splitlines()[1:]
+    last = known[-1].split(",")
+    days = np.datetime64(last[0]) + np.arange(1, AHEAD + 2)
+    kp = np.median([[float(cell) for cell in line.split(",")[1:9]] for line in known[-27:]])
+    return known + [",".join([str(day), *[f"{kp:.0f}"] * 8, last[9], "OBS", last[11]]) for day in days]
+
+
 class Morning:
     """An object at t: what was measured of it, in tables of times since `epoch`."""
 
@@ -51,16 +60,11 @@ class Morning:
 
     @cache  # noqa: B019
     def environment(self):
-        """Make the environment from the weather known at t, held as it was on its last days."""
-        known = (self.folder / "weather.csv").read_text().splitlines()
-        header, last = known[1].split(","), known[-1].split(",")
-        days = np.datetime64(last[0]) + np.arange(1, AHEAD + 2)
-        kp = np.median([[float(cell) for cell in line.split(",")[1:9]] for line in known[-27:]])
-        ahead = [",".join([str(day), *[f"{kp:.0f}"] * 8, last[9], "OBS", last[11]]) for day in days]
+        """Make the environment from the weather known at t."""
         days = (self.now / DAY) + AHEAD - 0.5
         with tempfile.TemporaryDirectory() as temporary:
             path = Path(temporary, "weather.csv")
-            path.write_text("\n".join([",".join(header), *known[2:], *ahead]) + "\n")
+            path.write_text("\n".join(held_weather(self.folder)) + "\n")
             return opml.make_environment(self.epoch, days=days, activity=path, degree=48)
 
     @cache  # noqa: B019
@@ -203,14 +207,17 @@ def main(folder, answers, *ways):
             runtime[way] += process_time() - begin
         print(t, number, {way: round(seconds) for way, seconds in runtime.items()}, file=sys.stderr)
     for way in ways:
+        command = f"python benchmark/track_fits.py {task.name} . {' '.join(ways)}"
         path = Path(answers, f"{task.name}_{way}.csv")
-        tasks.write_csv(path, (*REQUIRED, *COVARIANCE), lines[way])
-        about = {
-            "tool": f"opml {opml.__version__}: {way}",
-            "command": f"python benchmark/track_fits.py {task.name} . {' '.join(ways)}",
-            "runtime_s": round(runtime[way], 1),
-        }
-        about_file(path).write_text(json.dumps(about) + "\n")
+        header = (*REQUIRED, *COVARIANCE)
+        write(path, header, lines[way], f"opml {opml.__version__}: {way}", command, runtime[way])
+
+
+def write(path, header, lines, tool, command, runtime):
+    """Write answers, and beside them how they were made."""
+    tasks.write_csv(path, header, lines)
+    about = {"tool": tool, "command": command, "runtime_s": round(runtime, 1)}
+    about_file(path).write_text(json.dumps(about) + "\n")
 
 
 if __name__ == "__main__":

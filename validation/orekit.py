@@ -4,7 +4,7 @@ Names below `org` and `java` are Java's own; they exist once `start` has run.
 """
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
@@ -72,10 +72,19 @@ def version() -> str:
     return metadata.version("orekit-jpype")
 
 
-class Orekit:
-    """Orekit's models from one epoch on: GCRF, ITRF (IERS 2010, no sub-daily terms), WGS84, MSAFE's 50 %."""
+def msafe():
+    """Return MSAFE's 50 %."""
+    data = org.orekit.models.earth.atmosphere.data.MarshallSolarActivityFutureEstimation
+    return data(_MSAFE_NAMES, data.StrengthLevel.AVERAGE)
 
-    def __init__(self, epoch: str):
+
+class Orekit:
+    """Orekit's models from one epoch on: GCRF, ITRF (IERS 2010, no sub-daily terms), WGS84.
+
+    activity: returns what DTM2000 is given
+    """
+
+    def __init__(self, epoch: str, activity: Callable[[], Any] = msafe):
         factory = org.orekit.frames.FramesFactory
         self.utc = org.orekit.time.TimeScalesFactory.getUTC()
         self.epoch = org.orekit.time.AbsoluteDate(epoch, self.utc)
@@ -84,8 +93,7 @@ class Orekit:
         self.earth = org.orekit.bodies.OneAxisEllipsoid(constants.WGS84_A, constants.WGS84_F, self.itrf)
         body = org.orekit.bodies.CelestialBodyFactory.getBody
         self.bodies = {name: body(name.capitalize()) for name in constants.BODIES}
-        msafe = org.orekit.models.earth.atmosphere.data.MarshallSolarActivityFutureEstimation
-        self.activity = msafe(_MSAFE_NAMES, msafe.StrengthLevel.AVERAGE)
+        self.activity = activity()
         self.atmosphere = org.orekit.models.earth.atmosphere.DTM2000(
             self.activity, self.bodies["sun"], self.earth, self.utc
         )

@@ -2,12 +2,13 @@
 
 import csv
 import runpy
+import subprocess
 import sys
 
 import numpy as np
 import pandas as pd
 import pytest
-from support import REPOSITORY, refusal, refusals
+from support import REPOSITORY, refusal, refusals, shared
 
 from opml.base import epochs
 from opml.benchmark import recipes, tasks
@@ -96,6 +97,18 @@ def test_more_forces_predict_better(fits, tmp_path):
         benchmark.score(NAME, one).scores["along_track_median"].iloc[0] for one in (fits["last"], path)
     )
     assert full < 0.3 * last
+
+
+@pytest.mark.slow
+def test_orekit_answers_all_that_is_asked(tmp_path):
+    pytest.importorskip("orekit_jpype", reason="needs the extra `verify`")
+    data = shared("orekit-data")
+    command = [sys.executable, "-m", "benchmark.orekit_fits", NAME, str(tmp_path), str(data)]
+    subprocess.run(command, cwd=REPOSITORY, check=True)
+    score = benchmark.score(NAME, tmp_path / "sample-tracks_orekit.csv")
+    assert score.suspicions == []
+    assert score.scores["answered"].tolist() == [100.0] * 4
+    assert (score.scores["along_track_median"] < 100e3).all()
 
 
 def test_what_no_file_answers_is_refused(tmp_path):
