@@ -43,7 +43,6 @@ _DENSITY_KEYS = {
 }
 """Keys of CDM 2.0 for the dynamic consider parameter, by the names that comments of CDM 1.0 have."""
 
-_ROUNDED = 1.01  # what digits that were cut off may make of a part that is all of a standard deviation
 _TERRESTRIAL = "ITRF"
 _NODES = 3600.0 * np.arange(-6, 7)  # about a time, for the Earth's orientation then [s]
 _LONGEST = 60  # letters of a name in that of a file
@@ -226,7 +225,10 @@ def _participant(message: ccsds.Message, block: ccsds.KeyValues, epoch: str, t: 
         state = _from_earth(state, epoch, t)
     else:
         state = np.kron(np.eye(2), ccsds.FRAMES[frame]) @ state
-    return Participant(identity, state, covariance, density=_density(message, block, covariance))
+    density = _density(message, block)
+    if density is not None and not density.is_part_of(covariance):
+        return Participant(identity, state, covariance, (f"density error of {identity.name} too large",))
+    return Participant(identity, state, covariance, density=density)
 
 
 def _from_earth(state: np.ndarray, epoch: str, t: float) -> np.ndarray:
@@ -237,19 +239,16 @@ def _from_earth(state: np.ndarray, epoch: str, t: float) -> np.ndarray:
     return np.concatenate([position, velocity + np.cross(rate, position)])
 
 
-def _density(message: ccsds.Message, block: ccsds.KeyValues, covariance: np.ndarray) -> DensityError | None:
+def _density(message: ccsds.Message, block: ccsds.KeyValues) -> DensityError | None:
     """Return what the forecast density's error does to an object, None where that is not told."""
     uncertainty, *vectors = _DENSITY_KEYS.values()
     if not all(block.has(key) for key in _DENSITY_KEYS.values()):
         return None
     line = block.line(vectors[0])
     numbers = [message.scale(text, 0, block.line(key)) for key in vectors for text in block.text(key).split()]
-    if len(numbers) != len(covariance):
+    if len(numbers) != len(_STATE):
         raise message.error("three numbers in each vector of sensitivity", f"{len(numbers)} in both", line)
-    density = DensityError(message.scale(block.text(uncertainty), 0, line), np.array(numbers))
-    if (np.abs(density.effect) > _ROUNDED * np.sqrt(np.diag(covariance))).any():
-        raise message.error("an error by density that the covariance holds", block.text(vectors[0]), line)
-    return density
+    return DensityError(message.scale(block.text(uncertainty), 0, line), np.array(numbers))
 
 
 def _radius(path: FilePath) -> float:

@@ -9,6 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+_ROUNDED = 1.01  # what digits that were cut off may make of a part that is all of a standard deviation
+
 
 @dataclass(frozen=True, eq=False)
 class DensityError:
@@ -24,6 +26,10 @@ class DensityError:
     def effect(self) -> np.ndarray:
         """Change of the state (6,) by one standard deviation, in RSW axes of the state [m, m/s]."""
         return self.uncertainty * self.sensitivity
+
+    def is_part_of(self, covariance: np.ndarray) -> bool:
+        """Whether a covariance (6, 6) of the state, in the same axes, can contain it."""
+        return bool((np.abs(self.effect) <= _ROUNDED * np.sqrt(np.diag(covariance))).all())
 
 
 @dataclass(frozen=True, eq=False)

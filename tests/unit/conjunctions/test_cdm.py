@@ -103,6 +103,16 @@ def test_the_common_error_of_density_comes_back_and_makes_another_probability(tm
     assert np.isnan(as_text.table([alone], epoch=EPOCH)["correlated"].iat[0])
 
 
+def test_an_error_of_density_beyond_its_covariance_is_remarked_on_and_not_used(tmp_path):
+    path = tmp_path / "one.cdm"
+    cdm.write(path, replace(CONJUNCTION, first=shifted("ours", 300.0)), epoch=EPOCH)
+    path.write_text(path.read_text().replace("Pos = 0.0 3", "Pos = 0.0 93", 1))
+    (row,) = as_text.table([cdm.read(path, epoch=EPOCH)], epoch=EPOCH).to_dict("records")
+    assert row["probability"] == pytest.approx(CONJUNCTION.chance.probability, rel=1e-3)
+    assert np.isnan(row["correlated"])
+    assert "density error of ours too large" in row["remark"]
+
+
 @pytest.mark.parametrize(("old", "new", "expected"), refusals("density_in_cdm"))
 def test_a_damaged_error_of_density_is_told(tmp_path, old, new, expected):
     path = tmp_path / "one.cdm"
