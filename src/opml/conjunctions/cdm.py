@@ -16,7 +16,7 @@ from opml import __version__
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.conjunctions.conjunction import LARGEST_RADIUS, Conjunction, Participant, check_radius
-from opml.dynamics.frames import gcrf_to_itrf, spin
+from opml.dynamics.frames import states_to_gcrf
 from opml.environment import earth_orientation
 from opml.interop import ccsds
 from opml.interop.object_ids import ObjectId
@@ -234,9 +234,8 @@ def _participant(message: ccsds.Message, block: ccsds.KeyValues, epoch: str, t: 
 def _from_earth(state: np.ndarray, epoch: str, t: float) -> np.ndarray:
     """Return a state (6,) of the ITRF at t [s since the epoch] in GCRF."""
     orientation = earth_orientation.tabulate(epoch, t + _NODES)
-    (turn,), rate = gcrf_to_itrf(orientation, np.array([t])), spin(orientation)[len(_NODES) // 2]
-    position, velocity = state.reshape(2, 3) @ turn
-    return np.concatenate([position, velocity + np.cross(rate, position)])
+    (turned,) = states_to_gcrf(orientation, np.array([t]), *np.split(state[None], 2, axis=1))
+    return np.asarray(turned)
 
 
 def _density(message: ccsds.Message, block: ccsds.KeyValues) -> DensityError | None:

@@ -1,4 +1,4 @@
-"""Rotation from GCRF to ITRF, and its rate, at many times."""
+"""Rotation from GCRF to ITRF, its rate, and states in both, at many times."""
 
 import numpy as np
 import pandas as pd
@@ -32,6 +32,20 @@ def spin(earth_orientation: pd.DataFrame) -> np.ndarray:
     pole = np.stack([x, y, np.sqrt(1.0 - x * x - y * y)], axis=-1)
     rate = EARTH_RATE + np.gradient(earth_orientation["era_offset"].to_numpy(), t)
     return rate[:, None] * pole + np.cross(pole, np.gradient(pole, t, axis=0))
+
+
+def states_to_gcrf(
+    earth_orientation: pd.DataFrame, t: np.ndarray, positions: np.ndarray, velocities: np.ndarray
+) -> np.ndarray:
+    """Return the states (n, 6) in GCRF [m, m/s] of positions and velocities (n, 3) in ITRF at t (n,) [s].
+
+    v_GCRF = R^T v_ITRF + w x r_GCRF, with the rotation R from GCRF to ITRF and the Earth's rotation vector w.
+    """
+    turns, rate = gcrf_to_itrf(earth_orientation, t), spin(earth_orientation)
+    turning = np.stack([np.interp(t, earth_orientation["t"], rate[:, k]) for k in range(3)], axis=1)
+    inertial = np.einsum("nji,nj->ni", turns, positions)
+    moving = np.einsum("nji,nj->ni", turns, velocities) + np.cross(turning, inertial)
+    return np.concatenate([inertial, moving], axis=1)
 
 
 @_entry

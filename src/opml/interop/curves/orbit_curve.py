@@ -9,7 +9,7 @@ import pandas as pd
 
 from opml.base.errors import InputError
 from opml.dynamics.attraction import Attraction
-from opml.dynamics.frames import gcrf_to_itrf, spin
+from opml.dynamics.frames import states_to_gcrf
 from opml.interop import ccsds
 from opml.interop.curves import orbit_breaks
 from opml.interop.curves.gravity_interpolation import Bridges, bridge
@@ -78,19 +78,11 @@ def fit_curve(arcs: Sequence[Arc], orientation: pd.DataFrame, attraction: Attrac
 
 
 def rotate_to_gcrf(arc: Arc, orientation: pd.DataFrame) -> np.ndarray:
-    """Return the states (n, 6) [m, m/s] of an arc in GCRF.
-
-    v_GCRF = R^T v_ITRF + w x r_GCRF, with the rotation R from GCRF to ITRF and the Earth's rotation vector w.
-    """
+    """Return the states (n, 6) [m, m/s] of an arc in GCRF."""
     if arc.frame != "ITRF":
         turn = ccsds.FRAMES[arc.frame].T
         return np.concatenate([arc.positions @ turn, arc.velocities @ turn], axis=1)
-    turns = gcrf_to_itrf(orientation, arc.t)
-    rate = spin(orientation)
-    turning = np.stack([np.interp(arc.t, orientation["t"], rate[:, k]) for k in range(3)], axis=1)
-    positions = np.einsum("nji,nj->ni", turns, arc.positions)
-    velocities = np.einsum("nji,nj->ni", turns, arc.velocities) + np.cross(turning, positions)
-    return np.concatenate([positions, velocities], axis=1)
+    return states_to_gcrf(orientation, arc.t, arc.positions, arc.velocities)
 
 
 def _strange_velocities(arcs: Sequence[Arc], velocities: np.ndarray, bridges: Bridges) -> np.ndarray:
