@@ -164,3 +164,11 @@ def test_held_is_a_prediction_with_that_cd(assumed_model, iss):
     again = predicted(assumed_model, arc.assign(cd=held), iss)
     expected = predicted(assumed_model, arc, iss)["e_y"] - again["e_y"]
     assert table["h_arc_y"].to_numpy() == pytest.approx(expected.to_numpy(), rel=0.06, abs=1.0)
+
+
+def test_a_prediction_without_an_estimate_is_an_error(assumed_model, iss):
+    table = estimates(assumed_model.gm, 2.2)
+    pairs = predicted(assumed_model, table, iss)
+    for known in (table.drop(index=0), table.iloc[:1]):
+        with pytest.raises(KeyError, match="tracks without an estimate"):
+            other_windows.build_past(pairs, arc_estimates=known, apriori=iss.cd, memory_days=30.0)

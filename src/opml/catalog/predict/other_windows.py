@@ -200,8 +200,15 @@ def _at_pairs(states: pd.DataFrame, predictions: pd.DataFrame) -> np.ndarray:
 
 
 def _estimate_of(predictions: pd.DataFrame, estimates: pd.DataFrame) -> np.ndarray:
-    """Return the row (n,) of the estimate that each pair starts from; tracks of estimates ascend."""
-    return np.searchsorted(estimates["track"].to_numpy(), predictions["i"].to_numpy())
+    """Return the row (n,) of the estimate that each pair starts from; tracks of estimates ascend.
+
+    Raises KeyError where one has none.
+    """
+    tracks, wanted = estimates["track"].to_numpy(), predictions["i"].to_numpy()
+    rows = np.searchsorted(tracks, wanted)
+    if not np.array_equal(tracks.take(rows, mode="clip"), wanted):
+        raise KeyError("tracks without an estimate")
+    return rows
 
 
 def _usable(at: np.ndarray, estimates: pd.DataFrame, differences: Mapping[str, np.ndarray]) -> np.ndarray:
