@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 from opml import __version__
 from opml.base.errors import InputError
-from opml.base.files import check_distinct_files, suffix_of
+from opml.base.files import check_distinct_files, check_folder, suffix_of
 from opml.base.progress import clear, counted, on_stderr
 
 if TYPE_CHECKING:
@@ -142,7 +142,7 @@ def _screen(options: argparse.Namespace) -> None:
     from opml.conjunctions.approaches import EPOCH
 
     if options.messages:
-        check_distinct_files([os.path.join(options.messages, "*.cdm")], [])
+        check_folder(os.path.join(options.messages, "*.cdm"))
     limits = {name: getattr(options, name) for name in ("within", "radius", "days")}
     found = from_files.conjunctions([options.ours, *options.others], **limits)
     if options.messages:

@@ -68,12 +68,17 @@ def check_distinct_files(written: Iterable[FilePath], read: Iterable[FilePath]) 
         if (whole := Path(path).resolve()) in taken:
             raise InputError(f"{path}: expected another file for what is written, got one that is in use")
         taken.add(whole)
-        folder = next(one for one in whole.parents if one.exists())
-        try:
-            tempfile.TemporaryFile(dir=folder).close()
-        except OSError as error:
-            got = f"{folder}: {os.strerror(error.errno or 0)}"
-            raise InputError(f"{path}: expected a folder that can be written to, got {got}") from None
+        check_folder(path)
+
+
+def check_folder(path: FilePath) -> None:
+    """Raise InputError where the folder of a path, or the first above it that exists, takes no files."""
+    folder = next(one for one in Path(path).resolve().parents if one.exists())
+    try:
+        tempfile.TemporaryFile(dir=folder).close()
+    except OSError as error:
+        got = f"{folder}: {os.strerror(error.errno or 0)}"
+        raise InputError(f"{path}: expected a folder that can be written to, got {got}") from None
 
 
 @contextmanager
