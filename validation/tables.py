@@ -19,9 +19,13 @@ AROUND = 6
 
 def write(name: str, frame: pd.DataFrame, *notes: str) -> None:
     """Write tests/reference/validation_{name}.csv, with notes as comments above the heading."""
+    write_noted(f"validation_{name}.csv", frame, *notes)
+
+
+def write_noted(name: str, frame: pd.DataFrame, *notes: str) -> None:
+    """Write a file of tests/reference, with notes as comments above the heading."""
     head = "".join(f"# {note}\n" for note in notes)
-    path = TABLES / f"validation_{name}.csv"
-    path.write_text(head + frame.to_csv(index=False, lineterminator="\n"), encoding="utf-8")
+    (TABLES / name).write_text(head + frame.to_csv(index=False, lineterminator="\n"), encoding="utf-8")
 
 
 def read(name: str) -> pd.DataFrame:

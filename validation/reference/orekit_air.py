@@ -16,8 +16,9 @@ import pandas as pd
 from opml.catalog.fit.refraction import standard
 from opml.orbits.sheets import read_stations
 from validation import orekit
-from validation.case import ROOT, TABLES
+from validation.case import ROOT
 from validation.orekit import org
+from validation.tables import write_noted
 
 EPOCH = "2016-09-28T12:09:45"
 ELEVATIONS = 3.0, 5.0, 10.0, 20.0, 45.0, 80.0
@@ -59,10 +60,11 @@ def main(data):
         for station in read_stations(ROOT / "config" / "stations.tsv").values()
         for elevation in np.radians(ELEVATIONS)
     ]
-    with (TABLES / "orekit_air.csv").open("w", encoding="utf-8") as file:
-        file.write("# What air does to ranges and elevations; written by orekit_air.py.\n")
-        file.write(f"# Orekit {orekit.version()}, SI units, radians.\n")
-        pd.DataFrame(rows).to_csv(file, index=False)
+    head = (
+        "What air does to ranges and elevations; written by orekit_air.py.",
+        f"Orekit {orekit.version()}, SI units, radians.",
+    )
+    write_noted("orekit_air.csv", pd.DataFrame(rows), *head)
 
 
 if __name__ == "__main__":

@@ -18,8 +18,9 @@ from opml.base.constants import EARTH_GM
 from opml.orbits.sheets import read_rsos, read_stations
 from opml.tables import STATE
 from validation import orekit
-from validation.case import ROOT, TABLES
+from validation.case import ROOT
 from validation.orekit import org
+from validation.tables import write_noted
 
 EPOCH = "2016-09-28T12:09:45"
 STEP, COUNT = 8171.0, 6
@@ -74,10 +75,11 @@ def main(data):
             state = models.spacecraft(row["t"], np.array([row[name] for name in STATE]), EARTH_GM)
             for name, ground in grounds.items():
                 rows.append(row | {"station": name} | values(models, ground, state))
-    with (TABLES / "orekit_observables.csv").open("w", encoding="utf-8") as file:
-        file.write("# States, and what stations receive of them; written by orekit_observables.py.\n")
-        file.write(f"# Orekit {orekit.version()}, t [s] from {EPOCH} UTC, SI units, radians, GCRF.\n")
-        pd.DataFrame(rows).to_csv(file, index=False)
+    head = (
+        "States, and what stations receive of them; written by orekit_observables.py.",
+        f"Orekit {orekit.version()}, t [s] from {EPOCH} UTC, SI units, radians, GCRF.",
+    )
+    write_noted("orekit_observables.csv", pd.DataFrame(rows), *head)
 
 
 if __name__ == "__main__":

@@ -17,6 +17,7 @@ from validation import orekit
 from validation.case import ROOT, TABLES
 from validation.orekit import java, org
 from validation.reference.excerpt import STATE
+from validation.tables import write_noted
 
 EPOCH = "2016-09-28T12:09:45"
 PATHS = {"eglin": (1, 2, 1), "clear": (1, 2), "kaena": (2, 1)}
@@ -92,10 +93,11 @@ def main(tables, data):
     stations = read_stations(ROOT / "config" / "stations.tsv")
     whole, times = message(models, tdm, orbit[["t", *STATE.values()]], stations)
     save(whole, TABLES / "orekit.tdm")
-    with (TABLES / "orekit_tdm_orbit.csv").open("w", encoding="utf-8") as file:
-        file.write("# The true orbit at the times of orekit.tdm, GCRF; written by orekit_tdm.py.\n")
-        file.write(f"# Orekit 13.1.9, the paper's case. t [s] from {EPOCH} UTC, SI units.\n")
-        orbit[orbit["t"].isin(times)].to_csv(file, index=False)
+    head = (
+        "The true orbit at the times of orekit.tdm, GCRF; written by orekit_tdm.py.",
+        f"Orekit 13.1.9, the paper's case. t [s] from {EPOCH} UTC, SI units.",
+    )
+    write_noted("orekit_tdm_orbit.csv", orbit[orbit["t"].isin(times)], *head)
 
 
 if __name__ == "__main__":
