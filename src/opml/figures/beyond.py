@@ -24,7 +24,6 @@ from opml.figures.style import (
     SERIES,
     TRUE_COLOR,
     add_head_and_legend,
-    legend,
     page_figure,
 )
 
@@ -131,15 +130,10 @@ def transfers(
     for axes, (curve, varied) in zip(panels, curves.items(), strict=True):
         for k, (learner, rows) in enumerate(metrics.groupby("learner", sort=False)):
             points = rows[rows["target"].isin(list(varied))].set_index("target").loc[list(varied)]
-            x, color = list(varied.values()), SERIES[k % len(SERIES)]
-            axes.fill_between(x, points["p_ml_low"], points["p_ml_high"], color=color, alpha=0.2, lw=0.0)
-            axes.plot(
-                x,
-                points["p_ml"],
-                f"{MARKERS[k % len(MARKERS)]}-",
-                color=color,
-                label=display_learner(learner),
-            )
+            x, look = list(varied.values()), {"color": SERIES[k % len(SERIES)]}
+            axes.fill_between(x, points["p_ml_low"], points["p_ml_high"], alpha=0.2, lw=0.0, **look)
+            marker = f"{MARKERS[k % len(MARKERS)]}-"
+            axes.plot(x, points["p_ml"], marker, label=display_learner(learner), **look)
         papers = {value: published[target] for target, value in varied.items() if target in published}
         style = {"markerfacecolor": "none", "markeredgecolor": PUBLISHED, "ms": 6.5}
         axes.plot(list(papers), list(papers.values()), "D", label=PAPER, zorder=4, **style)
@@ -152,10 +146,14 @@ def transfers(
     for axes, varied in zip(panels, curves.values(), strict=True):
         for value in {varied[target] for target in untransferred if target in varied}:
             axes.axvline(value, color=MUTED, ls=":", lw=1.2, zorder=1, label="RSO trained on")
-    trained_on = (
-        f"trained on {display_rso(metrics['rso'].iloc[0])} alone, applied to RSOs that differ in one element"
+    reach = metrics[metrics["target"] != metrics["rso"]].groupby("learner", sort=False)["p_ml"]
+    remains = (
+        f"{display_learner(name)} {low:.0f} to {high:.0f} %"
+        for name, low, high in reach.agg(["min", "max"]).itertuples()
     )
-    legend(figure, columns=5, note=f"{trained_on}; bands: 5th to 95th percentile over resampled estimates")
+    trained_on = f"trained on {display_rso(metrics['rso'].iloc[0])} alone; RSOs differ in one element"
+    note = f"{trained_on}; bands: 5th to 95th percentile over resampled estimates"
+    add_head_and_legend(figure, f"Other RSOs: {', '.join(remains)}", note, columns=5)
     return figure
 
 

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from operator import attrgetter
 from typing import Any
 
+import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -39,6 +40,7 @@ _RULES = (
 )
 """Note on the public rules of the kernel scale."""
 
+_APART = 0.02  # of two series of a curve, in parts of its length, so that equal points are seen
 NO_CORRECTION = 100.0  # P_ML [%] without a correction
 
 
@@ -65,16 +67,13 @@ def partition_curve(
     if not seen.empty:
         _draw_curve(axes, seen, "share", "s--", color=MUTED, lw=1.0, ms=3.0, label="training part")
     if published:
-        _draw_published(axes, published, "D", label=f"{PAPER}, test part")
+        _draw_published(axes, published, label=f"{PAPER}, test part")
     axes.set_xlabel("training data [% of the dataset]")
     axes.set_xlim(0.0, 100.0)
     axes.set_xticks(range(0, 101, 10))
-    _label(axes, component)
     best = test.loc[test["share"].idxmax(), ["share", "p_ml"]]
     headline = f"Trained on {best['share']:.0f} %, {best['p_ml']:.0f} % of the error remains"
-    note = lines(_training_note(points), _bars_note(points))
-    add_head_and_legend(figure, headline, note, columns=2)
-    return figure
+    return _finish(figure, axes, points, component, headline)
 
 
 def transfer_curve(
@@ -104,18 +103,24 @@ def transfer_curve(
             f"curve over RSOs: expected metrics of {component} on future windows of "
             f"{', '.join(targets) or 'some target'}, got none"
         )
-    points = points.assign(varied=points["target"].map(targets))
+    points = points.assign(varied=points["target"].map(targets), is_own=points["target"] == points["rso"])
+    apart = _APART * np.ptp(list(targets.values()))
     figure, axes = column_figure(height_mm=80.0)
     for k, (test, rows) in enumerate(points.groupby("test", sort=False)):
-        label = _window_label(test)
-        _draw_curve(axes, rows, "varied", f"{_marker(k)}-", color=_shade(k), label=label)
+        label, look = _window_label(test), {"color": _shade(k)}
+        rows = rows.assign(varied=rows["varied"] + k * apart)
+        # No line joins what the model was trained on to what it was not.
+        for is_own, line in ((True, _marker(k)), (False, f"{_marker(k)}-")):
+            _draw_curve(axes, rows[rows["is_own"] == is_own], "varied", line, label=label, **look)
         if published and test in published:
-            _draw_published(axes, published[test], _marker(k), label=f"{PAPER}, {label}")
-    untransferred = points[points["target"] == points["rso"]] if "rso" in points else points.iloc[:0]
-    for value in untransferred["varied"].unique():
+            papers = {value + k * apart: p_ml for value, p_ml in published[test].items()}
+            _draw_published(axes, papers, label=PAPER)
+    for value in points.loc[points["is_own"], "varied"].unique():
         axes.axvline(value, color=MUTED, ls=":", lw=1.2, zorder=1, label="RSO trained on")
     axes.set_xlabel(VARIED[curve])
-    return _finish(figure, axes, points, component)
+    reach = points.loc[~points["is_own"], "p_ml"].agg(["min", "max"])
+    headline = f"Other RSOs: {reach['min']:.0f} to {reach['max']:.0f} % of the error remains"
+    return _finish(figure, axes, points, component, headline)
 
 
 def kernel_scale_sensitivity(
@@ -168,11 +173,11 @@ def _draw_curve(axes: Axes, rows: pd.DataFrame, x: str, style: str, **look: Any)
         axes.vlines(rows[x], rows["p_ml_low"], rows["p_ml_high"], color=look["color"], lw=0.9, zorder=2)
 
 
-def _draw_published(axes: Axes, published: Mapping[float, float], marker: str, *, label: str) -> None:
+def _draw_published(axes: Axes, published: Mapping[float, float], *, label: str) -> None:
     axes.plot(
         list(published),
         list(published.values()),
-        marker,
+        "D",
         markerfacecolor="none",
         markeredgecolor=PUBLISHED,
         markeredgewidth=1.1,
@@ -182,9 +187,10 @@ def _draw_published(axes: Axes, published: Mapping[float, float], marker: str, *
     )
 
 
-def _finish(figure: Figure, axes: Axes, metrics: pd.DataFrame, component: str) -> Figure:
+def _finish(figure: Figure, axes: Axes, metrics: pd.DataFrame, component: str, headline: str) -> Figure:
     _label(axes, component)
-    legend(figure, columns=1, note=lines(_training_note(metrics), _bars_note(metrics)))
+    note = lines(_training_note(metrics), _bars_note(metrics))
+    add_head_and_legend(figure, headline, note, columns=2)
     return figure
 
 
@@ -232,8 +238,8 @@ def _split_label(train: str, test: str) -> str:
 def _window_label(test: str) -> str:
     split = naming.parse_test(test)
     first, last = split.days
-    seen = ", estimates unseen" if split.unseen else ""
-    return f"future {last - first:g} days ({first:g} to {last:g}{seen})"
+    seen = ", new estimates" if split.unseen else ""
+    return f"days {first:g} to {last:g}{seen}"
 
 
 def _marker(k: int) -> str:

@@ -41,7 +41,6 @@ from opml.figures.style import (
     add_head,
     add_head_and_legend,
     column_figure,
-    legend,
     page_figure,
     panel_figure,
 )
@@ -60,7 +59,7 @@ HEADROOM = 0.16  # room above error bars that their P_ML stands in, in parts of 
 LINES_OF_COUNTS = "\n\n"
 """What keeps an RSO's name above the counts on the right of its panel, which may be as long as the panel."""
 
-BARS = "bars: mean and standard deviation in clusters of a quarter of a day"  # note on error bars
+BARS = "bars: mean and standard deviation by quarter of a day"  # note on error bars
 
 SHADES = colormaps["viridis"](np.linspace(0.0, 0.8, 256))
 WORSE_SHADES = colormaps["OrRd"](np.linspace(0.35, 1.0, 256))
@@ -147,8 +146,7 @@ def errorbar_absolute(
     figure, axes = column_figure(height_mm=76.0)
     _draw_bars(axes, evaluation, component, context, absolute=True)
     headline = f"{_p_ml(evaluation):.0f} % of the error remains"
-    note = lines(context.note, "bars: mean and standard deviation by quarter of a day")
-    add_head_and_legend(figure, headline, note, columns=3)
+    add_head_and_legend(figure, headline, lines(context.note, BARS), columns=3)
     return figure
 
 
@@ -177,7 +175,11 @@ def rso_grid(
 
     figure = panel_figure(list(names), draw, columns=2, heights_mm=(16.0, 56.0), share_y=False)
     notes = dict.fromkeys(context.note for context in contexts.values())
-    legend(figure, columns=3, note=lines(*notes, f"{BARS}; each panel has its own scale"))
+    found = sorted((_p_ml(evaluation), display_rso(rso)) for rso, evaluation in evaluations.items())
+    (least, best), (most, worst) = found[0], found[-1]
+    headline = f"{least:.0f} % ({best}) to {most:.0f} % ({worst}) of the error remains"
+    note = lines(*notes, f"{BARS}; each panel has its own scale")
+    add_head_and_legend(figure, headline, note, columns=3)
     return figure
 
 

@@ -66,7 +66,7 @@ def transfers():
     ]
     rows.append({**rows[0], "component": "e_x", "p_ml": 999.0})
     rows.append({**rows[0], "test": "rest", "p_ml": 999.0})
-    return pd.DataFrame(rows)
+    return pd.DataFrame(rows).assign(rso="iss", stations="eglin", learner="svr")
 
 
 def inclination_curve(metrics, **options):
@@ -85,19 +85,28 @@ def legend(figure):
 def test_a_curve_each_window(transfers):
     figure = inclination_curve(transfers, published={"days-30-40": {50.0: 40.2}})
     drawn = lines(figure)
-    assert drawn["future 10 days (30 to 40)"] == ([48.0, 50.0, 51.6393], [50.0, 40.0, 35.0])
-    assert drawn["future 20 days (30 to 50)"] == ([48.0, 50.0, 51.6393], [150.0, 140.0, 135.0])
-    assert drawn["Peng & Bai, future 10 days (30 to 40)"] == ([50.0], [40.2])
+    assert drawn["days 30 to 40"] == ([48.0, 50.0], [50.0, 40.0])
+    assert drawn["days 30 to 50"][1] == [150.0, 140.0]
+    apart = drawn["days 30 to 50"][0][0] - 48.0
+    assert 0.0 < apart < 0.1 * (51.6393 - 48.0)  # equal points of two windows are both seen
+    assert drawn["Peng & Bai"] == ([50.0], [40.2])
+    assert figure.get_suptitle().startswith("Other RSOs: 40 to 150 % of the error remains")
     assert figure.axes[0].get_xlabel() == "inclination $i$ [deg]"
     markers = {line.get_label(): line for line in figure.axes[0].get_lines()}
-    ours, theirs = markers["future 10 days (30 to 40)"], markers["Peng & Bai, future 10 days (30 to 40)"]
-    assert ours.get_marker() == theirs.get_marker()
+    theirs = markers["Peng & Bai"]
+    assert theirs.get_marker() == "D"
     assert theirs.get_markerfacecolor() == "none"
 
 
+def test_no_line_joins_the_rso_trained_on_to_others(transfers):
+    drawn = inclination_curve(transfers).axes[0].get_lines()
+    points = [line for line in drawn if list(line.get_ydata()) in ([35.0], [135.0])]
+    assert [line.get_linestyle() for line in points] == ["None", "None"]
+
+
 def test_over_semi_major_axis(transfers):
-    figure = p_ml_curves.transfer_curve(transfers, "semi_major_axis", {"iss": 0.0, "lares": 50.0})
-    assert lines(figure)["future 10 days (30 to 40)"] == ([0.0, 50.0], [35.0, 999.0])
+    figure = p_ml_curves.transfer_curve(transfers, "semi_major_axis", {"iss_i50": 0.0, "lares": 50.0})
+    assert lines(figure)["days 30 to 40"] == ([0.0, 50.0], [40.0, 999.0])
     assert figure.axes[0].get_xlabel() == "increment of the semi-major axis $a$ [km]"
 
 
@@ -120,11 +129,11 @@ def test_no_correction_is_marked_in_range(transfers):
 
 def test_seeds_make_a_band(transfers):
     figure = inclination_curve(with_seeds(transfers, (0.0, 1.0, 5.0)))
-    assert lines(figure)["future 10 days (30 to 40)"][1] == pytest.approx([52.0, 42.0, 37.0])
-    band = figure.axes[0].collections[0].get_paths()[0].vertices
+    assert lines(figure)["days 30 to 40"][1] == pytest.approx([52.0, 42.0])
+    band = figure.axes[0].collections[1].get_paths()[0].vertices
     at_50 = sorted({round(y, 9) for x, y in band if x == 50.0})
     assert at_50 == pytest.approx([42.0 - 7.0**0.5, 42.0 + 7.0**0.5])  # of 40, 41, 45 over n - 1
-    assert figure.legends[0].get_title().get_text() == "mean and standard deviation of 3 seeds"
+    assert "\nmean and standard deviation of 3 seeds" in figure.texts[-1].get_text()
 
 
 def test_seeds_of_the_partition_curve(metrics):
@@ -188,7 +197,7 @@ def test_kernel_scale_by_station_set_and_split_with_the_rules(scales):
     ]
     assert one["random 80 %, test part"] == ([1.0, 2.0, 8.0], [1.0, 2.0, 8.0])
     assert one["grouped 80 %, test part"][1] == [11.0, 12.0, 18.0]
-    assert one["future 10 days (30 to 40)"][1] == [21.0, 22.0, 28.0]
+    assert one["days 30 to 40"][1] == [21.0, 22.0, 28.0]
     assert two["random 50 %, days-30-40"][1] == [91.0, 92.0, 98.0]
     assert one["$s$ by sigest"][0] == [3.456, 3.456]
     assert two["$s$ by median"][0] == [5.0, 5.0]

@@ -167,6 +167,8 @@ def test_grid_has_a_panel_each(evaluation):
     assert titles == [["SWARM-A", ""], ["LARES", ""], ["LAGEOS-1", ""]]
     assert [text.split("= ")[1] for text in texts(figure)] == ["21.5 %", "50.0 %", "21.5 %"]
     assert bars(figure.axes[1])[r"residual $e_{\mathrm{res}}$"][1] == pytest.approx([1.5, 5.0])
+    head = "22 % (LAGEOS-1) to 50 % (LARES) of the error remains\n"
+    assert figure.get_suptitle().startswith(head)
     assert "at least one evaluation" in refusal(prediction_errors.rso_grid, {})
 
 
@@ -353,7 +355,7 @@ def test_a_legend_shows_each_thing_once_under_the_note_within_the_width(evaluati
     figure = prediction_errors.rso_grid({"a": evaluation, "b": evaluation}, contexts={"a": told, "b": told})
     (legend,) = figure.legends
     assert len(legend.get_texts()) == 3
-    assert legend.get_title().get_text().count("trained on") == 1
+    assert head(figure).count("trained on") == 1
     narrow = prediction_errors.errorbar_absolute(evaluation, context=told)
     assert narrow.get_suptitle().startswith("22 % of the error remains\n")
     narrow.draw_without_rendering()
