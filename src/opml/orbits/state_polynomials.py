@@ -32,12 +32,13 @@ class StatePolynomials:
 
         They are the divided differences over each time twice, of which the first is the velocity.
         """
-        windows = np.arange(len(self.t) - FEWEST + 1)
-        taken = np.repeat(np.arange(FEWEST), 2)[:, None] + windows
-        times, differences = self.t[taken][..., None], self.states[taken, :3]
-        coefficients = [differences[0]]
-        for order in range(1, 2 * FEWEST):
-            steps, rises = times[order:] - times[:-order], np.diff(differences, axis=0)
-            differences = np.divide(rises, steps, out=self.states[taken[order:], 3:], where=steps > 0.0)
+        count = len(self.t) - FEWEST + 1
+        times = np.array([self.t[k // 2 : k // 2 + count, None] for k in range(2 * FEWEST)])
+        positions, velocities = self.states[:, :3], self.states[:, 3:]
+        chords = np.diff(positions, axis=0) / np.diff(self.t)[:, None]
+        slopes = [(velocities, chords)[k % 2][k // 2 : k // 2 + count] for k in range(2 * FEWEST - 1)]
+        differences, coefficients = np.array(slopes), [positions[:count], slopes[0]]
+        for order in range(2, 2 * FEWEST):
+            differences = np.diff(differences, axis=0) / (times[order:] - times[:-order])
             coefficients.append(differences[0])
         return np.array(coefficients)

@@ -52,7 +52,8 @@ def simulate_together(
     rsos = [propagator.rso, *others]
     t = np.arange(0.0, duration + 0.5 * step, step)
     starts = np.array([initial_state(rso, propagator.model.gm) for rso in rsos])
-    nodes = t[_node_rows(len(t), step)]
+    is_node = _are_nodes(len(t), step)
+    nodes = t[is_node]
     departures = Departures(
         starts,
         first=[0] * len(rsos),
@@ -76,19 +77,22 @@ def simulate_together(
                 f"but it {reason} after {reached:.2f} days"
             )
     paths = (np.vstack([start, arcs.path(k)]) for k, start in enumerate(starts))
-    return [_table(t, nodes, path) for path in paths]
+    return [_table(t, is_node, path) for path in paths]
 
 
-def _node_rows(count: int, step: float) -> np.ndarray:
-    """Return the rows that are integrated of `count` epochs a step apart, with the first and the last."""
+def _are_nodes(count: int, step: float) -> np.ndarray:
+    """Return which of epochs (count,) a step apart are integrated: the first, the last, some between."""
     every = max(int(_LONGEST // step), 1)
-    return np.arange(count) if count < FEWEST * every else np.unique(np.r_[0:count:every, count - 1])
+    rows = np.arange(count)
+    return np.asarray((rows % every == 0) | (rows == count - 1) | (count < FEWEST * every))
 
 
-def _table(t: np.ndarray, nodes: np.ndarray, path: np.ndarray) -> pd.DataFrame:
-    """Return the `truth` table at times (n,) of an orbit's states (m, 6) at nodes (m,), which keep theirs."""
-    states = StatePolynomials(nodes, path).at(t) if len(nodes) < len(t) else path
-    states[np.isin(t, nodes)] = path
+def _table(t: np.ndarray, is_node: np.ndarray, path: np.ndarray) -> pd.DataFrame:
+    """Return the `truth` table at times (n,) of an orbit's states at those (m, 6) that are integrated."""
+    states = np.empty((len(t), 6))
+    states[is_node] = path
+    if not is_node.all():
+        states[~is_node] = StatePolynomials(t[is_node], path).at(t[~is_node])
     return pd.DataFrame({"t": t, **dict(zip(STATE, states.T, strict=True))})
 
 
