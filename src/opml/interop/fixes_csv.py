@@ -5,8 +5,9 @@ The first line says what the columns are; a column called - is passed over:
     gps,x_itrf_m,y_itrf_m,z_itrf_m,-,sigma_r_m,sigma_s_m,sigma_w_m
     2019-09-03T00:00:00.000,1602171.9,5991628.1,-2835238.7,0.9,3,6,3
 
-Cells are between commas, semicolons, tabs or blanks. Times are in UTC, GPS, TAI or TT, states in ITRF, GCRF
-or EME2000, lengths in m or km. Standard deviations are those along the radial direction, along the track and
+Cells are between commas, semicolons, tabs or blanks; the line may begin with #, and between other separators
+numbers may have decimal commas. Times are in UTC, GPS, TAI, TT or Unix seconds, states in ITRF, GCRF or
+EME2000, lengths in m or km. Standard deviations are those along the radial direction, along the track and
 across it. Names may be others in use, as `Time (UTCG)`, `x_ecef (km)` or GMAT's `Sat.EarthMJ2000Eq.VX`. A
 frame that none tells is refused; a unit that none tells is that in which the positions are those of an orbit.
 """
@@ -15,6 +16,7 @@ import csv
 import logging
 import re
 from collections.abc import Sequence
+from datetime import UTC, datetime
 
 import numpy as np
 
@@ -25,6 +27,7 @@ from opml.interop.orbit_arcs import Arc, NoSuchTime, check_ascending, line_error
 
 PASSED_OVER = "-"  # name of a column that is not read
 SCALES = ("utc", "gps", "tai", "tt")  # names of columns of times
+UNIX = "unix"  # that of seconds of UTC since 1970 without leap seconds
 
 EXAMPLE = "utc,x_itrf_m,y_itrf_m,z_itrf_m"
 
@@ -43,13 +46,15 @@ _WORDS = {
     "frame": _FRAMES,
     "unit": {unit: unit for unit in _UNITS},
     "of": {"sigma": "", "position": "", "pos": "", "velocity": "v", "vel": "v"},
-    "scale": {f"{scale}{end}": scale for scale in SCALES for end in ("", "g", "gregorian")},
+    "scale": {UNIX: UNIX} | {f"{scale}{end}": scale for scale in SCALES for end in ("", "g", "gregorian")},
     "time": dict.fromkeys(("t", "time", "epoch", "date", "datetime", "timestamp"), ""),
 }
 """What words in the name of a column say, by what they are about."""
 
 _MEANINGS = {word: (about, says) for about, words in _WORDS.items() for word, says in words.items()}
 _PER_SECOND = re.compile(r"(k?m)[/_]s(?:ec)?(?![a-z0-9])")
+_UNIX_NAME = re.compile(r"\b(?:unix|posix)[_ ]?(?:time|timestamp)?(?:[_ ]\(?s\)?)?$")
+_UNIX_TIME = re.compile(r"(\d{9,10})(\.\d*)?", re.ASCII)
 _OF_OBJECT = re.compile(r"(\w+)\.(?=\w)")  # an object's name before that of a column
 _LEAST_METRES = 1e6  # from which on positions are in m: an orbit's are 6e3 to 6e5 km
 _DATE = r"(?P<year>\d{4})[-/](?P<month>\d\d)[-/](?P<day>\d\d)[T ]"
@@ -64,10 +69,12 @@ _log = logging.getLogger(__name__)
 def matches(content: bytes) -> bool:
     """Return whether the first line of a file has columns, and not those of mean elements."""
     text = content.decode("utf-8", errors="replace")
-    first = next((line for line in text.splitlines() if line.strip() and not line.startswith("#")), "")
-    if "," in first:
-        return not omm.matches(text)
-    told = [_told(name) for name in re.split(_separator(first), first.strip())]
+    _, first = next(iter(_without_comments(text)), (0, ""))
+    return not omm.matches(text) if "," in first else _names_columns(first)
+
+
+def _names_columns(line: str) -> bool:
+    told = [_told(name) for name in re.split(_separator(line), line.strip())]
     return len(told) > len(_GROUPS[0]) and any({"scale", "time"} & one.keys() for one in told)
 
 
@@ -98,8 +105,8 @@ def read(
     if wrong.size:
         got = f"{np.nanmin(sigmas[wrong[0]]):g}"
         raise line_error(path, int(lines[wrong[0]]), "standard deviations above 0", got)
-    frame, scale = columns.frame, columns.scale or "utc"
-    return Arc(path, "", frame, frame, scale.upper(), t, positions, velocities, lines), sigmas
+    frame, scale = columns.frame, columns.calendar_scale
+    return Arc(path, "", frame, frame, scale, t, positions, velocities, lines), sigmas
 
 
 def _lines(path: FilePath, content: bytes) -> list[tuple[int, list[str]]]:
@@ -107,24 +114,33 @@ def _lines(path: FilePath, content: bytes) -> list[tuple[int, list[str]]]:
         text = content.decode()
     except UnicodeDecodeError as reason:
         raise InputError(f"{path}: expected SP3, CPF, OEM or CSV, got no text ({reason})") from None
-    lines = [
-        (number, line)
-        for number, line in enumerate(text.splitlines(), start=1)
-        if line.strip() and not line.startswith("#")
-    ]
+    lines = _without_comments(text)
     if not lines:
         raise InputError(f"{path}: expected a line of columns, such as {EXAMPLE}, got an empty file")
     separator = _separator(lines[0][1])
     return [(number, _cells(path, number, line, separator)) for number, line in lines]
 
 
+def _without_comments(text: str) -> list[tuple[int, str]]:
+    """Return the numbered lines that are no comments, with a last one above them that names the columns."""
+    lines = [(number, line) for number, line in enumerate(text.splitlines(), start=1) if line.strip()]
+    first = next((k for k, (_, line) in enumerate(lines) if not line.startswith("#")), len(lines))
+    kept = [(number, line) for number, line in lines[first:] if not line.startswith("#")]
+    if kept and first and kept[0][1].lstrip()[0].isdigit():
+        number, comment = lines[first - 1]
+        if _names_columns(names := comment.lstrip("# \t")):
+            return [(number, names), *kept]
+    return kept
+
+
 def _cells(path: FilePath, number: int, line: str, separator: str) -> list[str]:
     if "\0" in line:
         raise line_error(path, number, "text", "bytes that are none")
     try:
-        return _split(line, separator)
+        cells = _split(line, separator)
     except csv.Error as reason:
         raise line_error(path, number, "cells of CSV", str(reason)) from None
+    return cells if separator == "," else [cell.replace(",", ".") for cell in cells]
 
 
 def _separator(first: str) -> str:
@@ -142,6 +158,7 @@ def _split(line: str, separator: str) -> list[str]:
 def _told(name: str) -> dict[str, str]:
     """Return what the words of a column's name say, by what they are about; nothing for an unknown one."""
     name, told = _PER_SECOND.sub(r"\1ps", name.strip().lower()), dict[str, str]()
+    name = _UNIX_NAME.sub(UNIX, name)
     if (of_object := _OF_OBJECT.match(name)) and of_object[1] not in _MEANINGS:
         name = name[of_object.end() :]
     for word in re.findall(r"[^\W_]+", re.sub(r"itrf\d+", "itrf", name)):
@@ -184,6 +201,11 @@ class _Columns:
             expected = "one frame in the names of all of a state, such as x_itrf_m or x_gcrf_km"
             raise self._wrong(expected, " and ".join(sorted(frames)))
         self.frame = frames.pop()
+
+    @property
+    def calendar_scale(self) -> str:
+        """The time system of the dates that the times stand for."""
+        return "UTC" if self.scale in ("", UNIX) else self.scale.upper()
 
     def _add(self, name: str, told: dict[str, str], place: int) -> None:
         axis, unit = told["axis"], told.get("unit", "")
@@ -237,19 +259,35 @@ class _Columns:
 
 
 def _times(path: FilePath, texts: np.ndarray, lines: np.ndarray, columns: _Columns, epoch: str) -> np.ndarray:
+    fields = _unix_fields if columns.scale == UNIX else _calendar_fields
     calendar = []
     for text, line in zip(texts, lines, strict=True):
-        match = next(filter(None, (one.fullmatch(text.strip()) for one in _TIMES)), None)
-        if match is None:
-            raise line_error(path, int(line), "a time such as 2019-09-03T00:00:00.000", str(text))
-        if not (columns.scale or match["zone"]):
-            expected = f"{', '.join(SCALES)} in the name of the column of times, or times that end in Z"
-            raise line_error(path, int(line), expected, str(text))
-        month = match["month"].lower()
-        number = _MONTHS.index(month) + 1 if month in _MONTHS else month
-        calendar.append([match["year"], number, match["day"], *match["clock"].split(":")])
+        try:
+            calendar.append(fields(text.strip(), columns.scale))
+        except ValueError as expected:
+            raise line_error(path, int(line), str(expected), str(text)) from None
     try:
-        return seconds_since(epoch, np.array(calendar, dtype=float), (columns.scale or "utc").upper())
+        return seconds_since(epoch, np.array(calendar, dtype=float), columns.calendar_scale)
     except NoSuchTime as time:
         wrong = int(lines[time.index]), "a time that exists", str(texts[time.index])
         raise line_error(path, *wrong) from None
+
+
+def _calendar_fields(text: str, scale: str) -> list[str]:
+    """Return year to second of a date. Raises ValueError that says what was expected."""
+    match = next(filter(None, (one.fullmatch(text) for one in _TIMES)), None)
+    if match is None:
+        raise ValueError("a time such as 2019-09-03T00:00:00.000")
+    if not (scale or match["zone"]):
+        raise ValueError(f"{', '.join(SCALES)} in the name of the column of times, or times that end in Z")
+    month = match["month"].lower()
+    number = str(_MONTHS.index(month) + 1) if month in _MONTHS else month
+    return [match["year"], number, match["day"], *match["clock"].split(":")]
+
+
+def _unix_fields(text: str, _: str) -> list[str]:
+    """Return year to second of a Unix time. Raises ValueError that says what was expected."""
+    if not (match := _UNIX_TIME.fullmatch(text)):
+        raise ValueError("Unix seconds such as 1567468800.0")
+    *fields, second = datetime.fromtimestamp(int(match[1]), UTC).strftime("%Y %m %d %H %M %S").split()
+    return [*fields, second + (match[2] or "")]

@@ -212,11 +212,19 @@ def test_headings_in_use_give_the_same_points(tmp_path, t, states):
             1e-3 * metres,
         ),
     ]
+    unix = [f"{datetime.fromisoformat(text).timestamp():.6f}" for text in zulu]
+    headings += [
+        (",", "# made by a receiver\n# utc,x_gcrf_m,y_gcrf_m,z_gcrf_m", utc, metres[:, :3]),
+        (",", "unix_time,x_gcrf_m,y_gcrf_m,z_gcrf_m", unix, metres[:, :3]),
+        (";", "unix_s;x_gcrf_m;y_gcrf_m;z_gcrf_m", unix, metres[:, :3]),
+    ]
     path = tmp_path / "orbit.csv"
     for separator, first, times, rows in headings:
         lines = [
             separator.join([time, *map(repr, row.tolist())]) for time, row in zip(times, rows, strict=True)
         ]
+        if separator == ";":
+            lines = [line.replace(".", ",") for line in lines]
         path.write_text("\n".join([first, *lines]))
         assert fixes_csv.matches(path.read_bytes()), first
         arc, _ = fixes_csv.read(path, path.read_bytes(), epoch=EPOCH)
