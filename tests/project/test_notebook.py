@@ -1,15 +1,18 @@
 """docs/notebook.md: it is a notebook, prints what the page says, and draws the figures that it shows."""
 
+import base64
 import contextlib
 import io
 import re
 
-import jupytext
 import matplotlib
+import nbformat
 import numpy as np
 import pytest
 from PIL import Image, ImageChops
 from support import REPOSITORY
+
+from validation.pages import notebook
 
 PAGE = REPOSITORY / "docs" / "notebook.md"
 TEXT = PAGE.read_text(encoding="utf-8")
@@ -19,17 +22,32 @@ FAR = 1.0
 """Mean difference of two pictures' colours, of 255: more than another processor's last digits make."""
 
 
-def cells(path):
-    """Kind and text of each cell of a notebook."""
-    return [(cell.cell_type, cell.source) for cell in jupytext.read(path).cells]
+PICTURES = re.findall(r"\]\(images/([^)]+)\)", TEXT)
 
 
-def test_the_page_is_a_notebook_of_the_same_code():
-    assert [text for kind, text in cells(PAGE) if kind == "code"] == [code.strip() for code, _ in CELLS]
+def test_the_notebook_has_what_its_cells_print_and_draw():
+    book = nbformat.read(PAGE.with_suffix(".ipynb"), as_version=4)
+    nbformat.validate(book)
+    code = [cell for cell in book.cells if cell.cell_type == "code"]
+    outputs = [output for cell in code for output in cell.outputs]
+    assert [cell.source for cell in code] == [text.strip() for text, _ in CELLS]
+    assert ["".join(output.get("text", "") for output in cell.outputs) for cell in code] == [
+        shown for _, shown in CELLS
+    ]
+    drawn = [base64.b64decode(output.data["image/png"]) for output in outputs if "data" in output]
+    assert drawn == [(PAGE.parent / "images" / name).read_bytes() for name in PICTURES]
 
 
-def test_the_notebook_is_that_of_the_page():
-    assert cells(PAGE.with_suffix(".ipynb")) == cells(PAGE), "run jupytext as CONTRIBUTING.md tells"
+def test_pictures_that_the_code_drew_become_those_of_the_page(tmp_path, monkeypatch):
+    monkeypatch.setattr(notebook, "PAGE", tmp_path / "page.md")
+    notebook.PAGE.write_text("![words](one.png)\n", encoding="utf-8")
+    drawn = Image.effect_noise((99, 99), 50.0).convert("RGBA")
+    (tmp_path / "drawn").mkdir()
+    drawn.save(tmp_path / "drawn" / "one.png")
+    notebook.take(tmp_path / "drawn")
+    taken = Image.open(tmp_path / "one.png")
+    assert len(taken.getcolors()) <= 64
+    assert np.mean(ImageChops.difference(taken.convert("RGB"), drawn.convert("RGB"))) < 2.0
 
 
 @pytest.fixture(scope="module")
@@ -53,13 +71,12 @@ def test_each_cell_prints_what_the_page_says(run):
 
 @pytest.mark.slow
 def test_the_figures_that_it_draws_are_those_of_the_page(run):
-    shown = re.findall(r"\]\(images/([^)]+)\)", TEXT)
-    assert sorted(path.name for path in run[1].iterdir()) == sorted(shown)
-    for name in shown:
+    assert sorted(path.name for path in run[1].iterdir()) == sorted(PICTURES)
+    for name in PICTURES:
         drawn, committed = (
             Image.open(folder / name).convert("RGB") for folder in (run[1], PAGE.parent / "images")
         )
         assert drawn.size == committed.size, name
         assert np.mean(ImageChops.difference(drawn, committed)) < FAR, (
-            f"{name}: run jupytext as CONTRIBUTING.md tells"
+            f"{name}: draw it as CONTRIBUTING.md says"
         )

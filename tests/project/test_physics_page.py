@@ -36,7 +36,7 @@ def test_its_numbers_are_those_of_the_settings_and_the_constants():
         assert f"{settings['force_models'][model]['degree']}x" in TEXT
     for phrase in (
         f"$\\tau$ = {integrator['position_tolerance_m']} m",
-        f"retired below {integrator['min_step_s']} s",
+        f"its step falls below {integrator['min_step_s']} s",
         f"at most {integrator['max_step_s']} s",
         f"every {settings['tracking']['step_s']} s",
         f"in the {estimation['window_hours']} h before",

@@ -1,6 +1,7 @@
 """docs/theory.md: modules and functions that it names are there, and its numbers are those of the code."""
 
 import importlib
+import math
 import re
 
 import numpy as np
@@ -11,8 +12,8 @@ from opml.base.constants import DAY
 from opml.base.yaml_files import read_yaml
 from opml.catalog.associate import innovations
 from opml.catalog.fit import apriori, sequential
-from opml.conjunctions import probability
-from opml.element_sets import corrector, features, weighting
+from opml.conjunctions import likeliest_collision, long_encounter, probability
+from opml.element_sets import corrector, corrector_scores, features, weighting
 from opml.learning.data import cleaning
 from opml.learning.judge import error_sizes, metrics, model_choice
 from opml.learning.models import kernel_scale, svr
@@ -59,6 +60,11 @@ def test_the_learning_variables_are_those_of_the_settings():
         f"{probability.SHORT}\\,P",
         f"{features.FLOOR:g}\\,\\mathrm{{m/d}}",
         f"$j > {corrector.JUMP:g}$",
+        f"({max(features.LASTING.values())} to {min(features.LASTING.values())}, by lead time) of the common",
+        f"at least $10^{{{math.log10(probability.LEAST_SIGMA):.0f}}} R$",
+        f"(in 3D, ${long_encounter.LEAST_SIGMA}\\,R$)",
+        f"known to {100.0 * likeliest_collision.STEADY:.0f} % and",
+        f"({corrector_scores.DRAWS} draws, 2.5 to 97.5 %",
         f"\\frac{{S}}{{{corrector.NORMAL:.3f}}}",
     ],
 )

@@ -31,7 +31,7 @@ _STEP = 1e-5  # of the differences that tell how states change with the elements
 _ROUNDS = 30  # at most, to the likeliest elements
 _FAR, _FAR_ROUNDS = 1500.0, 6  # squared distance with no probability, rounds after which it stays so
 _SETTLED = 1e-3  # change of the squared distance in standard deviations that ends them
-_STEADY = 0.02  # share of a velocity that its standard deviation may be
+STEADY = 0.02  # share of a velocity that its standard deviation may be
 _STANDSTILL = 1e-6  # relative speed below which objects stand beside each other [m/s]
 _FARTHEST = 0.5  # change of an element, as a share of what lacks an eccentricity of 1
 
@@ -128,7 +128,7 @@ class UncertainPairs:
             # To the closest approach of the likeliest paths, from where the next round is linear.
             t = t - np.sum(position * velocity, axis=-1) / speed**2
             elements, before = self._pulled(mixed, force[..., 0]), squared
-        steady = self._unsteadiness(cloud) < _STEADY * np.linalg.norm(velocity, axis=-1)
+        steady = self._unsteadiness(cloud) < STEADY * np.linalg.norm(velocity, axis=-1)
         return Collision(cloud, velocity, settled & steady)
 
     def _unsteadiness(self, cloud: Cloud) -> np.ndarray:

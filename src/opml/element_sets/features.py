@@ -28,7 +28,7 @@ FLOOR = 30.0  # what a prediction is off by without any drag [m/d]
 OWN = (3, 12)  # numbers of the object's own mornings whose misses count
 _RECENT = (1, 2, 3)  # days since the mornings whose common miss a day ahead still counts
 
-_LASTING = dict(zip(LEADS, (0.3, 0.25, 0.2, 0.15), strict=True))
+LASTING = dict(zip(LEADS, (0.3, 0.25, 0.2, 0.15), strict=True))
 """Part of a common miss that is there again, by lead [d]."""
 
 _FEWEST_OF_BAND = 5  # objects below which a band has no common miss
@@ -121,7 +121,7 @@ def build(catalogue: ElementCatalogue, pairs: Pairs, air: Callable[[float], Morn
     miss = ((made["error"] - made["density"]) / made["scale"]).where(made["is_fit"])
     made["target"] = miss - miss.groupby(groups).transform("median")
     judged = made[["morning", "lead", "band", "judged"]].assign(miss=miss)
-    lasting = made["lead"].map(_LASTING) * common_misses(judged)
+    lasting = made["lead"].map(LASTING) * common_misses(judged)
     made["density"] += lasting * made["scale"]
     return pd.concat([made, apart, own_misses(made).fillna(0.0)], axis=1)
 

@@ -1,10 +1,14 @@
-"""What the corrector sees: the misses that a band of heights has in common."""
+"""What the corrector sees: the drag's displacement, and the misses that a band of heights has in common."""
+
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
 import pytest
 
 from opml.element_sets import features
+from opml.element_sets.density import DAYS_AHEAD, HEIGHTS, QUARTERS, RUN_UP, Densities, MorningDensity
+from opml.element_sets.set_errors import BACK
 
 MISS = 0.4
 
@@ -48,3 +52,18 @@ def test_misses_older_than_three_mornings_are_forgotten():
     rows = band_of(mornings=8)
     rows.loc[rows["morning"] > 61001.0, "miss"] = np.nan
     assert by_morning(rows) == pytest.approx([0.0, 0.0, MISS, MISS, 0.0, 0.0, 0.0, 0.0])
+
+
+@pytest.mark.parametrize("times", [1.0, 2.0, 0.5])
+def test_drag_that_changes_at_the_epoch_displaces_by_the_change_of_b_star(times):
+    """The equations of docs/theory.md: Q is 0 under a constant density, and S its displacement and 30 m/d."""
+    morning, tau, response, bstar = 60_000.0, 5.0, 4e8, 1e-4
+    known = np.full((QUARTERS * (RUN_UP + 1), len(HEIGHTS)), np.log(1e-12))
+    air = MorningDensity(Densities(60_000 - RUN_UP, known), known[:DAYS_AHEAD] + np.log(times), morning)
+    sets = {"number": [7] * 3, "t": morning - np.arange(3.0)[::-1], "bstar": bstar, "height": 500e3}
+    catalogue = SimpleNamespace(table=pd.DataFrame(sets))
+    rows = pd.DataFrame({"newest": [2], "tau": [tau], "response": [response]})
+    pairs = SimpleNamespace(rows=rows, misses=np.zeros((3, BACK)))
+    ((scale, density, *_),) = features._of_morning(catalogue, pairs, np.array([0]), air)
+    assert density == pytest.approx(response * bstar * (1.0 - times), abs=1e-3 * response * bstar)
+    assert scale == pytest.approx(times * response * bstar + features.FLOOR * tau, rel=1e-3)

@@ -66,3 +66,18 @@ def test_a_set_is_improved_by_the_mean_of_the_ways_that_correct_it():
     assert found["correction"].to_numpy() == pytest.approx(6.0)
     assert found["sigma"].to_numpy() == pytest.approx(10.0)
     assert weighting.combined(table, tried(table, learned=np.nan), weights)["correction"].isna().all()
+
+
+@pytest.mark.parametrize("bstar", [100.0, 1.0])
+def test_two_numbers_come_nearest_to_the_corrections(bstar):
+    """The least squares of docs/theory.md, with and without the bound on B*."""
+    tau, response = np.array(LEADS, float), np.array([3.0, 40.0, 90.0, 210.0])
+    sought = np.array([50.0, 300.0, 500.0, 1600.0])
+    table = pd.DataFrame({"tau": tau, "response": response, "correction": sought})
+    found = weighting.changes(table, pd.Series(0, table.index), pd.Series([bstar])).loc[0]
+    weight, terms = tau**-1.5, np.column_stack([tau, response])
+    best = np.linalg.lstsq(weight[:, None] * terms, weight * sought)[0]
+    if (held := 0.9 * bstar) < best[1]:
+        line, rest = weight * tau, weight * (sought - held * response)
+        best = [line @ rest / (line @ line), held]
+    assert found[["speed", "bstar"]].to_numpy() == pytest.approx(best)

@@ -1,7 +1,8 @@
 """Along-track drift by the harmonics of the Earth's field that the assumed model leaves out.
 
 Of all harmonics beyond its degree, those matter that an orbit meets again and again in nearly the same phase:
-k (w + M) + m (W - theta) turns slowly, as m revolutions take about k turns of the Earth below the node. For
+k u + m (W - theta) turns slowly, as m revolutions take about k turns of the Earth below the node. Kaula's
+phase has w + M in the place of the argument of latitude u, which is the same for nearly round orbits. For
 each such pair the harmonics of all degrees act together as one along-track acceleration, A cos + B sin of
 that phase, with lumped coefficients A and B (Kaula 1966, Theory of Satellite Geodesy; King-Hele 1987,
 Satellite Orbits in an Atmosphere, on resonance). The coefficients belong to the field, the inclination and
