@@ -13,7 +13,7 @@ from opml.dynamics import force_model
 from opml.dynamics.ensemble import Arcs, Departures, propagate
 from opml.dynamics.kernels.surroundings import ForceModel
 from opml.dynamics.settings import ForceModelSettings, Integrator
-from opml.orbits.elements import from_rsw, in_rsw
+from opml.orbits.elements import rsw_rotation
 from opml.orbits.sheets import Rso
 
 _LARGE = 21  # degree of the harmonics in the acceleration above which a gravity field is large
@@ -24,19 +24,21 @@ Progress = Callable[[float], None]  # called with the share of the work that is 
 
 def near_part(model: ForceModel) -> ForceModel:
     """Return the part of a force model with a large field that neighbours are propagated with."""
-    return model.truncated(_NEAR)
+    return model.truncated(_NEAR).without_tides()
 
 
-def neighbour_path(path: np.ndarray, near: np.ndarray, neighbour: np.ndarray) -> np.ndarray:
-    """Return the states (n, 6) of an arc that parts from a path as a neighbour does in the near part.
+def neighbour_paths(path: np.ndarray, near: np.ndarray, neighbours: np.ndarray) -> np.ndarray:
+    """Return the states (k, n, 6) of arcs that part from a path as neighbours do in the near part.
 
     path: (n, 6) under the whole field, GCRF [m, m/s]
-    near, neighbour: (n, 6) the same path, and the arc, under the near part
+    near, neighbours: (n, 6) the same path, and (k, n, 6) the arcs, under the near part
 
     The distance turns with the orbit, as the two paths are kilometres apart. At 430 km, over a week, arcs
     that drag or energy parts are off by up to 0.0003 of their distance, others on one orbit by up to 0.004.
     """
-    return path + from_rsw(in_rsw(neighbour - near, near), path)
+    turn = rsw_rotation(path).swapaxes(-1, -2) @ rsw_rotation(near)
+    apart = (neighbours - near).reshape(len(neighbours), -1, 2, 3)
+    return path + (apart @ turn.swapaxes(-1, -2)).reshape(neighbours.shape)
 
 
 class PropagatorSettings(JobSettings):

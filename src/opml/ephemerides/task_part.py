@@ -18,7 +18,7 @@ from opml.catalog.predict.mechanism import FittedArcs
 from opml.catalog.predict.prediction import predict
 from opml.catalog.predict.resonance import Resonances
 from opml.catalog.predict.sensitivity import sensitivities
-from opml.catalog.propagator import Propagator, neighbour_path
+from opml.catalog.propagator import Propagator, neighbour_paths
 from opml.ephemerides.known_tables import KnownTables
 from opml.interop.element_sets import sgp4_baseline
 from opml.learning.models.learners import needed_tables
@@ -80,6 +80,12 @@ class TaskPart:
 
         j is the number of the epoch on the grid. Rows without numbers are where an arc does not reach.
         """
+        return self.pairs().assign(**self.variables(variables, arc=arc))
+
+    def variables(
+        self, variables: Sequence[str], *, arc: tuple[float, float] | None = None
+    ) -> dict[str, pd.Series]:
+        """Return the duration and the learning variables of `columns` by their names."""
         pairs = self.pairs()
         of_estimates = self.known.at_estimates
         asked = [name for name in variables if name in of_estimates]
@@ -88,7 +94,7 @@ class TaskPart:
         for kind in needed_tables(variables):
             table = self._beside(kind, arc, variables)
             found |= {name: table[name] for name in variables if name in table}
-        return pairs.assign(**found)
+        return found
 
     def _beside(self, kind: str, arc: tuple[float, float] | None, variables: Sequence[str]) -> pd.DataFrame:
         """Return the table of a kind; raise InputError for one that asks for more than one RSO."""
@@ -246,5 +252,5 @@ def _beside(predictions: pd.DataFrame, near: pd.DataFrame) -> pd.DataFrame:
     predictions: of the first of them, under all of the field
     """
     whole, paths = predictions[STATE].to_numpy(), near[STATE].to_numpy().reshape(-1, len(predictions), 6)
-    moved = np.concatenate([neighbour_path(whole, paths[0], path) for path in paths])
+    moved = np.concatenate(neighbour_paths(whole, paths[0], paths))
     return near.assign(**dict(zip(STATE, moved.T, strict=True)))

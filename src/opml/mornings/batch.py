@@ -281,7 +281,7 @@ def _begin(
     done: Sequence[date],
 ) -> UnderWay:
     """Return an object before the first of its mornings that are not over."""
-    calendar, plan = settings.calendar, settings.plan
+    calendar, plan = settings.calendar, replace(settings.plan, has_message=one.has_message)
     span = Span(settings.epoch, plan.end)
     source = MeasurementSource(
         one.kind, one.files, one.taking, one.start, one.manoeuvres, surroundings.read_sets
@@ -308,6 +308,4 @@ def _begin(
         found.sgp4 and replace(found.sgp4, improved=surroundings.improved),
     )
     digest = settings_digest(settings.shared | one.model_dump(include={"rso", "taking"}))
-    return UnderWay.begin(
-        BatchTask(name, calendar, settings.date, digest, one.has_message), watched, store, done
-    )
+    return UnderWay.begin(BatchTask(name, calendar, settings.date, digest), watched, store, done)

@@ -12,18 +12,18 @@ from opml.base.errors import InputError
 from opml.catalog.predict import weather_spread
 from opml.catalog.predict.prediction import predict_pairs
 from opml.ephemerides.along_track_shift import LEAST_EPOCHS
-from opml.ephemerides.corrected import expected, interpolate_spread
+from opml.ephemerides.corrected import interpolate_spread
 from opml.ephemerides.known_tables import KnownTables
 from opml.ephemerides.task_part import Grid, TaskPart
 from opml.learning.data import dataset
 from opml.learning.data.cleaning import Cleaning
-from opml.learning.data.error_components import CORRECTED
 from opml.learning.models import learners
 from opml.learning.models.contract import Model, ResolvedSettings
+from opml.learning.models.training_inputs import Training
 from opml.mornings.fits import Recent
 from opml.mornings.records import Records
 from opml.mornings.watched_object import Watched
-from opml.tables import SPREAD, STATE
+from opml.tables import SPREAD, STATE, state_rows
 
 STEP = 300.0  # time between the epochs of these ephemerides [s]: decimetres from those of a minute
 EVERY = 2  # so many epochs are to one that arcs are propagated to for the spread
@@ -71,10 +71,10 @@ def _from_previous(known: KnownTables, *, longest: float) -> pd.DataFrame:
     return table[usable].rename_axis("j").reset_index().rename(columns={"b": "i"})[["i", "j", "t_i", "t_j"]]
 
 
-def model(settings: ResolvedSettings, columns: pd.DataFrame) -> Model:
-    """Return the model of a learner that learns nothing; columns: of its variables."""
-    row = columns.head(1).assign(**{CORRECTED: 0.0})
-    return learners.train(row, component=CORRECTED, settings=settings, seed=0)
+def _model(settings: ResolvedSettings) -> Model:
+    """Return the model of a learner that learns nothing."""
+    variables = settings.variables
+    return learners.fit(Training(np.zeros((1, len(variables))), np.zeros(1), variables, seed=0), settings)
 
 
 def paths(
@@ -126,10 +126,9 @@ def _held_arcs(settings: Iterable[ResolvedSettings]) -> list[tuple[float, float]
 
 def _along(part: TaskPart, settings: ResolvedSettings) -> np.ndarray:
     """Return the e_y (n,) [m] that a model expects along a part's ephemeris, NaN where none reaches."""
-    columns = part.columns(settings.variables, arc=learners.arc_of(settings))
-    along = np.full(len(columns), np.nan)
-    finite = np.isfinite(columns[[*STATE, *settings.variables]].to_numpy()).all(axis=1)
-    if finite.any():
-        rows = columns[finite]
-        along[finite] = expected(rows, model(settings, rows))
+    found = part.variables(settings.variables, arc=learners.arc_of(settings))
+    x = np.column_stack([found[name].to_numpy() for name in settings.variables])
+    finite = np.isfinite(np.column_stack([state_rows(part.pairs()), x])).all(axis=1)
+    along = np.full(len(x), np.nan)
+    along[finite] = _model(settings).predict(x[finite])
     return along

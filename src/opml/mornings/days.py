@@ -49,7 +49,6 @@ class BatchTask:
     calendar: Calendar
     until: date  # date of its last morning
     settings: str  # digest of those that its mornings are made with
-    has_message: bool = True  # whether its ephemerides are written as messages
 
 
 @dataclass
@@ -96,7 +95,7 @@ class UnderWay:
 
     def _write_message(self, left: MorningResult) -> str | None:
         """Write the ephemeris that left as a message; return the name of its file, None without one."""
-        if left.ephemeris is None or not self.task.has_message:
+        if left.ephemeris is None or not self.watched.plan.has_message:
             return None
         path = self.store.message(self.next, self.task.rso)
         identity = replace(self.watched.identity, name=self.task.rso)

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.progress import counted
 from opml.ephemerides.along_track_shift import check_smooth, corrected, through
@@ -113,18 +114,30 @@ def _sizes(propagator: Mapping[str, Any]) -> Sizes:
     return Sizes(**values, **{name: propagator[name] for name in _TIMES})
 
 
-def ephemeris(paths: pd.DataFrame, selected: SelectedModel, *, step: float) -> pd.DataFrame:
+def epochs(paths: pd.DataFrame, step: float) -> np.ndarray:
+    """Return the multiples (n,) of a step [s] along the ephemerides of a morning, a table `paths`."""
+    t = paths["t_j"].to_numpy()
+    at: np.ndarray = np.arange(np.ceil(t[0] / step), np.floor(t[-1] / step) + 1.0) * step
+    return at
+
+
+def next_to_whole_days(at: np.ndarray, begin: float) -> np.ndarray:
+    """Return of epochs (n,) the ends, and those next to whole days after `begin` [s]."""
+    after = np.searchsorted(at, np.arange(begin, at[-1] + DAY, DAY))
+    return at[np.unique(np.clip([after - 1, after], 0, len(at) - 1))]
+
+
+def ephemeris(paths: pd.DataFrame, selected: SelectedModel, *, at: np.ndarray) -> pd.DataFrame:
     """Return the `corrected` table of the model that is selected.
 
     paths: the table of a morning
-    step: between the epochs [s]
+    at: (n,) epochs [s]
 
     Between the epochs of a path stand splines: of degree 7 through its states, millimetres off. Raises
     InputError as `check_smooth` does.
     """
     t, along = paths["t_j"].to_numpy(), paths[f"e_y_{selected.model}"].to_numpy()
     check_smooth(t, along)
-    at = np.arange(np.ceil(t[0] / step), np.floor(t[-1] / step) + 1.0) * step
     path = state_rows(paths)
     predicted, states = np.moveaxis(through(t, np.stack([path, corrected(t, path, along)], axis=1))(at), 1, 0)
     rows = pd.DataFrame(dict(zip(STATE, predicted.T, strict=True))).assign(

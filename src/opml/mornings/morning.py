@@ -32,7 +32,7 @@ class MorningResult:
     records: Records  # of this morning alone
     recent: Recent  # the tracks of the last days that were over
     verdict: Verdict
-    ephemeris: pd.DataFrame | None = None  # table `corrected`; None where none left
+    ephemeris: pd.DataFrame | None = None  # table `corrected`; None where none left; sparse without a message
     basis: str = ""  # what its covariances rest on, in words
 
 
@@ -120,7 +120,10 @@ class _Morning:
         past = self.whole.rows_unaffected_by_burns(plan.base, self.watched.known_by(self.now))
         self.verdict = verdicts.verdict(past, self.starts, now=self.now, burns=burns, window=plan.base * HOUR)
         selected = issued.choose_model(past, paths.models, now=self.now)
-        self.ephemeris = issued.ephemeris(paths.table, selected, step=plan.step)
+        at = issued.epochs(paths.table, plan.step)
+        if not plan.has_message:
+            at = issued.next_to_whole_days(at, float(self.starts["t"].iloc[0]))
+        self.ephemeris = issued.ephemeris(paths.table, selected, at=at)
         self.selected = selected
 
     @property

@@ -363,7 +363,8 @@ def _issued_last(
         model = next((name for name in models if _holds_cd(models[name]) == is_vague), next(iter(models)))
     past = usual_errors.with_sigmas(known[known["model"] == model], formal)
     sizes = usual_errors.sizes(past, formal, start=paths.start, now=now)
-    table = issued.ephemeris(paths.table, SelectedModel(model, past, sizes), step=STEP)
+    at = issued.epochs(paths.table, STEP)
+    table = issued.ephemeris(paths.table, SelectedModel(model, past, sizes), at=at)
     return _Issued(table, model, _verdict(watched, left, records, past, now=now), past)
 
 

@@ -100,6 +100,7 @@ class MorningPlan:
     end: float  # of the run [s]
     epoch: str  # UTC text
     fits_above: float = 0.0  # height of mean elements below which none of these models is used [m]
+    has_message: bool = True  # whether its ephemerides are written as messages
 
     @property
     def base(self) -> float:

@@ -2,14 +2,14 @@
 
 import numpy as np
 import pytest
-from support import BOUNDED_ESTIMATION, force_model
+from support import BOUNDED_ESTIMATION, force_model, precise_model
 
 from opml.base.constants import DAY
 from opml.catalog import propagator as propagators
 from opml.catalog.fit import estimation, observations, start_states
 from opml.catalog.fit import iterations as iterations_of_fits
 from opml.catalog.predict import covariance, prediction, sensitivity
-from opml.catalog.propagator import Propagator, neighbour_path
+from opml.catalog.propagator import Propagator, neighbour_paths
 from opml.catalog.simulate import tracking, truth
 from opml.tables import PARAMETERS, STATE
 
@@ -49,10 +49,13 @@ def whole_field(monkeypatch):
     return lambda: monkeypatch.setattr(propagators, "_LARGE", 1000)
 
 
-def test_a_part_of_a_field_is_the_field_to_that_degree():
-    part, field = force_model(28).truncated(8), force_model(8)
+@pytest.mark.parametrize("model", [force_model, precise_model])
+def test_a_part_of_a_field_is_the_field_to_that_degree_with_its_tides(model):
+    part, field = model(28).truncated(8), model(8)
     assert (part.columns, part.degree) == (field.columns, field.degree)
     np.testing.assert_array_equal(part.weights, field.weights)
+    for mine, same in zip(part.tides, field.tides, strict=True):
+        np.testing.assert_array_equal(mine, same)
     assert field.truncated(8) is field
 
 
@@ -108,7 +111,7 @@ def test_an_arc_beside_another_is_where_it_would_have_flown(propagator, iss, ahe
         one.propagate(epochs, states, cd=2.2, **ends).states.reshape(2, -1, 6)
         for one in (propagator, propagator.for_neighbours())
     )
-    found = neighbour_path(whole[0], *near)
+    [found] = neighbour_paths(whole[0], near[0], near[1][None])
     distance, off = (np.linalg.norm((one - whole[1])[:, :3], axis=1) for one in (whole[0], found))
     assert distance.max() > 250.0
     assert 0.0 < off.max() < part * distance.max()

@@ -4,10 +4,11 @@ import numpy as np
 import pandas as pd
 import pytest
 from mornings import RATE, SIZES, replays
+from scipy import optimize
 
 from opml.base.constants import DAY
 from opml.base.errors import InputError
-from opml.learning.judge import calibration
+from opml.learning.judge import calibration, simplex_kernels
 from opml.learning.judge.error_sizes import INSIDE, Sizes, along_track, as_known, of_differences, widening
 from opml.orbits import rsw_covariance
 from opml.tables import COMPONENTS, SIGMA_STATE, SPREAD
@@ -22,6 +23,25 @@ def test_sizes_are_those_of_the_past():
     np.testing.assert_allclose(sigma[:, 1], [100.0, 700.0], rtol=0.25)
     np.testing.assert_allclose(sigma[:, 2], SIZES["e_z"], rtol=0.25)
     np.testing.assert_allclose(sigma[:, 3:], [[2e-2, 5e-3, 3e-2]] * 2, rtol=0.3)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_compiled_simplex_ends_where_scipys_does(seed):
+    draw, units = np.random.default_rng(seed), np.array([100.0, 100.0 / DAY, 1.0])
+    duration = draw.uniform(0.0, 7.0 * DAY, 90)
+    drag, still = 1e-9 * duration**2, 1e-18 * duration**4
+    size, weight = np.abs(draw.normal(100.0, 900.0, 90)), draw.uniform(size=90) / 9e3
+
+    def loss(logarithms):
+        a, b, c = units * np.exp(logarithms)
+        above = size - INSIDE * np.sqrt(a**2 + (b * duration) ** 2 + (c * drag) ** 2 + still)
+        return np.sum(weight * np.maximum(0.9 * above, -0.1 * above)) + 1e-5 * np.sum(logarithms**2)
+
+    start, options = np.array([-0.5, -1.0, -1.0]), {"maxiter": 400, "xatol": 1e-2, "fatol": 1e-6}
+    least = optimize.minimize(loss, start, method="Nelder-Mead", options=options)
+    errors = size, duration, drag, still, weight
+    found = simplex_kernels.minimum(start, units, errors, INSIDE, 0.9)
+    np.testing.assert_allclose(found[0], least.x, rtol=1e-9)
 
 
 def test_the_weather_ahead_is_never_less_than_its_futures():

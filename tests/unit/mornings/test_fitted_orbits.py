@@ -205,7 +205,7 @@ def test_a_single_point_is_refused(tmp_path):
 
 def test_an_orbit_that_is_hardly_determined_is_refused(hours, monkeypatch):
     made = issued.ephemeris
-    monkeypatch.setattr(issued, "ephemeris", lambda *path, step: made(*path, step=step).head(200))
+    monkeypatch.setattr(issued, "ephemeris", lambda *path, at: made(*path, at=at).head(200))
     said = refusal(made_of, hours, date=None)
     assert re.fullmatch(
         r".*iss\.oem: expected an orbit for 1 days, got one that comes down, or .* after 0\.\d", said

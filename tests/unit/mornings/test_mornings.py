@@ -258,8 +258,8 @@ def test_an_ephemeris_without_a_message_is_told_all_the_same(watched, whole, tmp
     for name in (BATCH, "iss"):
         shutil.rmtree(tmp_path / LAST.isoformat() / name)
     store = Store(tmp_path, "0", ["iss"])
-    task = BatchTask("iss", CALENDAR, LAST, "digest", has_message=False)
-    days.catch_up(store, [UnderWay.begin(task, watched, store, done(tmp_path))], LAST, metadata=METADATA)
+    silent = replace(watched, plan=replace(watched.plan, has_message=False))
+    days.catch_up(store, [begin(store, "iss", silent, LAST)], LAST, metadata=METADATA)
     assert not (tmp_path / LAST.isoformat() / "iss").exists()
     assert told(tmp_path) == told(whole) | {"message": None}
     assert told(tmp_path)["expected"]

@@ -24,7 +24,7 @@ TOO_FAST = "start arc faster than any orbit"  # why such a fit did not begin
 NEAR = 3.0
 """Largest change of a residual, in its standard deviation, between trials that are near each other.
 
-The distance of arcs that near is right to some 0.0003 of itself (`propagator.neighbour_path`), a residual to
+The distance of arcs that near is right to some 0.0003 of itself (`propagator.neighbour_paths`), a residual to
 0.001 of its standard deviation.
 """
 

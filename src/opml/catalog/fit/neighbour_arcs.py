@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from opml.catalog.fit.measurements import Window
-from opml.catalog.propagator import Propagator, neighbour_path
+from opml.catalog.propagator import Propagator, neighbour_paths
 from opml.dynamics.ensemble import Arcs
 from opml.tables import PARAMETERS
 
@@ -39,7 +39,7 @@ def propagate_neighbours(
     if near is propagator:
         return states, status
     [whole], lost = _propagate_forward(propagator, epochs, parameters[None])
-    return _all_neighbour_paths(whole, states), max(status, lost)
+    return neighbour_paths(whole, states[0], states), max(status, lost)
 
 
 def _propagate_forward(
@@ -54,11 +54,6 @@ def _propagate_forward(
     return np.concatenate([parameters[:, None, :6], later], axis=1), int(arcs.status.max())
 
 
-def _all_neighbour_paths(path: np.ndarray, arcs: np.ndarray) -> np.ndarray:
-    """Return the states (8, n, 6) of arcs beside a path (n, 6), from their own under the near part."""
-    return np.stack([neighbour_path(path, arcs[0], arc) for arc in arcs])
-
-
 @dataclass(frozen=True)
 class NeighbourArcs:
     """The arcs of a trial and its neighbours, through the epochs of a window."""
@@ -70,7 +65,7 @@ class NeighbourArcs:
         """Return the states (8, epochs, 6) of another trial near by; near: as that of this one."""
         # All eight shift by what parts the two trials: their differences, the partial derivatives, stay.
         path = self.states[0]
-        return self.states + (neighbour_path(path, self.near, near) - path)
+        return self.states + (neighbour_paths(path, self.near, near[None]) - path)
 
 
 def propagate_around(
@@ -96,7 +91,7 @@ def propagate_around(
         return arounds, worst
     whole, lost = _propagate_windows(propagator, epochs, windows, trials)
     moved = [
-        replace(one, states=_all_neighbour_paths(path, one.states))
+        replace(one, states=neighbour_paths(path, one.near, one.states))
         for one, path in zip(arounds, whole, strict=True)
     ]
     return moved, np.maximum(worst, lost)

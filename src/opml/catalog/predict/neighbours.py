@@ -6,7 +6,7 @@ from typing import Self
 import numpy as np
 import pandas as pd
 
-from opml.catalog.propagator import Propagator, neighbour_path
+from opml.catalog.propagator import Propagator, neighbour_paths
 from opml.tables import STATE
 
 
@@ -44,4 +44,4 @@ class Neighbours:
         propagated, _ = self.propagator.propagate_pairs(self.predictions, states, cd=cd)
         if self.origin is None:
             return propagated
-        return neighbour_path(self.predictions[STATE].to_numpy(float), self.origin, propagated)
+        return neighbour_paths(self.predictions[STATE].to_numpy(float), self.origin, propagated[None])[0]

@@ -77,18 +77,20 @@ class ForceModel(NamedTuple):
         return self._replace(issued=np.full(len(outlooks), -np.inf), known=known, outlooks=outlooks)
 
     def truncated(self, degree: int) -> "ForceModel":
-        """Return the model with its field to a degree and order, without tides; itself if it has no more."""
+        """Return the model with its field to a degree and order above any tide; itself if it has no more."""
         if self.degree - 1 <= degree:
             return self
         columns = min(self.columns, degree + 2)
         # Harmonics of one degree more stand in the weights, as in the acceleration.
         kept = [row(n, m, self.degree - 1) for m in range(columns) for n in range(m, degree + 2)]
+        weights = np.ascontiguousarray(self.weights[kept])
         return self._replace(
-            weights=np.ascontiguousarray(self.weights[kept]),
-            columns=columns,
-            degree=degree + 1,
-            tides=tides.no_tides(),
+            weights=weights, columns=columns, degree=degree + 1, tides=self.tides.of_rows(kept, weights)
         )
+
+    def without_tides(self) -> "ForceModel":
+        """Return the model of a rigid Earth."""
+        return self._replace(tides=tides.no_tides())
 
     def for_block(self, outlooks: np.ndarray) -> "ForceModel":
         """Return the model with the activity of each of these outlooks, the model's own for -1.

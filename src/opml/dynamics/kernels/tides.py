@@ -6,6 +6,7 @@ all lanes whenever the surroundings are looked up, and gravity takes no longer t
 
 import math
 from collections import defaultdict
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -31,6 +32,13 @@ class Tides(NamedTuple):
     columns: np.ndarray  # (places, 2): the numbers of a tide that change it
     factors: np.ndarray  # (places, 2): how much
     still: np.ndarray  # the weights without tides
+
+    def of_rows(self, rows: Sequence[int], still: np.ndarray) -> "Tides":
+        """Return the tides of a part of the weights: these rows, ascending, with all that tides change."""
+        if not len(self.nodes):
+            return self
+        places = np.column_stack([np.searchsorted(rows, self.places[:, 0]), self.places[:, 1]])
+        return self._replace(places=places, still=still)
 
 
 def tides(nodes: np.ndarray, still: np.ndarray, degree: int) -> Tides:

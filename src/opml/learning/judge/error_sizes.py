@@ -254,7 +254,7 @@ def _fit_axis(
     doubt: (n,) standard deviations of what they are compared with [m]
     weight: (n,); an error counts in units of the typical error of its day of duration
     """
-    from scipy.optimize import minimize
+    from opml.learning.judge.simplex_kernels import minimum  # with Numba, where sizes are learned alone
 
     duration = past["duration"].to_numpy()
     drag, weather = (past[f"{name}_{axis}"].to_numpy() for name in ("drag", "weather"))
@@ -267,17 +267,9 @@ def _fit_axis(
     units = np.array([base, base / DAY, 1.0])
     relative = weight / np.sum(weight) / typical
 
-    def loss(logarithms: np.ndarray) -> float:
-        a, b, c = units * np.exp(logarithms)
-        above = size - INSIDE * np.sqrt(a**2 + (b * duration) ** 2 + (c * drag) ** 2 + weather**2 + doubt**2)
-        pinball = np.where(above > 0.0, LEVEL * above, (LEVEL - 1.0) * above)
-        # A small penalty keeps parameters at their start that the past tells nothing about.
-        return float(np.sum(relative * pinball) + 1e-5 * np.sum(logarithms**2))
-
-    options = {"maxiter": 400, "xatol": 1e-2, "fatol": 1e-6}
-    minima = [minimize(loss, start, method="Nelder-Mead", options=options) for start in _FIRST_GUESSES]
-    best = min(minima, key=lambda minimum: float(minimum.fun))
-    a, b, c = units * np.exp(best.x)
+    errors = size, duration, drag, weather**2 + doubt**2, relative
+    minima = [minimum(np.array(start), units, errors, INSIDE, LEVEL) for start in _FIRST_GUESSES]
+    a, b, c = units * np.exp(min(minima, key=lambda found: float(found[1]))[0])
     return float(a), float(b), float(c)
 
 

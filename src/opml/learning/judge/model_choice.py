@@ -53,9 +53,9 @@ def choose(replays: Mapping[str, pd.DataFrame], laws: Sequence[str], *, now: flo
     Raises InputError where nothing is known yet of the models that learned nothing.
     """
     plains = [name for name in replays if name not in laws]
-    past = _Past.over_by(replays, plains, now)
-    plain = past.best(plains)
-    if plain is None:
+    past = _Past.over_by(replays, plains, now) if plains else None
+    plain = past.best(plains) if past else None
+    if past is None or plain is None:
         raise InputError(f"choice: expected replays that were over by day {now / DAY:g}, got none")
     compared = {law: past.ratio(law, plain, seed) for law in laws if law in replays}
     ratios = {law: ratio for law, ratio in compared.items() if ratio is not None}
@@ -70,33 +70,40 @@ def choose(replays: Mapping[str, pd.DataFrame], laws: Sequence[str], *, now: flo
 class _Past:
     """Sizes of e_y that models left, by pair (i, j)."""
 
-    sizes: pd.DataFrame  # [m], a column for each model
-    typical: pd.Series  # typical size of the pair's day of duration [m]
-    weight: pd.Series
-    block: pd.Series  # number of the block of days in which the prediction ended
+    sizes: Mapping[str, np.ndarray]  # (pairs,) of each model [m], NaN where it has none
+    typical: np.ndarray  # (pairs,) typical size of the pair's day of duration [m]
+    weight: np.ndarray  # (pairs,)
+    block: np.ndarray  # (pairs,) number of the block of days in which the prediction ended
 
     @classmethod
     def over_by(cls, replays: Mapping[str, pd.DataFrame], plains: Sequence[str], now: float) -> Self:
         """Return what `replay` tables by model showed by `now` [s]; plains: models that learned nothing."""
-        known = {
-            name: table.loc[are_over(table, now), _COMPARED].set_index(["i", "j"])
-            for name, table in replays.items()
-        }
-        sizes = pd.DataFrame({name: table["e_y"].abs() for name, table in known.items()})
-        pairs = pd.concat([table[["t_j", "duration"]] for table in known.values()])
-        pairs = pairs[~pairs.index.duplicated()].reindex(sizes.index)
-        day = np.ceil(pairs["duration"] / DAY)
-        typical = sizes[list(plains)].median(axis=1).groupby(day).transform("median").clip(lower=1.0)
-        weight = np.exp((pairs["t_j"] - now) / (MEMORY_DAYS * DAY))
-        return cls(sizes, typical, weight, np.floor(pairs["t_j"] / (BLOCK_DAYS * DAY)))
+        known = []
+        for table in replays.values():
+            over = are_over(table, now)
+            known.append([table[name].to_numpy()[over] for name in _COMPARED])
+        i, j, t_j, duration, e_y = (np.concatenate(column) for column in zip(*known, strict=True))
+        keys = i * (j.max(initial=0) + 1) + j
+        _, first, place = np.unique(keys, return_index=True, return_inverse=True)
+        of_model = np.split(np.arange(len(keys)), np.cumsum([len(one[0]) for one in known])[:-1])
+        sizes = {name: np.full(len(first), np.nan) for name in replays}
+        for name, rows in zip(replays, of_model, strict=True):
+            sizes[name][place[rows]] = np.abs(e_y[rows])
+        usual = _medians(np.stack([sizes[name] for name in plains]))
+        day, typical = np.ceil(duration[first] / DAY), np.full(len(first), np.nan)
+        for number in np.unique(day):
+            typical[day == number] = _medians(usual[day == number, None])
+        ended = t_j[first]
+        weight, block = np.exp((ended - now) / (MEMORY_DAYS * DAY)), np.floor(ended / (BLOCK_DAYS * DAY))
+        return cls(sizes, np.maximum(typical, 1.0), weight, block)
 
     def best(self, plains: Sequence[str]) -> str | None:
         """Return the model that left the least, each day of duration alike; None without a pair of all."""
-        shared = self.sizes[list(plains)].dropna()
-        if shared.empty:
+        shared = np.isfinite(np.stack([self.sizes[name] for name in plains])).all(axis=0)
+        if not shared.any():
             return None
-        relative = shared.div(self.typical[shared.index], axis=0)
-        return str(relative.mul(self.weight[shared.index], axis=0).sum().idxmin())
+        weight = (self.weight / self.typical)[shared]
+        return min(plains, key=lambda name: float(np.sum(self.sizes[name][shared] * weight)))
 
     def ratio(self, law: str, plain: str, seed: int) -> tuple[float, float] | None:
         """Return the error that a law left, divided by that of a plain model, and an upper bound of this.
@@ -104,20 +111,34 @@ class _Past:
         Of two measures, each day of duration alike and metre by metre, the one with the larger bound counts.
         Returns None for too few blocks.
         """
-        rows = self.sizes[[law, plain]].dropna()
-        measures = (rows.div(self.typical[rows.index], axis=0), rows)
+        rows = np.isfinite(self.sizes[law] + self.sizes[plain])
+        _, place = np.unique(self.block[rows], return_inverse=True)
+        count = place.max(initial=-1) + 1
+        if count < LEAST_BLOCKS:
+            return None
         ratios = []
-        for measure in measures:
-            blocks = (
-                measure.mul(self.weight[rows.index], axis=0).groupby(self.block[rows.index]).sum().to_numpy()
+        for unit in (self.typical[rows], 1.0):
+            blocks = np.array(
+                [
+                    np.bincount(place, self.sizes[name][rows] / unit * self.weight[rows])
+                    for name in (law, plain)
+                ]
             )
-            if len(blocks) < LEAST_BLOCKS:
-                return None
-            drawn = derive(seed, "choice", law).integers(len(blocks), size=(_DRAWS, len(blocks)))
-            sums = blocks[drawn].sum(axis=1)
-            high = float(np.quantile(sums[:, 0] / sums[:, 1], CONFIDENCE))
-            ratios.append((float(blocks[:, 0].sum() / blocks[:, 1].sum()), high))
+            drawn = derive(seed, "choice", law).integers(count, size=(_DRAWS, count))
+            laws, plains = blocks[:, drawn].sum(axis=2)
+            high = float(np.quantile(laws / plains, CONFIDENCE))
+            ratios.append((float(blocks[0].sum() / blocks[1].sum()), high))
         return max(ratios, key=lambda ratio: ratio[1])
+
+
+def _medians(values: np.ndarray) -> np.ndarray:
+    """Return the medians (n,) of the numbers among values (k, n), NaN where all are NaN."""
+    ordered, count = np.sort(values, axis=0), np.isfinite(values).sum(axis=0)
+    middle = np.stack([(count - 1) // 2, count // 2])
+    medians: np.ndarray = np.take_along_axis(ordered, np.minimum(middle, len(values) - 1), axis=0).mean(
+        axis=0
+    )
+    return medians
 
 
 CHOSEN = "selected each day"  # what the models that were selected are called beside the others
