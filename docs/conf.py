@@ -20,7 +20,7 @@ import opml
 from opml.workflow import prediction_files
 
 sys.path.insert(0, str(Path(__file__).parent))
-from run_figures import RunFigures
+from run_figures import RunFigures, link
 from schematics import Schematic
 
 INCLUDED = {
@@ -144,6 +144,7 @@ def setup(app):
     """Register what the settings above name."""
     app.connect("source-read", point)
     app.connect("include-read", point_included)
+    app.connect("doctree-resolved", link)
     app.connect("html-page-context", enlarge)
     app.connect("html-page-context", load_texts)
     app.connect("build-finished", write_texts)
