@@ -5,6 +5,7 @@ README.md and its like stand where a reader of the files looks for them. A page 
 between files of the project becomes one between pages.
 """
 
+import inspect
 import json
 import posixpath
 import re
@@ -20,7 +21,7 @@ import opml
 from opml.workflow import prediction_files
 
 sys.path.insert(0, str(Path(__file__).parent))
-from run_figures import RunFigures
+from run_figures import RunFigures, link
 from schematics import Schematic
 
 INCLUDED = {
@@ -93,6 +94,25 @@ def point_included(app, path, docname, source):
     point(app, docname, source)
 
 
+def list_parameters(app, what, name, obj, options, lines):
+    """Make a list of what a function's docstring says of its parameters: `one: this; other: that.`"""
+    if what == "function":
+        names = "|".join(inspect.signature(obj).parameters)
+        item = rf"(?:{names})(?:, (?:{names}))*: "
+        paragraphs = [
+            itemised(paragraph, item) if re.match(item, paragraph) else paragraph
+            for paragraph in "\n".join(lines).split("\n\n")
+        ]
+        lines[:] = "\n\n".join(paragraphs).split("\n")
+
+
+def itemised(paragraph, item):
+    """Return a paragraph of items, whose first sentence lists them, as a list and what follows it."""
+    listed, *rest = re.split(r"(?<=\.)\s+(?=[A-Z])", " ".join(paragraph.split()), maxsplit=1)
+    items = re.split(f"; (?={item})", listed.rstrip("."))
+    return "\n\n".join(["\n".join("* **{}:** {}".format(*one.split(": ", 1)) for one in items), *rest])
+
+
 def typeset(equation, **options):
     """Return an equation as MathML, which needs no script; bars of a size have no room around them."""
     return tex2mathml(equation, **options).replace(BAR, BAR.replace(">", ' lspace="0" rspace="0">', 1))
@@ -144,6 +164,8 @@ def setup(app):
     """Register what the settings above name."""
     app.connect("source-read", point)
     app.connect("include-read", point_included)
+    app.connect("autodoc-process-docstring", list_parameters)
+    app.connect("doctree-resolved", link)
     app.connect("html-page-context", enlarge)
     app.connect("html-page-context", load_texts)
     app.connect("build-finished", write_texts)

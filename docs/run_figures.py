@@ -64,4 +64,13 @@ class RunFigures(SphinxDirective):
     def _figure(self, name, _drawer, text=""):
         below = caption(text or name, name)
         image = nodes.image(uri=f"{PICTURES}/{name}.png", alt=below.split(". ")[0], loading="lazy")
-        return nodes.figure("", image, nodes.caption("", below))
+        return nodes.figure("", image, nodes.caption("", below), ids=[name])
+
+
+def link(app, doctree, docname):
+    """Link the names of pictures in a page's text to the pictures."""
+    shown = {name for figure in doctree.findall(nodes.figure) for name in figure["ids"]}
+    for literal in list(doctree.findall(nodes.literal)):
+        if (name := literal.astext()) in shown:
+            led = nodes.reference("", "", literal.deepcopy(), internal=True, refuri=f"#{name}")
+            literal.replace_self(led)

@@ -160,7 +160,7 @@ def force_model(
 
 
 def read_stations(path: str | Path) -> dict[str, Station]:
-    """Read a sheet of radar stations, by name, in its order; columns as config/README.md tells.
+    """Read a sheet of radar stations, by name, in its order; columns: config/README.md.
 
     Where there is none of that name, the package's own is read, such as config/stations.tsv. Raises
     InputError, naming file, row and column.
@@ -271,9 +271,9 @@ def read_fixes(
 ) -> pd.DataFrame:
     """Read where an RSO was measured to be, from SP3, CPF, OEM or CSV: the table `fixes`.
 
-    It stands where `tracking` does, of no stations. sigmas: standard deviations in RSW of positions [m], and
-    of velocities [m/s] where these count, of files that tell none; every: least time between fixes [s];
-    stretch: length of a track [s]. Raises InputError, naming file and line, for files that are malformed.
+    sigmas: standard deviations in RSW of positions [m], and of velocities [m/s] where these count, of files
+    without any; every: least time between fixes [s]; stretch: length of a track [s]. The table takes the
+    place of `tracking`. Raises InputError, naming file and line, for files that are malformed.
 
     >>> from opml.interop import oem
     >>> oem.write("iss.oem", oem.truth_segments(truth, rso="iss"), epoch=environment.epoch)

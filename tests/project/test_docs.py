@@ -99,6 +99,14 @@ def test_the_site_has_a_prediction_to_look_at(site):
 
 
 @pytest.mark.slow
+def test_the_reference_lists_parameters(site):
+    text = (site / "reference.html").read_text(encoding="utf-8")
+    listed = re.findall(r"<li><p><strong>([\w, ]+):</strong> ", text)
+    assert {"gravity", "kernel", "train, span_days, seed", "area_to_mass"} <= set(listed)
+    assert "<p>Raises InputError where a source cannot be read or does not reach.</p>" in text
+
+
+@pytest.mark.slow
 def test_bars_of_a_size_have_no_room_around_them(site):
     text = (site / "theory.html").read_text(encoding="utf-8")
     bars = re.findall(r"<mo[^>]*>\|</mo>", text)

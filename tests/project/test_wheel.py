@@ -46,6 +46,8 @@ def installed(tmp_path_factory):
             shutil.copytree(ROOT / name, folder / name, symlinks=True)
         else:
             shutil.copyfile(ROOT / name, folder / name)
+    (folder / "workflow" / "schemas").mkdir(exist_ok=True)
+    (folder / "workflow" / "schemas" / "config.schema.json").touch()  # as `make` writes for editors
     pip("wheel", "--no-deps", "--no-build-isolation", "--no-index", "--wheel-dir", folder, folder)
     (wheel,) = folder.glob("*.whl")
     assert wheel.name.startswith("opml_orbits-")
@@ -57,6 +59,11 @@ def installed(tmp_path_factory):
 def environment(installed):
     """Variables under which Python finds the installed package before this tree's."""
     return os.environ | {"PYTHONPATH": str(installed), "NO_COLOR": "1"}
+
+
+def test_what_make_writes_for_editors_stays_out_of_the_wheel(installed):
+    assert (installed / "opml" / "workflow" / "project" / "workflow" / "rules").is_dir()
+    assert not (installed / "opml" / "workflow" / "project" / "workflow" / "schemas").exists()
 
 
 def test_the_library_needs_nothing_of_the_workflow(installed, environment, tmp_path):

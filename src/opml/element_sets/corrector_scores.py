@@ -56,9 +56,7 @@ def _score(part: pd.DataFrame) -> dict[str, float]:
         "gain_median": 100.0 * part["learned"].abs().median() / part["scaled"].abs().median(),
         "coverage": coverage(part["learned"], part["sigma"]),
         "improved_coverage": coverage(part["improved"], part["improved_sigma"]),
-        "worst_week": min(
-            coverage(week["improved"], week["improved_sigma"]) for _, week in part.groupby(_week(part))
-        ),
+        "worst_week": worst_week(part),
         "log_score": log_score(part["improved"], part["improved_sigma"]),
         "unchanged": 100.0 * (part["applied"] == UNCHANGED).mean(),
     }
