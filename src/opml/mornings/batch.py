@@ -49,6 +49,10 @@ _SHARED = {"epoch", "force_model", "integrator", "estimation", "models"}
 
 _SWITCHES = ("solid_tides", "relativity")  # forces that had a setting each when the first mornings were kept
 
+_DEGREE_HIGH = 36
+"""Of the field that fits to mean elements of high orbits need: in a week it leaves up to 50 m along the track
+that no fit absorbs, as 48 does lower down."""
+
 _log = logging.getLogger(__name__)
 
 Made = TypeVar("Made")
@@ -125,12 +129,12 @@ class Surroundings:
     """What all objects of a job share: force models as of `watched.ObjectPropagators`, and the stations.
 
     The weather was seen until `seen_until` [s]. The models of fits and predictions stand with the parts of
-    them that neighbours are propagated under, made once: arcs under one model propagate together. Mean
-    elements are improved beside those of all objects of the run, whose files are read once.
+    them for high orbits and for neighbours, made once: arcs under one model propagate together. Mean elements
+    are improved beside those of all objects of the run, whose files are read once.
     """
 
-    fits: tuple[ForceModel, ForceModel]
-    predictions: tuple[ForceModel, ForceModel]
+    fits: tuple[ForceModel, ForceModel, ForceModel]
+    predictions: tuple[ForceModel, ForceModel, ForceModel]
     integrator: Integrator
     weathers: Weathers
     orientation: pd.DataFrame
@@ -156,8 +160,8 @@ class Surroundings:
         futures = _futures(files.futures, since=since) if files.futures else None
         activity = read_table(fits["solar_activity"], "solar_activity")
         return cls(
-            (of_fits, near_part(of_fits)),
-            (of_predictions, near_part(of_predictions)),
+            _with_parts(of_fits),
+            _with_parts(of_predictions),
             settings.integrator,
             Weathers.of(flattened, futures),
             read_table(fits["earth_orientation"], "earth_orientation"),
@@ -170,12 +174,21 @@ class Surroundings:
 
     def model(self, rso: Rso) -> ObjectPropagators:
         """Return the propagator of an object."""
-        fits, predictions = (
-            Propagator(model, rso, self.integrator, ensemble=self.propagate, near=near)
-            for model, near in (self.fits, self.predictions)
+        of = partial(Propagator, rso=rso, integrator=self.integrator, ensemble=self.propagate)
+        (fits, high, near), (predictions, high_ahead, near_ahead) = self.fits, self.predictions
+        return ObjectPropagators(
+            of(fits, near=near),
+            of(predictions, near=near_ahead),
+            of(self.weathers.model),
+            self.weathers,
+            self.orientation,
+            (of(high, near=near), of(high_ahead, near=near_ahead)),
         )
-        flattened = Propagator(self.weathers.model, rso, self.integrator, ensemble=self.propagate)
-        return ObjectPropagators(fits, predictions, flattened, self.weathers, self.orientation)
+
+
+def _with_parts(model: ForceModel) -> tuple[ForceModel, ForceModel, ForceModel]:
+    """Return a model with its parts for high orbits and for neighbours."""
+    return model, model.truncated(_DEGREE_HIGH), near_part(model)
 
 
 def run(files: Any, settings: BatchSettings, *, metadata: Mapping[str, Any]) -> list[dict[str, Any]]:

@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from opml.base.constants import DAY, HOUR
+from opml.base.constants import DAY, HOUR, WGS84_A
 from opml.catalog.fit.estimation_settings import Estimation
 from opml.catalog.fit.first.first_orbit import TimedState
 from opml.catalog.predict.weather_spread import Weathers
@@ -16,7 +16,7 @@ from opml.element_sets.catalogue import modified_julian_day
 from opml.element_sets.improved_history import ImprovedHistory
 from opml.element_sets.weighting import DENSITY, LEARNED
 from opml.interop.element_sets import histories, mean_elements
-from opml.interop.element_sets.element_set import mean_height
+from opml.interop.element_sets.element_set import mean_height, semi_major_axis
 from opml.interop.object_ids import UNKNOWN, ObjectId
 from opml.learning.models import learners
 from opml.learning.models.contract import ResolvedSettings
@@ -34,6 +34,8 @@ _MARGIN = DAY
 """Tracks so long before the longest window are read [s]: an estimate of a morning is up to a day old."""
 
 _MINUTE = 60.0
+
+_HIGH = 420e3  # height of a perigee from which on fits to mean elements need less of the field [m]
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,6 +56,14 @@ class Sgp4:
         """
         newest = histories.newest_before(self.sets, now)
         return newest is None or bool(mean_height(_MINUTE * self.sets["mean_motion"].iloc[newest]) >= least)
+
+    def has_high_perigee(self, *, now: float) -> bool:
+        """Return whether the perigee of the newest set that is known by a time [s] is as high."""
+        newest = histories.newest_before(self.sets, now)
+        if newest is None:
+            return False
+        motion, e = (self.sets[name].iloc[newest] for name in ("mean_motion", "eccentricity"))
+        return bool(semi_major_axis(_MINUTE * motion) * (1.0 - e) >= WGS84_A + _HIGH)
 
     def menu(self, now: float) -> dict[str, Expected]:
         """Return by model how far a path would be off along the track, were the object where SGP4 has it.
@@ -87,6 +97,7 @@ class ObjectPropagators:
     flattened: Propagator  # the same under the Earth's flattening alone, for the spread
     weathers: Weathers  # expected, and as they may come
     orientation: pd.DataFrame  # table `earth_orientation`
+    high: tuple[Propagator, Propagator] | None = None  # of fits and predictions to sets of high orbits
 
 
 @dataclass(frozen=True)
@@ -132,10 +143,15 @@ class Watched:
     sgp4: Sgp4 | None = None  # the prediction of the public sets, where mean elements were taken
 
     def on(self, now: float) -> "Watched":
-        """Return it with the models of a morning [s]: low down, fits lose against SGP4 and none is used."""
-        if self.sgp4 is None or self.sgp4.is_above(self.plan.fits_above, now=now):
+        """Return it as its height on a morning [s] asks: low down, fits lose to SGP4 and none is used."""
+        if self.sgp4 is None:
             return self
-        return replace(self, plan=replace(self.plan, models={}))
+        if not self.sgp4.is_above(self.plan.fits_above, now=now):
+            return replace(self, plan=replace(self.plan, models={}))
+        if self.model.high is None or not self.sgp4.has_high_perigee(now=now):
+            return self
+        fits, predictions = self.model.high
+        return replace(self, model=replace(self.model, fits=fits, predictions=predictions))
 
     def known_by(self, now: float) -> list[Manoeuvre]:
         """Return the manoeuvres that are known by a time [s]."""

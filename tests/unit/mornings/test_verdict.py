@@ -17,7 +17,7 @@ from opml.mornings import days, issued
 from opml.mornings.outcomes import DO_NOT_USE, GOOD, UNPROVEN, WIDE
 from opml.mornings.records import Records
 from opml.mornings.verdicts import Verdict, medians_with_sgp4, verdict
-from opml.mornings.watched_object import Sgp4
+from opml.mornings.watched_object import MorningPlan, ObjectPropagators, Sgp4, Watched
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import SIGMA_STATE, STATE
 
@@ -187,6 +187,18 @@ def test_the_height_is_that_of_the_newest_set_that_was_known():
     assert [sgp4.is_above(least, now=NOW) for least in (380e3, 430e3)] == [True, False]
     assert sgp4.is_above(430e3, now=NOW + DAY)
     assert sgp4.is_above(430e3, now=-DAY)
+
+
+def test_high_up_fits_to_mean_elements_fly_under_less_of_the_field():
+    """As the newest set that was known has it; a long orbit with a low perigee flies under all of it."""
+    low = history(np.arange(0.0, 22.0, 0.5))
+    high = low.assign(mean_motion=low["mean_motion"].mask(low["t"] > NOW - DAY, 0.93 * low["mean_motion"]))
+    long = high.assign(eccentricity=high["eccentricity"].mask(low["t"] > NOW - DAY, 0.05))
+    model = ObjectPropagators("fits", "predictions", "flat", None, None, ("high", "ahead"))
+    plan = MorningPlan({}, None, 7.0, 60.0, 30 * DAY, EPOCH)
+    watched = [Watched(model, plan, None, (), sgp4=Sgp4(sets, EPOCH)) for sets in (low, high, long)]
+    assert [one.on(NOW).model.fits for one in watched] == ["fits", "high", "fits"]
+    assert [watched[1].on(t).model.predictions for t in (NOW - DAY, NOW)] == ["predictions", "ahead"]
 
 
 class _Improved:

@@ -117,10 +117,10 @@ def state(satellite: Satrec, *, epoch: str) -> np.ndarray:
 
     Raises InputError where SGP4 fails (decayed, elements out of range).
     """
-    errors, found = _propagate([satellite], epoch, [np.zeros(1)])
-    if errors[0]:
-        raise InputError(f"mean elements: expected an orbit at {epoch}, got {SGP4_ERRORS[int(errors[0])]}")
-    return np.asarray(found[0])
+    [found] = states(satellite, epoch=epoch, t=np.zeros(1))
+    if np.isnan(found).any():
+        raise InputError(f"mean elements: expected an orbit at {epoch}, got {SGP4_ERRORS[satellite.error]}")
+    return np.asarray(found)
 
 
 def states(satellite: Satrec, *, epoch: str, t: np.ndarray) -> np.ndarray:
@@ -130,8 +130,10 @@ def states(satellite: Satrec, *, epoch: str, t: np.ndarray) -> np.ndarray:
 
 def states_of_each(satellites: Sequence[Satrec], *, epoch: str, t: Iterable[np.ndarray]) -> np.ndarray:
     """Return what `states` does of several sets below each other, each at times (n,) of its own."""
-    errors, found = _propagate(satellites, epoch, t)
-    return np.where(errors[:, None] == 0, found, np.nan)
+    times = [*t]
+    turns = teme_to_gcrf(epoch, np.concatenate(times))
+    turned = np.einsum("nij,nkj->nki", turns, _in_teme(satellites, epoch, times).reshape(-1, 2, 3))
+    return np.asarray(turned.reshape(-1, 6))
 
 
 def differences(
@@ -141,23 +143,20 @@ def differences(
 
     t: (n, times) of each pair [s]
     """
-    others, states = np.split(states_of_each([*earlier, *later], epoch=epoch, t=[*t, *t]), 2)
+    # RSW is the same in every frame that does not turn.
+    others, states = np.split(_in_teme([*earlier, *later], epoch, [*t, *t]), 2)
     return in_rsw(others - states, states).reshape(*t.shape, 6)
 
 
-def _propagate(
-    satellites: Sequence[Satrec], epoch: str, t: Iterable[np.ndarray]
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return SGP4's errors (n,) and states (n, 6) after SI seconds, leap seconds among them."""
-    times, starts = [*t], seconds_since(epoch, satellites)
+def _in_teme(satellites: Sequence[Satrec], epoch: str, times: Sequence[np.ndarray]) -> np.ndarray:
+    """Return SGP4's states (n, 6) after SI seconds, leap seconds among them, NaN where it fails."""
+    starts = seconds_since(epoch, satellites)
     propagated = [
         one.sgp4_array(np.full(len(at), one.jdsatepoch), one.jdsatepochF + (at - start) / DAY)
         for one, at, start in zip(satellites, times, starts.tolist(), strict=True)
     ]
     errors, *vectors = map(np.concatenate, zip(*propagated, strict=True))
-    turns = teme_to_gcrf(epoch, np.concatenate(times))
-    turned = [np.einsum("nij,nj->ni", turns, each) for each in vectors]
-    return errors, 1e3 * np.concatenate(turned, axis=1)
+    return np.where(errors[:, None] == 0, 1e3 * np.concatenate(vectors, axis=1), np.nan)
 
 
 class Body(NamedTuple):
