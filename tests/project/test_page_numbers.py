@@ -18,6 +18,7 @@ from opml.workflow import params
 from validation.pictures import where_learning_helps
 from validation.pictures.page_tables import catalogue, rows
 
+WEATHER = (REPOSITORY / "src" / "opml" / "data" / "space_weather.csv").read_text(encoding="utf-8")
 LOWEST, HIGHEST = (f"{edge / 1e3:.0f}" for edge in features.BANDS[[0, -1]])  # of corrected heights [km]
 
 
