@@ -18,6 +18,7 @@ from scipy.interpolate import make_interp_spline
 from opml.base.constants import EARTH_GM
 from opml.base.errors import InputError
 from opml.interop import ccsds
+from opml.orbits.state_polynomials import FEWEST, StatePolynomials
 
 EPOCH = "2000-01-01T12:00:00"  # UTC text from which times of files count [s], to a microsecond
 STEP = 60.0  # time between two looks at the distance [s]
@@ -25,7 +26,6 @@ STEP = 60.0  # time between two looks at the distance [s]
 LONGEST_STEP = 300.0
 """Longest time between two states of a path [s]: beyond, the polynomials through them err by metres."""
 
-FEWEST = 4  # least number of states of a path: its polynomials go through as many
 _FASTEST = 25e3  # relative speed of two objects bound to the Earth, head on at its surface [m/s]
 _VELOCITY_MISS = 1e3  # of a way by the states at its ends [m]
 _STRAYING = 300.0  # the same of a single one [m]: a burn of 10 m/s within a minute
@@ -103,30 +103,11 @@ class Path:
 
     def at(self, t: np.ndarray) -> np.ndarray:
         """Return states (n, 6) at times (n,) [s] by the polynomials through the four states about each."""
-        first = np.clip(np.searchsorted(self.t, t) - FEWEST // 2, 0, len(self.t) - FEWEST)
-        coefficients = self._coefficients[:, first]
-        beyond = (t - self.t[first + np.arange(FEWEST)[:, None]])[..., None]
-        value, slope = coefficients[-1], np.zeros((len(t), 3))
-        for k in range(2 * FEWEST - 2, -1, -1):
-            slope = value + slope * beyond[k // 2]
-            value = coefficients[k] + value * beyond[k // 2]
-        return np.hstack([value, slope])
+        return self._polynomials.at(t)
 
     @cached_property
-    def _coefficients(self) -> np.ndarray:
-        """Newton's coefficients (8, n - 3, 3) of the polynomials through four states that follow each other.
-
-        They are the divided differences over each time twice, of which the first is the velocity.
-        """
-        windows = np.arange(len(self.t) - FEWEST + 1)
-        taken = np.repeat(np.arange(FEWEST), 2)[:, None] + windows
-        times, differences = self.t[taken][..., None], self.states[taken, :3]
-        coefficients = [differences[0]]
-        for order in range(1, 2 * FEWEST):
-            steps, rises = times[order:] - times[:-order], np.diff(differences, axis=0)
-            differences = np.divide(rises, steps, out=self.states[taken[order:], 3:], where=steps > 0.0)
-            coefficients.append(differences[0])
-        return np.array(coefficients)
+    def _polynomials(self) -> StatePolynomials:
+        return StatePolynomials(self.t, self.states)
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ from opml.base import epochs
 from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.files import FilePath
-from opml.conjunctions.approaches import EPOCH, FEWEST, LONGEST_STEP, Path, velocities_of
+from opml.conjunctions.approaches import EPOCH, LONGEST_STEP, Path, velocities_of
 from opml.conjunctions.trajectories import covariances_at
 from opml.environment import earth_orientation, nodes
 from opml.interop import ccsds, fixes_csv, object_ids, oem
@@ -31,6 +31,7 @@ from opml.interop.object_ids import UNKNOWN, ObjectId
 from opml.interop.orbit_arcs import Arc, contents
 from opml.interop.orbit_from_files import OrbitFiles, arcs_of_files, is_orbit
 from opml.orbits.elements import rsw_rotation
+from opml.orbits.state_polynomials import FEWEST
 from opml.tables import STATE, is_table, read_kind, read_metadata, read_table
 
 _SAME = 1e-5  # [s]

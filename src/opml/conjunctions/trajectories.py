@@ -19,6 +19,7 @@ from opml.interop.object_ids import ObjectId
 from opml.interop.oem import Segment
 from opml.orbits.density_error import DensityErrors
 from opml.orbits.elements import rsw_rotation
+from opml.orbits.state_polynomials import FEWEST
 
 COVARIANCE_HELD = 600.0
 """Time for which a covariance holds before the first and beyond the last that is known [s]."""
@@ -140,7 +141,7 @@ class PropagatedElements:
         return self._through(np.linspace(begin, end, int(np.ceil((end - begin) / approaches.STEP)) + 1))
 
     def _through(self, t: np.ndarray) -> list[Trajectory]:
-        if len(t) < approaches.FEWEST:
+        if len(t) < FEWEST:
             return []
         states = mean_elements.states(self.orbit.satellite, epoch=EPOCH, t=t)
         return [self._with_usual_errors(Path(self.identity.name, t, _led(t, states)))]

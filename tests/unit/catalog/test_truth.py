@@ -46,6 +46,17 @@ def test_states_on_the_whole_grid(truth_model, iss):
     assert np.abs(rate - states[1:-1, 3:]).max() < 1.0
 
 
+@pytest.mark.parametrize("step", [20.0, 7.0])
+def test_states_between_the_integrated_ones_are_those_that_every_epoch_would_give(truth_model, iss, step):
+    propagator = Propagator(truth_model, iss)
+    table = truth.simulate(propagator, duration=4 * HOUR, step=step)
+    start = table[STATE].to_numpy()[:1]
+    arcs = propagator.propagate(table["t"], start, cd=iss.cd, first=[0], last=[len(table) - 1])
+    off = np.abs(table[STATE].to_numpy()[1:] - arcs.path(0)).max(axis=0)
+    assert off[:3].max() < 2e-4
+    assert off[3:].max() < 2e-6
+
+
 def test_drag_and_radiation_pressure_are_the_rsos_own(truth_model, iss):
     def end(rso):
         table = truth.simulate(Propagator(truth_model, rso), duration=6000.0, step=3000.0)
