@@ -97,10 +97,15 @@ def _is_sparse(columns: pd.DataFrame, grid: Grid) -> pd.Series:
 
 def interpolate_spread(rows: pd.DataFrame, causes: pd.DataFrame) -> pd.DataFrame:
     """Return rows of one estimate with the columns of a spread that is known at part of their epochs."""
-    t, spreads = causes["t_j"].to_numpy(), np.stack([causes[name].to_numpy() for name in SPREAD])
-    finite, at = np.isfinite(spreads).all(axis=0), rows["t_j"].to_numpy()
-    columns = zip(SPREAD, spreads[:, finite], strict=True)
-    return rows.assign(**{name: np.interp(at, t[finite], known) for name, known in columns})
+    return rows.assign(**spread_at(rows["t_j"].to_numpy(), causes))
+
+
+def spread_at(t: np.ndarray, causes: pd.DataFrame) -> dict[str, np.ndarray]:
+    """Return the columns of a spread at times t (n,) [s]; causes: the spread at some epochs."""
+    spreads = np.stack([causes[name].to_numpy() for name in SPREAD])
+    finite = np.isfinite(spreads).all(axis=0)
+    known, columns = causes["t_j"].to_numpy()[finite], zip(SPREAD, spreads[:, finite], strict=True)
+    return {name: np.interp(t, known, values) for name, values in columns}
 
 
 def morning(t: float, *, first: float = 0.0) -> float:

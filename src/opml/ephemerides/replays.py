@@ -6,7 +6,7 @@ off by. So nothing behind a row was known after its t_i, but the row's own error
 from has been through all that the next ephemeris will go through.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -164,11 +164,13 @@ def _held(rows: pd.DataFrame, later: pd.DataFrame, lessons: Lessons) -> pd.DataF
     t, t_i = rows["t_j"].to_numpy(), float(rows["t_i"].iloc[0])
     now = morning(t_i)
     corrections = np.array([expected(rows, lessons(now))])
-    return pd.DataFrame(missed(rows, corrections, later[later["t_j"].between(t[0], t[-1])], now=now))
+    reached = later[later["t_j"].between(t[0], t[-1])]
+    columns = {name: reached[name].to_numpy() for name in reached}
+    return pd.DataFrame(missed(rows, corrections, columns, now=now))
 
 
 def missed(
-    rows: pd.DataFrame, corrections: np.ndarray, later: pd.DataFrame, *, now: float
+    rows: pd.DataFrame, corrections: np.ndarray, later: Mapping[str, np.ndarray], *, now: float
 ) -> dict[str, np.ndarray]:
     """Return how far an ephemeris is off later states by each correction in turn, but for SIGMA_STATE.
 
@@ -176,14 +178,14 @@ def missed(
 
     rows: of one estimate: t_i, and t_j and a state (STATE) at each epoch of the ephemeris
     corrections: (k, epochs) e_y that are taken from it [m]
-    later: as `judge` returns it, with SPREAD, at times that the ephemeris has
+    later: columns of the table that `judge` returns, with SPREAD, at times that the ephemeris has
     now: when it was made [s]
     """
-    at, states = later["t_j"].to_numpy(), state_rows(later)
+    at, states = later["t_j"], np.column_stack([later[name] for name in STATE])
     off = (_arrived(rows, corrections, at) - states).reshape(-1, len(STATE))
     before, *after = in_rsw(off, np.tile(states, (1 + len(corrections), 1))).reshape(-1, *states.shape)
     t_i = float(rows["t_i"].iloc[0])
-    known = {name: later[name].to_numpy() for name in later if name not in STATE}
+    known = {name: values for name, values in later.items() if name not in STATE}
     known |= {"t_i": np.full(len(at), t_i), "morning": np.full(len(at), now), "duration": at - t_i}
     known |= {"rate": rates(states), "before": before[:, 1]}
     each = {name: np.tile(values, len(after)) for name, values in known.items()}

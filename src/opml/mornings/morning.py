@@ -4,7 +4,7 @@ Nothing that was measured, published or made after the morning touches it. What 
 never made again.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pandas as pd
@@ -16,7 +16,7 @@ from opml.mornings import candidates, fits, issued, verdicts
 from opml.mornings.fits import Recent
 from opml.mornings.issued import SelectedModel
 from opml.mornings.outcomes import DO_NOT_USE, UNPROVEN
-from opml.mornings.records import Paths, Records
+from opml.mornings.records import Paths, Records, below
 from opml.mornings.verdicts import Verdict
 from opml.mornings.watched_object import Watched
 from opml.orbits.manoeuvres import Manoeuvre
@@ -100,13 +100,15 @@ class _Morning:
 
     def select(self) -> Paths:
         """Return the ephemerides of all models from the newest estimate that they may start from."""
-        known = candidates.known_at(self.now, self.watched, self._so_far, self.recent)
+        row = issued.row(self.now, issued.no_start(), None, DO_NOT_USE, burn=self.burn)
+        so_far = self.earlier.and_then(Records(self.estimates, self.judged, row), since=self.now)
+        known = candidates.known_at(self.now, self.watched, so_far, self.recent)
         starts = known.estimates[known.may_depart()].tail(1)
         if starts.empty:
             raise InputError("no estimate that an ephemeris may start from")
         others = self.fitting.over(self.watched.plan.other_windows, starts, self.earlier)
         self.estimates = pd.concat([self.estimates, others])
-        self.whole = self._so_far
+        self.whole = replace(so_far, estimates=below([so_far.estimates, others], "kept_estimates"))
         paths = Paths(candidates.paths(self.watched, known, self.whole, starts, now=self.now))
         self.starts = starts
         # An ephemeris from the estimate of an earlier morning is that morning's, and judged once.
@@ -133,9 +135,3 @@ class _Morning:
         basis = corrected.basis(self.selected.replay, self.now) if self.selected else ""
         records = Records(self.estimates, self.judged, row, self.paths)
         return MorningResult(records, self.recent, self.verdict, self.ephemeris, basis)
-
-    @property
-    def _so_far(self) -> Records:
-        """All records with what this morning fitted and judged; it has issued nothing yet."""
-        row = issued.row(self.now, issued.no_start(), None, DO_NOT_USE, burn=self.burn)
-        return self.earlier.and_then(Records(self.estimates, self.judged, row), since=self.now)

@@ -1,6 +1,6 @@
 """What is kept of an object from morning to morning."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import ClassVar, Self
 
@@ -40,7 +40,7 @@ class Paths:
         """The names of their models."""
         return [name.removeprefix(_ALONG) for name in self.table if name.startswith(_ALONG)]
 
-    def missed(self, later: pd.DataFrame) -> dict[str, np.ndarray]:
+    def missed(self, later: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
         """Return how far each model is off later states, as `replays.missed`."""
         corrections = np.stack([self.table[f"{_ALONG}{model}"].to_numpy() for model in self.models])
         return missed(self.table, corrections, later, now=self.made_at)

@@ -1,6 +1,6 @@
 """How ephemerides of earlier mornings fared, by the estimates of this one, and whether to trust the next."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,7 +11,7 @@ from opml.base.constants import DAY, HOUR
 from opml.base.progress import counted
 from opml.catalog.fit import fixes
 from opml.catalog.predict import labels
-from opml.ephemerides.corrected import interpolate_spread
+from opml.ephemerides.corrected import spread_at
 from opml.learning.judge.error_sizes import INSIDE, LEVEL
 from opml.mornings import issued
 from opml.mornings.fits import FAR, Recent, sigmas_off
@@ -42,14 +42,14 @@ def judge(watched: Watched, estimates: pd.DataFrame, recent: Recent, records: Re
     estimates: of a morning
     records: of earlier mornings
     """
-    later = later_states(estimates, recent)
+    later = {name: column.to_numpy() for name, column in later_states(estimates, recent).items()}
     parts: list[dict[str, np.ndarray]] = []
     models: list[str] = []
     for one in records.paths:
         ahead = _ahead(one.table, later, watched)
-        if len(ahead):
+        if count := len(ahead["t_j"]):
             parts.append(one.missed(ahead))
-            models += [name for name in one.models for _ in range(len(ahead))]
+            models += [name for name in one.models for _ in range(count)]
     if not parts:
         return Records.empty().judged
     columns = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
@@ -57,14 +57,15 @@ def judge(watched: Watched, estimates: pd.DataFrame, recent: Recent, records: Re
     return issued.with_sigmas(off, records.issued)
 
 
-def _ahead(rows: pd.DataFrame, later: pd.DataFrame, watched: Watched) -> pd.DataFrame:
+def _ahead(rows: pd.DataFrame, later: Mapping[str, np.ndarray], watched: Watched) -> dict[str, np.ndarray]:
     """Return the later states that an ephemeris reaches without a manoeuvre, with its spread there."""
-    t_i, t_j = float(rows["t_i"].iloc[0]), later["t_j"].to_numpy()
+    t_i, t_j = float(rows["t_i"].iloc[0]), later["t_j"]
     reached = (t_j > t_i) & (t_j >= rows["t_j"].iloc[0]) & (t_j <= rows["t_j"].iloc[-1])
     # A fit to tracks from both sides of a manoeuvre tells no orbit.
     begin, window = np.full(len(t_j), t_i), watched.plan.base * HOUR
-    across = contain_any(begin, t_j, watched.manoeuvres, window=window)
-    return interpolate_spread(later[reached & ~across].assign(i=rows["i"].iloc[0]), rows)
+    reached &= ~contain_any(begin, t_j, watched.manoeuvres, window=window)
+    ahead = {name: values[reached] for name, values in later.items()}
+    return ahead | {"i": np.full(reached.sum(), rows["i"].iloc[0])} | spread_at(ahead["t_j"], rows)
 
 
 OLDEST = 1.5 * DAY  # oldest estimate that an ephemeris should start from [s]

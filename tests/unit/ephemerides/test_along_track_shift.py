@@ -83,9 +83,11 @@ def test_an_ephemeris_of_steps_of_five_minutes_misses_where_the_whole_path_does(
     true, predicted, _ = drifting
     along = in_rsw(predicted - true, true)[:, 1]
     table = pd.DataFrame(predicted, columns=STATE).assign(t_j=T, t_i=0.0)[::5]
-    later = pd.DataFrame(true, columns=STATE).assign(t_j=T)
+    later = dict(zip(STATE, true.T, strict=True)) | {"t_j": T}
     misses = [
-        pd.DataFrame(missed(table, along[None, ::5], later.iloc[rows], now=0.0))
+        pd.DataFrame(
+            missed(table, along[None, ::5], {name: values[rows] for name, values in later.items()}, now=0.0)
+        )
         for rows in ([9, 2003, 4300], [2003])
     ]
     pd.testing.assert_frame_equal(misses[0].iloc[[1]].reset_index(drop=True), misses[1], rtol=0, atol=1e-6)

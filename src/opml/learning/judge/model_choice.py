@@ -78,22 +78,22 @@ class _Past:
     @classmethod
     def over_by(cls, replays: Mapping[str, pd.DataFrame], plains: Sequence[str], now: float) -> Self:
         """Return what `replay` tables by model showed by `now` [s]; plains: models that learned nothing."""
-        known = []
-        for table in replays.values():
-            over = are_over(table, now)
-            known.append([table[name].to_numpy()[over] for name in _COMPARED])
-        i, j, t_j, duration, e_y = (np.concatenate(column) for column in zip(*known, strict=True))
-        keys = i * (j.max(initial=0) + 1) + j
-        _, first, place = np.unique(keys, return_index=True, return_inverse=True)
-        of_model = np.split(np.arange(len(keys)), np.cumsum([len(one[0]) for one in known])[:-1])
-        sizes = {name: np.full(len(first), np.nan) for name in replays}
-        for name, rows in zip(replays, of_model, strict=True):
-            sizes[name][place[rows]] = np.abs(e_y[rows])
+        over = {name: are_over(table, now) for name, table in replays.items()}
+        known = {
+            name: [table[column].to_numpy()[over[name]] for column in _COMPARED]
+            for name, table in replays.items()
+        }
+        span = 1 + max(int(j.max(initial=0)) for _, j, *_ in known.values())
+        pairs = np.unique(np.concatenate([span * i + j for i, j, *_ in known.values()]))
+        ended, duration = np.empty((2, len(pairs)))
+        sizes = {name: np.full(len(pairs), np.nan) for name in known}
+        for name, (i, j, t_j, lasted, e_y) in known.items():
+            place = np.searchsorted(pairs, span * i + j)
+            ended[place], duration[place], sizes[name][place] = t_j, lasted, np.abs(e_y)
         usual = _medians(np.stack([sizes[name] for name in plains]))
-        day, typical = np.ceil(duration[first] / DAY), np.full(len(first), np.nan)
+        day, typical = np.ceil(duration / DAY), np.full(len(pairs), np.nan)
         for number in np.unique(day):
             typical[day == number] = _medians(usual[day == number, None])
-        ended = t_j[first]
         weight, block = np.exp((ended - now) / (MEMORY_DAYS * DAY)), np.floor(ended / (BLOCK_DAYS * DAY))
         return cls(sizes, np.maximum(typical, 1.0), weight, block)
 
