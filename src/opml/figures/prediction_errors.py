@@ -350,7 +350,7 @@ def _set_decades(axes: Axes, sizes: pd.DataFrame) -> str:
     least = most * 10.0**-DECADES
     axes.set_ylim(least, 1.6 * most)
     below = int((sizes < least).to_numpy().sum())
-    return f"{below} points lie below the axis" if below else ""
+    return f"{below} {'point lies' if below == 1 else 'points lie'} below the axis" if below else ""
 
 
 def _draw_fences(axes: Axes, component: str, context: Context, *, absolute: bool) -> None:

@@ -342,6 +342,8 @@ def test_no_line_crosses_durations_without_points():
 def test_points_below_a_logarithmic_axis_are_counted(evaluation):
     # Predicted and residual errors have one zero and four, which no logarithmic axis shows.
     assert head(prediction_errors.svr_absolute(evaluation)).endswith("5 points lie below the axis")
+    one = evaluation.assign(residual=evaluation["residual"].replace(0.0, 1.0))
+    assert head(prediction_errors.svr_absolute(one)).endswith("1 point lies below the axis")
     assert "below the axis" not in head(prediction_errors.svr_signed(evaluation))
 
 
