@@ -148,16 +148,7 @@ def _gravity(count, state, model):
     for _ in range(count):
         r2 = x * x + y * y + z * z
         ax, ay, az = gravity(
-            x,
-            y,
-            z,
-            r2,
-            1.0 / sqrt(r2),
-            model.weights,
-            model.columns,
-            model.degree,
-            model.gm,
-            model.radius,
+            x, y, z, 1.0 / sqrt(r2), model.weights, model.columns, model.degree, model.gm, model.radius
         )
         x, y, z = x + 1e-9 * ax, y + 1e-9 * ay, z + 1e-9 * az
     store(state, 8, x + y + z)

@@ -3,9 +3,22 @@
 import numpy as np
 import pandas as pd
 import pytest
-from support import refusal
+from support import force_model, refusal
 
-from benchmarks import case, diagram, fits, measure, paper, precision, race, sections, svr, turns, windows
+from benchmarks import (
+    case,
+    diagram,
+    fits,
+    kernels,
+    measure,
+    paper,
+    precision,
+    race,
+    sections,
+    svr,
+    turns,
+    windows,
+)
 from benchmarks.fitters import FITTERS
 from benchmarks.kernels import Machine, Work
 from benchmarks.peers import FLYERS
@@ -27,6 +40,15 @@ def result(title, cpu, *, vacuum=10.0, drag=1.0):
 
 def test_cost_is_spread_over_arcs_and_days():
     assert measure.per_arc_day(7.0, 100 * 7) == 10.0
+
+
+@pytest.mark.slow
+def test_gravity_is_timed_with_what_it_takes():
+    state = np.zeros((9, 16))
+    state[:3] = 7e6
+    kernels._gravity(1, state, force_model(4))
+    assert np.isfinite(state[8]).all()
+    assert state[8, 0] != 0.0
 
 
 def test_ratio_pairs_the_rounds():
