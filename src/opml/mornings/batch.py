@@ -49,10 +49,6 @@ _SHARED = {"epoch", "force_model", "integrator", "estimation", "models"}
 
 _SWITCHES = ("solid_tides", "relativity")  # forces that had a setting each when the first mornings were kept
 
-_DEGREE_HIGH = 36
-"""Of the field that fits to mean elements of high orbits need: in a week it leaves up to 50 m along the track
-that no fit absorbs, as 48 does lower down."""
-
 _log = logging.getLogger(__name__)
 
 Made = TypeVar("Made")
@@ -94,6 +90,7 @@ class BatchSettings(JobSettings):
     step_s: float
     models: dict[str, JobLearner]
     fits_above: float
+    high_degree: int
     catalogue: CatalogueFiles
     objects: dict[str, ObjectSettings]
 
@@ -160,8 +157,8 @@ class Surroundings:
         futures = _futures(files.futures, since=since) if files.futures else None
         activity = read_table(fits["solar_activity"], "solar_activity")
         return cls(
-            _with_parts(of_fits),
-            _with_parts(of_predictions),
+            _with_parts(of_fits, settings.high_degree),
+            _with_parts(of_predictions, settings.high_degree),
             settings.integrator,
             Weathers.of(flattened, futures),
             read_table(fits["earth_orientation"], "earth_orientation"),
@@ -186,9 +183,9 @@ class Surroundings:
         )
 
 
-def _with_parts(model: ForceModel) -> tuple[ForceModel, ForceModel, ForceModel]:
+def _with_parts(model: ForceModel, high_degree: int) -> tuple[ForceModel, ForceModel, ForceModel]:
     """Return a model with its parts for high orbits and for neighbours."""
-    return model, model.truncated(_DEGREE_HIGH), near_part(model)
+    return model, model.truncated(high_degree), near_part(model)
 
 
 def run(files: Any, settings: BatchSettings, *, metadata: Mapping[str, Any]) -> list[dict[str, Any]]:
@@ -320,5 +317,8 @@ def _begin(
         found.identity,
         found.sgp4 and replace(found.sgp4, improved=surroundings.improved),
     )
-    digest = settings_digest(settings.shared | one.model_dump(include={"rso", "taking"}))
+    own = one.model_dump(include={"rso", "taking"})
+    if found.sgp4 is not None:
+        own["high_degree"] = settings.high_degree
+    digest = settings_digest(settings.shared | own)
     return UnderWay.begin(BatchTask(name, calendar, settings.date, digest), watched, store, done)

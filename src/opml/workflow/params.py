@@ -238,6 +238,7 @@ class Params:
             "models": {name: settings.of_job() for name, settings in models.items()},
             # Models that a user names are used at any height.
             "fits_above": FITS_ABOVE if day.models is None else 0.0,
+            "high_degree": day.high_degree,
             "catalogue": {"files": self.element_files, "weather": self.measured_weather},
             "objects": {rso: self._watched(rso) for rso in self.plan.watched[wildcards.batch]},
         }

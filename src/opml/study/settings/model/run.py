@@ -233,6 +233,9 @@ class DaySettings(Section):
     together: Annotated[int, Ge(1), Expected("a whole number from 1")] = setting(
         "objects that one job takes at most; their arcs are integrated in step", default=64
     )
+    high_degree: Annotated[int, Ge(2), Expected("a whole number from 2")] = setting(
+        "largest degree of the field for fits to mean elements with a perigee above 420 km", default=36
+    )
     messages: Absent[Annotated[list[Name], Unique()]] = absent(
         "objects whose ephemerides are also written as OEM; by default all", unit="names"
     )
