@@ -164,6 +164,7 @@ def catch_up(
 
     metadata: of tables
     """
+    store.let_go()
     under_way = [one for one in objects if one.next <= until]
     first = min((one.next for one in under_way), default=until)
     while under_way:

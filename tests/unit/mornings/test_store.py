@@ -1,5 +1,6 @@
 """The folder of days: objects of a batch in the same files, each counted once it is over."""
 
+import weakref
 from datetime import date, timedelta
 
 import numpy as np
@@ -146,6 +147,16 @@ def test_records_are_of_all_mornings(week):
     records = Store(folder, "0", NAMES).records("first", [DAY, last], since=last)
     np.testing.assert_array_equal(records.issued["morning"], [0.0, 0.0, 2.0, 2.0])
     assert [paths.made_at for paths in records.paths] == [2.0]
+
+
+def test_what_was_read_is_let_go(week):
+    folder, last = week
+    store = Store(folder, "0", NAMES)
+    issued = store.records("first", [DAY, last], since=last).issued
+    place = weakref.ref(store.places(last)["first"])
+    store.let_go()
+    assert place() is None
+    pd.testing.assert_frame_equal(store.records("first", [DAY, last], since=last).issued, issued)
 
 
 def test_what_opml_did_not_write_is_told(tmp_path):

@@ -97,6 +97,11 @@ class Store:
         paths = [one for place in recent for one in _whole_paths(place, name)]
         return Records(estimates, judged, issued, paths)
 
+    def let_go(self) -> None:
+        """Let go of the tables that were read so far: ephemerides of a batch fill a tenth of a gigabyte."""
+        self._places.clear()
+        self._past.clear()
+
     def _rows(self, table: str, days: tuple[date, ...]) -> ObjectRows:
         """Return the rows of days of all objects, read once: those of an object in the order of the days."""
         if (table, days) not in self._past:
