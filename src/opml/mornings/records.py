@@ -74,8 +74,11 @@ class Records:
         return [Manoeuvre(float(t), anew=True) for t in times]
 
     def estimates_over(self, hours: float) -> pd.DataFrame:
-        """Return the estimates over a window [h] as they were made."""
-        rows = self.estimates[self.estimates["window_hours"] == hours]
+        """Return the estimates over a window [h] in the order of tracks.
+
+        They are made in another where the newest track's fit failed and a morning began at the one before.
+        """
+        rows = self.estimates[self.estimates["window_hours"] == hours].sort_values("track", kind="stable")
         return rows.drop(columns="window_hours").reset_index(drop=True)
 
     def of_window(self, hours: float, manoeuvres: Sequence[Manoeuvre] = ()) -> pd.DataFrame:

@@ -327,6 +327,17 @@ def test_what_went_across_a_burn_has_no_say_once_it_is_known():
         assert known.estimates_over(hours)["converged"].all()
 
 
+def test_estimates_are_in_the_order_of_tracks_though_the_newest_was_fitted_before_another():
+    made = SCHEMAS["kept_estimates"].empty().reindex(range(3))
+    made = made.assign(
+        track=[16, 18, 17], t=[16.0, 18.0, 17.0], window_hours=96.0, converged=[True, False, True]
+    )
+    known = replace(Records.empty(), estimates=made)
+    for found in (known.estimates_over(96.0), known.of_window(96.0)):
+        assert found["t"].tolist() == [16.0, 17.0, 18.0]
+        assert found["converged"].tolist() == [True, True, False]
+
+
 def test_a_first_morning_says_that_it_has_no_past(whole):
     found = told(whole, done(whole)[0])
     assert (found["verdict"], found["message"]) == (DO_NOT_USE, None)
