@@ -15,7 +15,7 @@ frame that none tells is refused; a unit that none tells is that in which the po
 import csv
 import logging
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from datetime import UTC, datetime
 
 import numpy as np
@@ -69,7 +69,7 @@ _log = logging.getLogger(__name__)
 def matches(content: bytes) -> bool:
     """Return whether the first line of a file has columns, and not those of mean elements."""
     text = content.decode("utf-8", errors="replace")
-    _, first = next(iter(_without_comments(text)), (0, ""))
+    _, first = next(_without_comments(text), (0, ""))
     return not omm.matches(text) if "," in first else _names_columns(first)
 
 
@@ -114,23 +114,24 @@ def _lines(path: FilePath, content: bytes) -> list[tuple[int, list[str]]]:
         text = content.decode()
     except UnicodeDecodeError as reason:
         raise InputError(f"{path}: expected SP3, CPF, OEM or CSV, got no text ({reason})") from None
-    lines = _without_comments(text)
+    lines = list(_without_comments(text))
     if not lines:
         raise InputError(f"{path}: expected a line of columns, such as {EXAMPLE}, got an empty file")
     separator = _separator(lines[0][1])
     return [(number, _cells(path, number, line, separator)) for number, line in lines]
 
 
-def _without_comments(text: str) -> list[tuple[int, str]]:
-    """Return the numbered lines that are no comments, with a last one above them that names the columns."""
-    lines = [(number, line) for number, line in enumerate(text.splitlines(), start=1) if line.strip()]
-    first = next((k for k, (_, line) in enumerate(lines) if not line.startswith("#")), len(lines))
-    kept = [(number, line) for number, line in lines[first:] if not line.startswith("#")]
-    if kept and first and kept[0][1].lstrip()[0].isdigit():
-        number, comment = lines[first - 1]
-        if _names_columns(names := comment.lstrip("# \t")):
-            return [(number, names), *kept]
-    return kept
+def _without_comments(text: str) -> Iterator[tuple[int, str]]:
+    """Yield the numbered lines that are no comments, with a last one above them that names the columns."""
+    comment, begun = (0, ""), False
+    for number, line in enumerate(text.splitlines(), start=1):
+        if line.startswith("#"):
+            comment = number, line.lstrip("# \t")
+        elif line.strip():
+            if not begun and line.lstrip()[0].isdigit() and _names_columns(comment[1]):
+                yield comment
+            begun = True
+            yield number, line
 
 
 def _cells(path: FilePath, number: int, line: str, separator: str) -> list[str]:
