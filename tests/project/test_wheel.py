@@ -5,12 +5,21 @@ import re
 import shutil
 import subprocess
 import sys
+import venv
+from collections.abc import Iterator
+from importlib.metadata import distribution, distributions
 from pathlib import Path
 
 import pytest
+import sinking_histories
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
 from project import ROOT, jobs
 
+from opml.environment import solar_activity
+
 pytestmark = pytest.mark.slow
+README = (ROOT / "README.md").read_text(encoding="utf-8")
 PAGES = ("README.md", "CHANGELOG.md", "CONTRIBUTING.md", "docs")
 SOURCES = ("pyproject.toml", "LICENSE", "Snakefile", *PAGES, "src", "workflow", "config", "profiles")
 # What the extra `workflow` brings cannot be imported.
@@ -94,3 +103,50 @@ def test_a_project_from_the_wheel_plans_its_study(installed, environment, tmp_pa
     plan = run(sys.executable, "-m", *command, env=environment, cwd=tmp_path / "new")
     assert jobs(plan)["truth"] == jobs(plan)["study_report"] == 1
     assert "results/mine/study.html" in plan
+
+
+def brought(requirement: Requirement, known: set[tuple[str, str]]) -> Iterator[str]:
+    """Names of the packages that a requirement brings, itself and its extras' among them."""
+    name = canonicalize_name(requirement.name)
+    for extra in ("", *sorted(requirement.extras)):
+        if (name, extra) in known:
+            continue
+        known.add((name, extra))
+        yield name
+        for text in distribution(name).requires or []:
+            needed = Requirement(text)
+            if needed.marker is None or needed.marker.evaluate({"extra": extra}):
+                yield from brought(needed, known)
+
+
+@pytest.fixture(scope="module")
+def python(installed, tmp_path_factory):
+    """Python of an empty environment that has the wheel, and the packages of README's line alone."""
+    folder = tmp_path_factory.mktemp("empty")
+    venv.create(folder, with_pip=False, symlinks=True)
+    (packages,) = folder.glob("lib/*/site-packages")
+    (line,) = re.findall(r"pip install '(.+)'", README)
+    names = {*brought(Requirement(line), set())}
+    assert {"pymsis", "snakemake"} <= names < {canonicalize_name(one.name) for one in distributions()}
+    here = [
+        distribution(name).locate_file(part)
+        for name in names - {"opml-orbits"}
+        for part in {file.parts[0] for file in distribution(name).files or []} - {"..", "__pycache__"}
+    ]
+    for path in {*here, *(one for one in installed.iterdir() if one.name != "bin")}:
+        (packages / path.name).symlink_to(path)
+    return folder / "bin" / "python"
+
+
+def test_what_readme_installs_runs_what_it_shows(python, tmp_path):
+    (tmp_path / "gp").mkdir()
+    sinking_histories.write(tmp_path / "gp" / "sets.tle", range(101, 104), 45)
+    sinking_histories.write(tmp_path / "sets.tle", range(101, 102), 45)
+    sinking_histories.write(tmp_path / "truth.sp3", range(101, 102), 52)
+    shutil.copy(solar_activity.resolve("OBSERVED"), tmp_path / "SW-All.csv")
+    shown = re.findall(r"^    opml ((?:improve|predict|compare) .*?)(?: *#.*)?$", README, re.MULTILINE)
+    assert len(shown) == 3
+    for command in shown:
+        dated = ["--date", "2026-01-03T06:00:00"] if command.startswith("improve") else []
+        run(python, "-m", "opml", *command.split(), *dated, cwd=tmp_path)
+    assert {"better.tle", "mine.oem", "mine.html"} <= {path.name for path in tmp_path.iterdir()}
