@@ -12,6 +12,8 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 
 # As in a job; there are as many processes of tests as cores, and threads that wait for a core keep it busy.
 os.environ["OMP_NUM_THREADS"] = "1"  # read where numpy and scikit-learn are loaded
+os.environ["OPML_DATA"] = os.devnull  # what the user fetched is no test's
+os.environ |= dict.fromkeys(("OPML_CELESTRAK", "OPML_IERS"), "http://127.0.0.1:9")  # where nobody answers
 
 import numpy as np
 import pytest

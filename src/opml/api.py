@@ -387,7 +387,7 @@ def predict(
     days: float = 7.0,
     object: str | int | None = None,
     date: str | None = None,
-    weather: FilePath = "OBSERVED",
+    weather: FilePath = "NEWEST",
     catalogue: Sequence[FilePath] = (),
     trained: FilePath | None = None,
     stations: Sequence[Station] = (),
@@ -397,9 +397,9 @@ def predict(
 
     files: files or folders of TLEs or OMMs; or files of points (OEM, SP3, CPF, CSV) or tracks (TDM); days: 7
     at most; object: name, designator or number, of several; date: UTC text, None for when the newest was
-    known; weather: OBSERVED, the packaged one, or a CSSI file; catalogue: sets of other objects to compare
-    with; trained: a model of ``opml train``; stations: of tracks; area_to_mass: of what was measured [m2/kg],
-    None: a guess.
+    known; weather: NEWEST, of ``opml fetch``, else packaged, or a CSSI file; catalogue: others' sets to
+    compare with; trained: a model of ``opml train``; stations: of tracks; area_to_mass: of what was measured
+    [m2/kg], None: a guess.
     Raises InputError for unreadable files, an object that is not there, days out of range, old weather.
     Source: ``opml docs improve``.
 

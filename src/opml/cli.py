@@ -7,7 +7,6 @@ import os
 import re
 import sys
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from datetime import UTC, date, datetime
 from importlib.util import find_spec
 from itertools import chain
@@ -17,21 +16,13 @@ from opml import __version__
 from opml.base.errors import InputError
 from opml.base.files import check_distinct_files, check_folder, suffix_of
 from opml.base.progress import clear, counted, on_stderr
+from opml.commands import benchmark
+from opml.commands.command import Command
 
 if TYPE_CHECKING:
     from opml.base.progress import Progress
     from opml.element_sets.prediction import Prediction
     from opml.interop.predicted_orbit import PredictedOrbit
-
-
-@dataclass(frozen=True)
-class Command:
-    """A subcommand: its line in the help, its arguments, and the function that runs it and prints."""
-
-    name: str
-    help: str
-    add_arguments: Callable[[argparse.ArgumentParser], None]
-    run: Callable[[argparse.Namespace], None]
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -180,6 +171,7 @@ def _compare(options: argparse.Namespace) -> None:
     print(comparison.summary(table))
 
 
+_WEATHER = "space weather, CSSI (that of `opml fetch`, else that of the package)"
 _UTC = "UTC, as 2026-07-15 or 2026-07-15T06:00:00"
 
 
@@ -189,27 +181,29 @@ def _instant(text: str) -> str:
 
 
 def _add_improve(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("sets", nargs="+", help="files and folders of TLEs or OMMs (JSON, CSV, XML, KVN)")
+    parser.add_argument("sets", nargs="*", help="files and folders of TLEs or OMMs (all that was fetched)")
     parser.add_argument("-o", "--output", required=True, help="better sets: .tle, .json, .csv, .xml or .kvn")
     parser.add_argument("--table", help="what was done, and the errors expected: .csv, .json or .parquet")
     parser.add_argument("--date", type=_instant, help=f"{_UTC}: only what was public then counts (now)")
     parser.add_argument("--latency", type=float, help="hours from epoch to publication (6; 0 without --date)")
-    parser.add_argument("--weather", default="OBSERVED", help="space weather, CSSI (that of the package)")
+    parser.add_argument("--weather", default="NEWEST", help=_WEATHER)
     parser.add_argument("--model", help="a model of `opml train` (that of the package)")
 
 
 def _improve(options: argparse.Namespace) -> None:
     from opml.element_sets import improve, trained_model
+    from opml.fetch import public_data
 
+    sets = options.sets or [public_data.sets_folder()]
     improve.check_written(
-        options.output, options.table, [*options.sets, *filter(None, (options.weather, options.model))]
+        options.output, options.table, [*sets, *filter(None, (options.weather, options.model))]
     )
     now = datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%S")
     date, usual = (now, 0.0) if options.date is None else (options.date, 6.0)
     latency = usual if options.latency is None else options.latency
     if not latency >= 0.0:
         raise InputError(f"--latency: expected 0 hours or more, got {latency:g}")
-    known = improve.read(options.sets, date=date, weather=options.weather, latency=latency / 24.0)
+    known = improve.read(sets, date=date, weather=options.weather, latency=latency / 24.0)
     with on_stderr() as progress:
         better = improve.improve(known, trained_model.read(options.model), progress=progress)
     missing = better.write(options.output)
@@ -220,12 +214,14 @@ def _improve(options: argparse.Namespace) -> None:
 
 
 def _add_predict(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("files", nargs="+", help="element sets (TLE, OMM), points (CSV, OEM, SP3) or TDMs")
+    parser.add_argument(
+        "files", nargs="+", help="sets (TLE, OMM), points (CSV, OEM, SP3), TDMs; or a number, a name"
+    )
     parser.add_argument("-o", "--output", action="append", default=[], help=_PREDICTED)
     parser.add_argument("--object", help="name, designator or number, where the files have several objects")
     parser.add_argument("--days", type=float, default=7.0, help="length of the prediction (7)")
     parser.add_argument("--date", type=_instant, help=f"{_UTC} (when the newest was known)")
-    parser.add_argument("--weather", default="OBSERVED", help="space weather, CSSI (that of the package)")
+    parser.add_argument("--weather", default="NEWEST", help=_WEATHER)
     parser.add_argument("--station", action="append", default=[], help="latitude,longitude,altitude [deg, m]")
     sets = parser.add_argument_group("of element sets")
     sets.add_argument("--catalogue", nargs="+", default=[], help="sets of other objects, to compare with")
@@ -251,6 +247,7 @@ def _predict(options: argparse.Namespace) -> None:
     )
     places = [station_passes.place(text) for text in options.station]
     with on_stderr() as progress:
+        _fetch_object(options, progress)
         made = (_fit if is_measured(options.files[0]) else _propagate_sets)(options, progress)
     for path in options.output:
         prediction_files.write(path, made, places)
@@ -260,6 +257,20 @@ def _predict(options: argparse.Namespace) -> None:
     print(f"one sigma [m]; {UNKNOWABLE}")
     for path in options.output:
         print(f"{path} is written")
+
+
+def _fetch_object(options: argparse.Namespace, progress: "Progress") -> None:
+    """Put the fetched sets in the place of an object's number or name, where that is no file."""
+    from opml.fetch import public_data
+
+    text = options.files[0]
+    if (
+        len(options.files) == 1
+        and not os.path.exists(text)
+        and os.path.basename(text) == text.partition(".")[0]
+    ):
+        options.files = [str(path) for path in public_data.at_hand(text, progress)]
+        options.object = options.object or text
 
 
 def _propagate_sets(options: argparse.Namespace, progress: "Progress") -> "Prediction":
@@ -285,6 +296,21 @@ def _fit(options: argparse.Namespace, progress: "Progress") -> "PredictedOrbit":
     stations = list(read_stations(project_file(options.radars)).values())
     request = Request(options.files, **asked, stations=stations)
     return prediction.of_measurements(request, progress=progress)
+
+
+def _add_fetch(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "objects", nargs="*", help="numbers and names (without any: all that were fetched before)"
+    )
+    parser.add_argument("--group", action="append", default=[], help="CelesTrak's, as active or stations")
+
+
+def _fetch(options: argparse.Namespace) -> None:
+    from opml.fetch import public_data
+    from opml.fetch.public_data import Query
+
+    asked = [*map(Query.of, options.objects), *(Query("group", name) for name in options.group)]
+    public_data.renew(asked or public_data.queries(), say=print)
 
 
 def _add_train(parser: argparse.ArgumentParser) -> None:
@@ -354,69 +380,6 @@ def _table(options: argparse.Namespace) -> None:
         print(tables.head(options.file))
 
 
-def _add_task(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("recipe", help="a recipe, as benchmark/elements-maximum.yaml")
-    parser.add_argument("orbits", nargs="+", help="files and folders of TLEs; of tracks SP3, CPF, OEM")
-    parser.add_argument("-o", "--output", required=True, help="the task's folder; the truth gets -truth")
-    parser.add_argument("--weather", default="OBSERVED", help="space weather, CSSI (that of the package)")
-    parser.add_argument("--forecasts", metavar="FILE", help="weather as forecast: CSV, a column issued")
-
-
-def _task(options: argparse.Namespace) -> None:
-    from opml.benchmark import recipes, task_folders
-
-    folders = task_folders.Folders.of(options.output)
-    weather = task_folders.WeatherSources(options.weather, options.forecasts)
-    count = recipes.make(recipes.read(options.recipe), options.orbits, folders, weather)
-    print(f"{options.output}: {count} questions; {folders.truth_in_words}")
-
-
-def _add_truth(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("task", help="the folder of a hidden task; its truth gets -truth")
-    parser.add_argument("sets", nargs="+", help="files and folders of TLEs that were published since")
-
-
-def _truth(options: argparse.Namespace) -> None:
-    from opml.benchmark import recipes, task_folders
-
-    folders = task_folders.Folders.of(options.task)
-    print(f"{folders.truth}: the truth of {recipes.make_truth(folders, options.sets)} questions")
-
-
-def _add_answer(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("task", help="a task's folder, or SAMPLE")
-    parser.add_argument("way", help="sgp4, density, improve, learned, svr, trees or fit")
-    parser.add_argument("-o", "--output", required=True, help="the answers, .csv")
-    parser.add_argument("--model", help="a model of `opml train` (that of the package)")
-
-
-def _answer(options: argparse.Namespace) -> None:
-    from opml.benchmark import baselines, tasks
-
-    with on_stderr() as say:
-        count = baselines.write(options.output, tasks.read(options.task), options.way, options.model, say)
-    print(f"{options.output}: {count} answers")
-
-
-def _add_score(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("task", help="a task's folder, or SAMPLE")
-    parser.add_argument("answers", help="a CSV or OEM, or a folder of them")
-    parser.add_argument("--truth", help="folder of the truth (the task's name with -truth)")
-    parser.add_argument("-o", "--output", action="append", default=[], help=".html, .json or .tsv (a line)")
-
-
-def _score(options: argparse.Namespace) -> None:
-    from opml.report import benchmark
-
-    for path in options.output:
-        suffix_of(path, benchmark.SUFFIXES)
-    check_distinct_files(options.output, [options.answers])
-    score = benchmark.score(options.task, options.answers, options.truth)
-    for path in options.output:
-        benchmark.write(path, score)
-    print(benchmark.text(score))
-
-
 def _add_docs(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("page", nargs="?", help="name of a page; without it, all pages are listed")
 
@@ -460,16 +423,27 @@ def _pack(options: argparse.Namespace) -> None:
 
 GROUPS = {
     "orbits": (
+        Command("fetch", "fetch space weather, Earth orientation and element sets", _add_fetch, _fetch),
         Command("predict", "predict an object from element sets, points or tracks", _add_predict, _predict),
         Command("improve", "improve element sets, as a catalogue taught", _add_improve, _improve),
         Command("compare", "compare two orbits over time", _add_compare, _compare),
         Command("screen", "find close approaches of ephemerides", _add_screen, _screen),
     ),
     "a benchmark": (
-        Command("score", "score answers to a task of the benchmark", _add_score, _score),
-        Command("answer", "answer a task with a baseline", _add_answer, _answer),
-        Command("task", "make a task and its truth from element sets or orbits", _add_task, _task),
-        Command("truth", "make the truth of a hidden task from later element sets", _add_truth, _truth),
+        Command("score", "score answers to a task of the benchmark", benchmark.add_score, benchmark.score),
+        Command("answer", "answer a task with a baseline", benchmark.add_answer, benchmark.answer),
+        Command(
+            "task",
+            "make a task and its truth from element sets or orbits",
+            benchmark.add_task,
+            benchmark.task,
+        ),
+        Command(
+            "truth",
+            "make the truth of a hidden task from later element sets",
+            benchmark.add_truth,
+            benchmark.truth,
+        ),
     ),
     "a project": (
         Command("init", "create a project with a first study", _add_init, _init),

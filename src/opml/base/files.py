@@ -9,6 +9,8 @@ from collections.abc import Collection, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+import platformdirs
+
 from opml.base.errors import InputError
 
 _REFUSED = (
@@ -34,6 +36,11 @@ def project_file(path: FilePath) -> Path:
     """Return the path of a project's file; where the project has none, that of the package's own file."""
     packaged = PROJECT / path
     return packaged if packaged.is_file() and not Path(path).exists() else Path(path)
+
+
+def data_folder() -> Path:
+    """Return the folder of what `opml fetch` fetched: that in OPML_DATA, or the user's own."""
+    return Path(os.environ.get("OPML_DATA") or platformdirs.user_data_dir("opml"))
 
 
 def unpacked(content: bytes) -> bytes:

@@ -35,7 +35,6 @@ from opml.interop.element_sets.element_set import semi_major_axis
 from opml.interop.element_sets.rewriting import Better
 from opml.tables import TABLE_SUFFIXES, write_as
 
-NEWER_WEATHER = "https://celestrak.org/SpaceData/SW-All.csv"  # where newer space weather is
 OLDEST_WEATHER = 3.0  # days before the date that the weather may end: the forecast begins there
 
 _FEWEST_SETS = 3
@@ -139,7 +138,7 @@ def check_newest(found: Weather, source: FilePath, *, date: str, oldest: float) 
     end = density.end_of(found)
     if modified_julian_day(date) - end > oldest:
         expected = f"space weather measured up to {date[:10]}, got it up to {epochs.calendar(end)}"
-        raise InputError(f"{source}: expected {expected}; newer, for --weather: {NEWER_WEATHER}")
+        raise InputError(f"{source}: expected {expected}: `opml fetch` gets newer")
 
 
 def improve(known: PublicData, model: CatalogueModel, *, progress: Progress = _log.info) -> Improved:

@@ -6,6 +6,7 @@ days, 3 cm at an ISS).
 """
 
 import hashlib
+from collections.abc import Sequence
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
@@ -18,6 +19,7 @@ import pandas as pd
 from opml.base import epochs
 from opml.base.constants import DAY, EARTH_RATE
 from opml.base.errors import InputError
+from opml.base.files import data_folder
 
 _ABOUT = 4.0  # days beyond the ends of a run that its table may need
 _ARCSECOND = np.pi / 648000.0
@@ -36,7 +38,7 @@ _VALUES = {
 def tabulate(epoch: str, t: np.ndarray, *, bulletin: str | Path | None = None) -> pd.DataFrame:
     """Return the table `earth_orientation`.
 
-    bulletin: path of a finals2000A file; None: that of the astropy_iers_data package
+    bulletin: path of a finals2000A file; None: `newest_bulletin`
 
     Columns: t [s]; x_cip, y_cip (CIP in GCRF, with the observed dX, dY), s_cio, x_pole, y_pole [rad];
     era_offset [rad]: the Earth rotation angle, unwrapped, minus EARTH_RATE * t.
@@ -44,7 +46,7 @@ def tabulate(epoch: str, t: np.ndarray, *, bulletin: str | Path | None = None) -
     """
     t = np.asarray(t, dtype=float)
     tai, tt = epochs.tai(epoch, t), epochs.tt(epoch, t)
-    ut1_tai, x_pole, y_pole, dx, dy = _interpolate(bulletin or astropy_iers_data.IERS_A_FILE, tai)
+    ut1_tai, x_pole, y_pole, dx, dy = _interpolate(bulletin or newest_bulletin(), tai)
 
     x_cip, y_cip, _ = erfa.xys06a(*tt)
     x_cip, y_cip = x_cip + dx, y_cip + dy
@@ -70,17 +72,35 @@ def bulletin_digest(epoch: str, duration_days: float, *, bulletin: str | Path | 
 
     Values that were predicted change with a later bulletin, those of days that are over hardly.
     """
-    days, values = _bulletin(bulletin or astropy_iers_data.IERS_A_FILE)
+    days, values = _bulletin(bulletin or newest_bulletin())
     whole, part = epochs.tai(epoch, np.array([0.0, DAY * duration_days]))
     begin, end = (whole - epochs.MJD_ZERO) + part
     used = (days > begin - _ABOUT) & (days < end + _ABOUT)
     return hashlib.sha256(np.ascontiguousarray(values[used]).tobytes()).hexdigest()
 
 
+def fetched_bulletin() -> Path:
+    """Return where `opml fetch` leaves the bulletin."""
+    return data_folder() / "downloads" / "finals2000A.all"
+
+
+@cache
+def newest_bulletin() -> Path:
+    """Return the bulletin that reaches later: the fetched one, or that of the package astropy_iers_data."""
+    packaged, fetched = Path(astropy_iers_data.IERS_A_FILE), fetched_bulletin()
+    return max([packaged, *([fetched] if fetched.exists() else [])], key=_last_day)
+
+
+def _last_day(path: Path) -> str:
+    return path.read_text(encoding="ascii", errors="replace").rstrip("\n").rpartition("\n")[2][7:15]
+
+
 def metadata() -> dict[str, str]:
     """Return the sources of the figures, for the table's file metadata."""
+    packaged = f"astropy-iers-data {version('astropy-iers-data')}"
+    is_fetched = newest_bulletin() == fetched_bulletin()
     return {
-        "bulletin": f"IERS finals2000A, astropy-iers-data {version('astropy-iers-data')}",
+        "bulletin": f"IERS finals2000A, {'fetched' if is_fetched else packaged}",
         "precession_nutation": "IAU 2006/2000A",
     }
 
@@ -95,7 +115,11 @@ def read_finals2000a(path: str | Path) -> pd.DataFrame:
         lines = Path(path).read_text(encoding="ascii").splitlines()
     except (OSError, UnicodeDecodeError) as reason:
         raise InputError(f"{path}: expected an IERS finals2000A file, got {reason}") from None
+    return daily_values(path, lines)
 
+
+def daily_values(path: str | Path, lines: Sequence[str]) -> pd.DataFrame:
+    """Return the daily values of the lines of a finals2000A file as `read_finals2000a`."""
     rows = []
     for number, line in enumerate(lines, start=1):
         texts = [line[final].strip() or line[rapid].strip() for final, rapid in _VALUES.values()]

@@ -2,7 +2,7 @@
 
 MSAFE: monthly estimates of the 13-month smoothed F10.7 and Ap by NASA's Marshall Space Flight Center. In the
 package each month is from the newest bulletin that lists it, published half a year later, as in Orekit.
-OBSERVED: measured activity, see `space_weather`.
+OBSERVED: measured activity, see `space_weather`. NEWEST: that which `opml fetch` fetched, else OBSERVED.
 """
 
 import re
@@ -19,11 +19,12 @@ from numpy.typing import ArrayLike
 from opml.base import epochs
 from opml.base.constants import DAY
 from opml.base.errors import InputError
-from opml.base.files import unpacked
+from opml.base.files import data_folder, unpacked
 from opml.environment import space_weather
 
 MSAFE = "MSAFE"
 OBSERVED = "OBSERVED"
+NEWEST = "NEWEST"
 _PERCENTILES = (95, 50, 5)  # percentiles of MSAFE's estimates [%]
 
 PACKAGED = {MSAFE: "msafe.tsv", OBSERVED: "space_weather.csv"}
@@ -96,9 +97,16 @@ def kp_from_ap(ap: ArrayLike) -> np.ndarray:
 
 
 def resolve(source: str | Path) -> Path:
-    """Return the path of the file in a setting: 'MSAFE' or 'OBSERVED' (packaged), or a path."""
-    packaged = PACKAGED.get(str(source))
+    """Return the path of the file in a setting: 'MSAFE' or 'OBSERVED' (packaged), 'NEWEST', or a path."""
+    if str(source) == NEWEST and (fetched := fetched_weather()).exists():
+        return fetched
+    packaged = PACKAGED.get(OBSERVED if str(source) == NEWEST else str(source))
     return Path(str(files("opml") / "data" / packaged)) if packaged else Path(source)
+
+
+def fetched_weather() -> Path:
+    """Return where `opml fetch` leaves the weather."""
+    return data_folder() / "weather.csv"
 
 
 def read(path: str | Path) -> pd.DataFrame:

@@ -26,7 +26,7 @@ KP = [f"KP{k}" for k in range(1, 9)]
 _FLUX = ["F10.7_OBS", "F10.7_OBS_CENTER81"]
 _FIGURES = [*KP, *_FLUX]
 _KIND = "F10.7_DATA_TYPE"
-_PREDICTED = ("PRD", "PRM")
+PREDICTED = ("PRD", "PRM")
 _TEXT_TITLE = "DATATYPE CssiSpaceWeather"
 _TEXT_SECTION = re.compile(r"(BEGIN|END) (\w+)")
 _TEXT_DAILY = ("OBSERVED", "DAILY_PREDICTED")
@@ -213,7 +213,7 @@ def _csv_rows(lines: list[str]) -> Iterator[_Row]:
         if line:
             cells = line.split(",") + lacking
             day, *figures = columns(cells)
-            yield number, day, figures, cells[kind] not in _PREDICTED
+            yield number, day, figures, cells[kind] not in PREDICTED
 
 
 def _text_rows(lines: list[str]) -> Iterator[_Row]:

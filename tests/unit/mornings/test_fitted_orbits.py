@@ -229,5 +229,5 @@ def test_points_of_no_orbit_are_refused(tmp_path):
 def test_weather_that_ends_too_early_is_refused(tmp_path):
     lines = "utc,x_gcrf_m,y_gcrf_m,z_gcrf_m\n2026-05-01T00:00:00,7e6,0,0\n2026-05-01T02:00:00,0,7e6,0\n"
     (tmp_path / "new.csv").write_text(lines)
-    with pytest.raises(InputError, match=r"OBSERVED: expected space weather.* newer, for --weather: http"):
+    with pytest.raises(InputError, match=r"OBSERVED: expected space weather.* `opml fetch` gets newer"):
         made_of(tmp_path / "new.csv", date=None)

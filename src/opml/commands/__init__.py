@@ -1,0 +1,1 @@
+"""Subcommands of `opml`: their arguments, and what each runs and prints."""
