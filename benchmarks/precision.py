@@ -8,7 +8,7 @@ import numpy as np
 
 from benchmarks import case, measure, turns
 from benchmarks.race import ARCS, CHECKED, OURS
-from benchmarks.turns import Propagator
+from benchmarks.turns import Propagation
 
 ROUNDS = 3
 
@@ -79,15 +79,15 @@ def _lines(workers, arcs, progress):
     """Return each tool's line; the flights that are timed are those whose ends are checked."""
     samples = {name: arcs.sample(worker.about["sample"]) for name, worker in workers.items()}
     tight = {name: _tight(worker, samples[name], progress) for name, worker in workers.items()}
-    propagators = {
-        (name, setting): Propagator(worker, samples[name], setting)
+    propagations = {
+        (name, setting): Propagation(worker, samples[name], setting)
         for name, worker in workers.items()
         for setting in worker.about["settings"]
     }
     progress("warm-up")
-    for propagator in propagators.values():
-        replace(propagator, arcs=propagator.arcs.lasting(WARM_UP)).fly()
-    flown = turns.fly(propagators, rounds=ROUNDS, progress=progress, longest=LONG)
+    for one in propagations.values():
+        replace(one, arcs=one.arcs.lasting(WARM_UP)).fly()
+    flown = turns.fly(propagations, rounds=ROUNDS, progress=progress, longest=LONG)
     return {
         name: Line(
             worker.about,
@@ -103,7 +103,7 @@ def _tight(worker, arcs, progress):
     """Fly the checked arcs at each of a tool's tight settings; return the states at their ends."""
     progress("{title}, {method}: tight settings".format_map(worker.about))
     checked = arcs.sample(min(CHECKED, len(arcs)))
-    return [Propagator(worker, checked, setting).fly().result for setting in worker.about["tight"]]
+    return [Propagation(worker, checked, setting).fly().result for setting in worker.about["tight"]]
 
 
 def _point(setting, flown, truth):

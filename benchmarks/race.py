@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks import case, measure, turns
-from benchmarks.turns import Propagator
+from benchmarks.turns import Propagation
 
 ARCS = 100
 ROUNDS = 5
@@ -64,11 +64,11 @@ def run(
         for name, worker in workers.items():
             progress(f"{worker.about['title']}: answers")
             results[name] = _answers(worker, arcs)
-        propagators = {
-            name: Propagator(worker, arcs.sample(results[name].arcs), worker.about["raced"])
+        propagations = {
+            name: Propagation(worker, arcs.sample(results[name].arcs), worker.about["raced"])
             for name, worker in workers.items()
         }
-        for name, flown in turns.fly(propagators, rounds=rounds, progress=progress).items():
+        for name, flown in turns.fly(propagations, rounds=rounds, progress=progress).items():
             results[name].cpu, results[name].wall = flown.cpu, flown.wall
     return results, absent
 
@@ -79,7 +79,7 @@ def _answers(worker, arcs):
     sample = arcs.sample(min(CHECKED, count))
     vacuum = sample.without_drag()
     found, found_vacuum, tight = (
-        Propagator(worker, flown, setting).fly().result
+        Propagation(worker, flown, setting).fly().result
         for flown, setting in [
             (sample, worker.about["raced"]),
             (vacuum, worker.about["raced"]),

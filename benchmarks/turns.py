@@ -17,7 +17,7 @@ Key = TypeVar("Key", bound=Hashable)
 
 
 @dataclass(frozen=True)
-class Propagator:
+class Propagation:
     """Arcs that a tool flies at one of its settings."""
 
     worker: Worker
@@ -31,7 +31,7 @@ class Propagator:
 
 @dataclass(frozen=True)
 class Flown:
-    """What the rounds of a flight gave: the states (n, 6) at the ends of its arcs, and its times."""
+    """What the rounds of a propagation gave: the states (n, 6) at the ends of its arcs, and its times."""
 
     states: np.ndarray
     cpu: list[float]  # ms per arc-day, a round each
@@ -88,16 +88,16 @@ def take(
 
 
 def fly(
-    propagators: Mapping[Key, Propagator],
+    propagations: Mapping[Key, Propagation],
     *,
     rounds: int,
     progress: Callable[[str], None],
     longest: float = np.inf,
 ) -> dict[Key, Flown]:
-    """Fly all flights in turns, as `take`."""
-    calls = {key: propagator.fly for key, propagator in propagators.items()}
+    """Make all propagations in turns, as `take`."""
+    calls = {key: one.fly for key, one in propagations.items()}
     taken = take(calls, rounds=rounds, progress=progress, longest=longest)
-    return {key: _flown(propagators[key].arcs.arc_days, times) for key, times in taken.items()}
+    return {key: _flown(propagations[key].arcs.arc_days, times) for key, times in taken.items()}
 
 
 def _flown(arc_days, times):

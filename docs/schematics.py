@@ -169,8 +169,8 @@ def known(words):
     for y, color, name, first, last in bars:
         parts.append(box(first + 1.5, y, last - first - 3, 24, color=color))
         parts.append(text((first + last) / 2, y + 16, name, anchor="middle"))
-    propagators = ((124.0, "b predicted", t_b, t_i), (124.0, "i predicted: the row", t_i, t_j))
-    for y, name, first, last in propagators:
+    predictions = ((124.0, "b predicted", t_b, t_i), (124.0, "i predicted: the row", t_i, t_j))
+    for y, name, first, last in predictions:
         parts.append(arrow((first + 3, y), (last - 3, y), color=PREDICTED_COLOR, width=2.0))
         parts.append(text((first + last) / 2, y - 6, name, anchor="middle"))
     parts.append(box(t_known, 140, end - t_known, 40, color=RESIDUAL))

@@ -29,8 +29,8 @@ def flown(attraction, state, t, thrust=lambda t: np.zeros(3)):
         pull = attraction.acceleration(y[None, :3], attraction.rotation(np.array([at])))[0]
         return np.concatenate([y[3:], pull + thrust(at)])
 
-    propagator = solve_ivp(rate, (t[0], t[-1]), state, "DOP853", t, rtol=1e-12, atol=1e-6, max_step=60.0)
-    return propagator.y.T
+    solution = solve_ivp(rate, (t[0], t[-1]), state, "DOP853", t, rtol=1e-12, atol=1e-6, max_step=60.0)
+    return solution.y.T
 
 
 def in_itrf(states, t, orientation):

@@ -39,7 +39,7 @@ def run(case: Case, data: Data, *, progress: Callable[[str], None]) -> None:
     tables.write("gravity", tables.gravity(orekit, case.degree), field)
     tables.write("bodies", tables.bodies(environment.gms), source)
     with Workers(data, case.epoch, progress=progress) as workers:
-        propagators = trajectories.orekits(workers, case, environment.gm)
+        awaited = trajectories.orekits(workers, case, environment.gm)
         both = _Both(case, orekit, environment, models, workers, progress)
         results = report.Results(
             **both.terms(source),
@@ -47,7 +47,7 @@ def run(case: Case, data: Data, *, progress: Callable[[str], None]) -> None:
             **both.orbits(),
             **both.steps(),
             **both.fits(source),
-            **both.orekits_orbits(propagators, source),
+            **both.orekits_orbits(awaited, source),
         )
     text = report.markdown(case, results, orekit=version(), kernel=kernel)
     REPORT.write_text(text, encoding="utf-8")
@@ -105,9 +105,9 @@ class _Both:
         models = {name: with_de440.model(settings) for name, settings in case.models.items()}
         return {"our_orbits": mine, "de440_orbits": trajectories.opmls(case, models, converged)}
 
-    def orekits_orbits(self, propagators: Sequence["Future[list[dict]]"], source: str) -> dict:
+    def orekits_orbits(self, awaited: Sequence["Future[list[dict]]"], source: str) -> dict:
         """Collect Orekit's orbits as they come in from the workers."""
-        theirs = trajectories.collected(propagators)
+        theirs = trajectories.collected(awaited)
         tables.write("orbits", theirs[theirs["integrator"] == trajectories.CONVERGED], source, "GCRF")
         return {"orekit_orbits": theirs}
 

@@ -50,12 +50,10 @@ BOUNDS = [
 
 
 def orekits(workers: "Workers", case: Case, gm: float) -> list["Future[list[dict]]"]:
-    """Have Orekit fly every RSO, the longest flights first; `collected` makes a table of them."""
+    """Have Orekit fly every RSO, the longest arcs first; `collected` makes a table of them."""
     models = sorted(DAYS, key=lambda model: -DAYS[model][-1])
-    propagators = [(HALVED, model, CHECKED) for model in models]
-    propagators += [
-        (kind, model, name) for kind in (CONVERGED, PAPER) for model in models for name in case.rsos
-    ]
+    orbits = [(HALVED, model, CHECKED) for model in models]
+    orbits += [(kind, model, name) for kind in (CONVERGED, PAPER) for model in models for name in case.rsos]
     integrators = {CONVERGED: OREKITS_CONVERGED, HALVED: halved(OREKITS_CONVERGED), PAPER: case.integrator}
     return [
         workers.submit(
@@ -67,7 +65,7 @@ def orekits(workers: "Workers", case: Case, gm: float) -> list["Future[list[dict
             [name, model, kind],
             integrators[kind],
         )
-        for kind, model, name in propagators
+        for kind, model, name in orbits
     ]
 
 
@@ -79,9 +77,9 @@ def _orekits(orekit, rso, settings, gm, keys, integrator):
     return _rows(name, model, kind, flown)
 
 
-def collected(propagators: Sequence["Future[list[dict]]"]) -> pd.DataFrame:
-    """Return the states (KEYS, GCRF state) of all flights."""
-    return pd.DataFrame([row for propagator in propagators for row in propagator.result()])
+def collected(orbits: Sequence["Future[list[dict]]"]) -> pd.DataFrame:
+    """Return the states (KEYS, GCRF state) of all orbits."""
+    return pd.DataFrame([row for orbit in orbits for row in orbit.result()])
 
 
 def opmls(

@@ -98,11 +98,11 @@ def arcs(count, *, t=0.0, days=1.0):
 
 
 def test_tools_fly_in_turns_and_slow_ones_once():
-    propagators = {
-        "quick": turns.Propagator(Fake(1.0, 2.0, 3.0), arcs(10), "90 s"),
-        "slow": turns.Propagator(Fake(50.0), arcs(1), "90 s"),
+    propagations = {
+        "quick": turns.Propagation(Fake(1.0, 2.0, 3.0), arcs(10), "90 s"),
+        "slow": turns.Propagation(Fake(50.0), arcs(1), "90 s"),
     }
-    flown = turns.fly(propagators, rounds=3, progress=str, longest=10.0)
+    flown = turns.fly(propagations, rounds=3, progress=str, longest=10.0)
     assert flown["quick"].cpu == flown["quick"].wall == [100.0, 200.0, 300.0]
     assert flown["slow"].cpu == [50_000.0]
     assert flown["slow"].states.shape == (1, 6)

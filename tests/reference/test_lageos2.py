@@ -31,7 +31,7 @@ def environment():
     return opml.make_environment(EPOCH, days=7, degree=20)
 
 
-def propagated(model, t, parameters):
+def states_at(model, t, parameters):
     """GCRF states (arcs, n, 6) at times t from initial states and coefficients (arcs, 8)."""
     count = len(parameters)
     first, last = np.zeros(count, int), np.full(count, len(t) - 1)
@@ -45,10 +45,10 @@ def predicted(model, t, states):
     fitted = t <= FITTED_DAYS * DAY
     found = np.append(states[0], [CD * AREA_TO_MASS, CR * AREA_TO_MASS])
     for _ in range(4):
-        flown = propagated(model, t, found + np.vstack([np.zeros(8), np.diag(STEPS)]))[:, fitted, :3]
+        flown = states_at(model, t, found + np.vstack([np.zeros(8), np.diag(STEPS)]))[:, fitted, :3]
         design = (flown[1:] - flown[0]).reshape(8, -1).T
         found = found + STEPS * np.linalg.lstsq(design, (states[fitted, :3] - flown[0]).ravel())[0]
-    errors = in_rsw(propagated(model, t, found[None])[0] - states, states)[~fitted]
+    errors = in_rsw(states_at(model, t, found[None])[0] - states, states)[~fitted]
     return np.sqrt((errors**2).mean(axis=0))[:3]
 
 

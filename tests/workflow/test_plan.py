@@ -29,11 +29,9 @@ def test_default_target_is_every_figure_and_table(papers_plan):
     assert plan.items() >= dict.fromkeys([*ONCE, *DRAWN_ONCE, "default"], 1).items()
     # ISS, six other RSOs, four inclinations, ten offsets; ISS with one station too, and both with four more
     # noises.
-    propagators = [
-        propagator.split(", ") for propagator in re.findall("the true orbits of (.+)", papers_plan)
-    ]
-    assert plan["truths"] == len(propagators) == 2
-    assert len({rso for propagator in propagators for rso in propagator}) == 21
+    groups = [rsos.split(", ") for rsos in re.findall("the true orbits of (.+)", papers_plan)]
+    assert plan["truths"] == len(groups) == 2
+    assert len({rso for group in groups for rso in group}) == 21
     assert "truth" not in plan
     assert plan["tracking"] == plan["estimation"] == plan["prediction"] == 21 + 1 + 8
     assert plan["dataset"] == 30 + 4  # the other reading of t_b, for two transfers too

@@ -12,8 +12,8 @@ from opml.workflow.replayed_mornings import ReplayedSettings, read_mornings
 with job(snakemake):
     settings, files = ReplayedSettings(**snakemake.params.settings), snakemake.input
     mornings = read_mornings(files, settings)
-    selected = {display_learner(name): table for name, table in mornings.tables.items()}
-    tables = calibration.of_replays({CHOSEN: mornings.selected, **selected}, days=settings.days)
+    every = {display_learner(name): table for name, table in mornings.tables.items()}
+    tables = calibration.of_replays({CHOSEN: mornings.selected, **every}, days=settings.days)
     tables["the fit's own covariance"] = read_table(files.fit, "calibration")
     figures = [
         reliability.coverage_curves(tables, quantity=quantity, note=settings.note)

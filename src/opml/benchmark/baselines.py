@@ -195,10 +195,10 @@ def _answers(
     found = CORRECTIONS["sgp4" if way == FIT else way](morning)
     now = rows.loc[morning.is_now, ["number", "lead", "tau", "response"]].join(found)
     newest = improve.newest_sets(known.catalogue)
-    propagated = _fitted(known.catalogue) if way == FIT else _corrected(known.catalogue, newest, now)
+    satellites = _fitted(known.catalogue) if way == FIT else _corrected(known.catalogue, newest, now)
     sigmas = now.set_index(["number", "lead"])["sigma"].to_dict()
     return [
-        [str(number), t, when, "GCRF", *_state(propagated[number], when, sigmas.get((number, lead)))]
+        [str(number), t, when, "GCRF", *_state(satellites[number], when, sigmas.get((number, lead)))]
         for number, _, lead, when in questions[[*tasks.QUESTION]].itertuples(index=False)
     ]
 

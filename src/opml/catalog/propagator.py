@@ -55,8 +55,8 @@ class Propagator:
     """An RSO under a force model, and how it is integrated.
 
     Area, mass and Cr of all arcs are the RSO's. threads: number that arcs are propagated on; progress: called
-    with the share of the work that is done, if not None; ensemble: propagates the arcs; near: the part of
-    the model that neighbours are propagated with, where it is made already.
+    with the share of the work that is done, if not None; propagate_arcs: as `ensemble.propagate`; near: the
+    part of the model that neighbours are propagated with, where it is made already.
     """
 
     model: ForceModel
@@ -64,7 +64,7 @@ class Propagator:
     integrator: Integrator = field(default_factory=Integrator)
     threads: int = 1
     progress: Progress | None = None
-    ensemble: Callable[..., Arcs] = propagate
+    propagate_arcs: Callable[..., Arcs] = propagate
     near: ForceModel | None = None
 
     @classmethod
@@ -129,7 +129,7 @@ class Propagator:
             reflection=np.full(count, self.rso.cr * self.rso.area_to_mass),
             outlook=outlook,
         )
-        return self.ensemble(
+        return self.propagate_arcs(
             self.model,
             epochs,
             departures,

@@ -11,7 +11,7 @@ from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.conjunctions import sieve
 from opml.conjunctions.conjunction import Conjunction, check_length, check_radius
-from opml.conjunctions.screening import approaches_of, propagated
+from opml.conjunctions.screening import approaches_of, object_of_elements
 from opml.conjunctions.sieve import Span
 from opml.conjunctions.trajectories import PropagatedElements, read_elements, span_of_days
 
@@ -55,5 +55,5 @@ def _approaches(
     pair: Sequence[PropagatedElements], span: Span, within: float, radius: float
 ) -> Iterator[Conjunction]:
     """Yield the close approaches of two objects in a part of the time."""
-    one, other = (propagated(elements, partial(elements.during, span)) for elements in pair)
+    one, other = (object_of_elements(elements, partial(elements.during, span)) for elements in pair)
     return approaches_of(one, other, within, radius)

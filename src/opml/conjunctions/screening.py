@@ -98,8 +98,8 @@ def read(paths: Sequence[FilePath], *, days: float = DAYS) -> list[ScreenedObjec
     days: from our newest set on that elements are propagated where no file is an OEM
 
     A file that is named twice counts once. The first file is of our object. Where it has mean elements,
-    all of them propagate over the span of the OEM. Of an object with several sets the newest before the
-    middle of the span propagates, by SGP4, to 30 days from its epoch at most. Raises InputError, naming the
+    all of them are propagated over the span of the OEM. Of an object with several sets SGP4 propagates the
+    newest before the middle of the span, to 30 days from its epoch at most. Raises InputError, naming the
     file, for what cannot be read, and a first file of several objects.
     """
     for path in paths:
@@ -232,23 +232,25 @@ def _of_message(path: FilePath) -> list[ScreenedObject]:
     """Return an ephemeris of each object of an OEM."""
     segments = oem.read(path, epoch=EPOCH)
     try:
-        propagated = [(one.identity, of_segment(one)) for one in segments]
+        trajectories = [(one.identity, of_segment(one)) for one in segments]
     except InputError as reason:
         raise InputError(f"{path}: {reason}") from None
     source, known = File(path).name, segments[0].newest
     return [
         ScreenedObject(
-            identity, source, partial(list, [one for owner, one in propagated if owner == identity]), known
+            identity, source, partial(list, [one for owner, one in trajectories if owner == identity]), known
         )
-        for identity in dict.fromkeys(identity for identity, _ in propagated)
+        for identity in dict.fromkeys(identity for identity, _ in trajectories)
     ]
 
 
 def _of_elements(paths: Sequence[FilePath], span: Span) -> list[ScreenedObject]:
-    return [propagated(one, one.trajectories) for one in read_elements(paths, span)]
+    return [object_of_elements(one, one.trajectories) for one in read_elements(paths, span)]
 
 
-def propagated(elements: PropagatedElements, propagate: Callable[[], Sequence[Trajectory]]) -> ScreenedObject:
-    """Return the object of mean elements as they are propagated."""
+def object_of_elements(
+    elements: PropagatedElements, propagate: Callable[[], Sequence[Trajectory]]
+) -> ScreenedObject:
+    """Return the object of mean elements; propagate: as that of `ScreenedObject`."""
     row = elements.row
     return ScreenedObject(elements.identity, row["file"], propagate, float(row["known"]), elements)

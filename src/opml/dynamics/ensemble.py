@@ -136,7 +136,7 @@ class _Ensemble:
     join: np.ndarray  # (arcs,)
     leave: np.ndarray  # (arcs,)
     grid: _Grid
-    arcs: Arcs  # filled as blocks of them propagate
+    arcs: Arcs  # filled as blocks of them are propagated
     integrator: Integrator
 
     def propagate(self, members: np.ndarray, model: ForceModel, kind: np.ndarray) -> None:

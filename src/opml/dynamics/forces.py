@@ -144,7 +144,7 @@ def with_outlooks(model: ForceModel, table: pd.DataFrame) -> ForceModel:
     table: `outlooks`, at the model's nodes
 
     Up to an issue the activity is that of the model. Beyond the forecast it is not finite, so that no arc
-    propagates there unnoticed.
+    is propagated there unnoticed.
     """
     issued, outlook = np.unique(table["issued"].to_numpy(), return_inverse=True)
     node = np.round((table["t"].to_numpy() - model.first) / model.step).astype(int)

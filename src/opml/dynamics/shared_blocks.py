@@ -1,8 +1,8 @@
 """Arcs of several callers in the same blocks, so that objects with a few arcs each leave no lanes empty.
 
 Each caller runs in a thread of its own, one at a time. One that asks for arcs waits until all others have
-asked for theirs or ended; then all arcs of a kind propagate together. They are propagated on a raster of
-epochs that is the same whoever propagates beside them, so no caller's arcs depend on the others.
+asked for theirs or ended; then all arcs of a kind are propagated together, on a raster of epochs that is the
+same whatever is propagated beside them, so no caller's arcs depend on the others.
 """
 
 from collections.abc import Callable, Sequence
@@ -51,7 +51,7 @@ class _Request:
 
     @property
     def kind(self) -> _Kind:
-        """What arcs have to have in common to propagate together: model, integrator, direction and raster."""
+        """What arcs need in common to be propagated together: model, integrator, direction and raster."""
         phase = int(self.epochs[0]) % self.pace
         forward = bool(self.epochs[0] <= self.epochs[-1])
         return id(self.model), self.integrator, forward, self.pace, phase
@@ -124,8 +124,7 @@ class SharedBlocks:
         kind = min(self._waiting, key=lambda request: request.longest).kind
         alike = [request for request in self._waiting if request.kind == kind]
         arcs = np.cumsum([len(request.departures) for request in alike])
-        propagating = alike[: max(1, int(np.searchsorted(arcs, MOST, side="right")))]
-        _propagate(propagating)
+        _propagate(alike[: max(1, int(np.searchsorted(arcs, MOST, side="right")))])
         self._waiting = [request for request in self._waiting if not request.arcs.done()]
         self._turn.notify_all()
 

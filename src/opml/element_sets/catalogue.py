@@ -110,19 +110,19 @@ def _epoch(satellite: Satrec) -> float:
 
 
 def _table(sets: list[ElementSet], latency: float) -> pd.DataFrame:
-    propagated = [one.satellite for one in sets]
-    t = np.array([_epoch(one) for one in propagated], dtype=float)
+    satellites = [one.satellite for one in sets]
+    t = np.array([_epoch(one) for one in satellites], dtype=float)
     created = np.array([modified_julian_day(one.created) if one.created else np.nan for one in sets])
-    motion = np.array([one.no_kozai for one in propagated], dtype=float)
+    motion = np.array([one.no_kozai for one in satellites], dtype=float)
     return pd.DataFrame(
         {
             "number": np.array([one.number for one in sets], dtype=np.int64),
             "t": t,
             "known": np.where(np.isfinite(created), np.fmax(created, t), t + latency),
-            "bstar": np.array([one.bstar for one in propagated], dtype=float),
+            "bstar": np.array([one.bstar for one in satellites], dtype=float),
             "motion": motion,
-            "eccentricity": np.array([one.ecco for one in propagated], dtype=float),
-            "inclination": np.array([one.inclo for one in propagated], dtype=float),
+            "eccentricity": np.array([one.ecco for one in satellites], dtype=float),
+            "inclination": np.array([one.inclo for one in satellites], dtype=float),
             "height": mean_height(motion),
             "file": [str(one.path) for one in sets],
             **{name: np.array([getattr(one, name) for one in sets], np.int64) for name in ("place", "line")},

@@ -141,17 +141,17 @@ def _train(teach: pd.DataFrame, seasons: Seasons, learner: str, *, seed: int) ->
 def _residuals(asked: pd.DataFrame, tried: weighting.Ways, learner: str) -> pd.DataFrame:
     """Return what each way leaves of the errors, and the improved set by all ways, weighed by the past."""
     learned, weights = tried[f"{weighting.LEARNED}: {learner}"], weighting.weights_of_rows(asked, tried)
-    mixed = weighting.combined(asked, tried, weights)
+    combined = weighting.combined(asked, tried, weights)
     # A set takes two numbers alone, speed and B*, so that it follows the corrections of all leads in part.
     sets = asked.groupby(["number", "morning"]).ngroup()
-    displacement = weighting.displacement(mixed, sets, asked["bstar"].groupby(sets).first())
+    displacement = weighting.displacement(combined, sets, asked["bstar"].groupby(sets).first())
     scaled = asked["error"] - asked["density"]
     return asked[["number", "morning", "lead", "band", "error"]].assign(
         scaled=scaled,
         learned=(asked["error"] - learned["correction"]).fillna(scaled),
         sigma=learned["sigma"],
         improved=asked["error"] - displacement,
-        improved_sigma=mixed["sigma"],
+        improved_sigma=combined["sigma"],
         applied=weighting.main_ways(weights).str.partition(":")[0],
     )
 

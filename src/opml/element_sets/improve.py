@@ -159,14 +159,14 @@ def improve(known: PublicData, model: CatalogueModel, *, progress: Progress = _l
     newest = newest_sets(known.catalogue)
     why = reasons(known.catalogue, newest, now, date=today)
     weights = where_usable(weighting.weights(rows, tried), why)
-    mixed = weighting.combined(rows, tried, weighting.of_objects(weights, rows))
-    table = _table(newest, today - newest["t"], why, weights, now.join(mixed[["correction", "sigma"]]))
+    combined = weighting.combined(rows, tried, weighting.of_objects(weights, rows))
+    table = _table(newest, today - newest["t"], why, weights, now.join(combined[["correction", "sigma"]]))
     sets = [
         Better(one.file, one.place, one.line, one.motion, one.bstar) for one in table.itertuples(index=False)
     ]
     counts = table["applied"].value_counts().items()
     progress(f"used: {', '.join(f'{name} {count}' for name, count in counts)}")
-    judged = rows.loc[np.isfinite(rows["error"]), ["morning", "error"]].join(mixed, how="inner")
+    judged = rows.loc[np.isfinite(rows["error"]), ["morning", "error"]].join(combined, how="inner")
     past = judged.assign(left=judged["error"] - judged["correction"])[_PAST_COLUMNS].reset_index(drop=True)
     return Improved(table.drop(columns=[*_WHERE]), sets, known.date, past)
 

@@ -166,8 +166,8 @@ def history(improved: ImprovedHistory, sets: pd.DataFrame, *, epoch: str) -> pd.
     for name in IMPROVED_MODELS:
         motion, bstar = (sets[column].to_numpy(copy=True) for column in ("mean_motion", "bstar"))
         for k, (t, morning) in enumerate(zip(sets["t"], mornings, strict=True)):
-            propagated = improved.newest(name, number, morning)
-            if propagated is not None and abs(seconds_since(epoch, [propagated])[0] - t) < _SOON:
-                motion[k], bstar[k] = propagated.no_kozai / _MINUTE, propagated.bstar
+            satellite = improved.newest(name, number, morning)
+            if satellite is not None and abs(seconds_since(epoch, [satellite])[0] - t) < _SOON:
+                motion[k], bstar[k] = satellite.no_kozai / _MINUTE, satellite.bstar
         tables.append(sets.assign(model=name, mean_motion=motion, bstar=bstar))
     return pd.concat(tables, ignore_index=True)[SCHEMAS["improved_history"].names]

@@ -300,10 +300,10 @@ def errors_of_sets(catalogue: ElementCatalogue, date: str) -> pd.DataFrame:
     return found.astype({"lead": int, **dict.fromkeys("rsw", float)})
 
 
-def _apart(propagated: Satrec, judge: Satrec) -> tuple[float, float, float]:
+def _apart(satellite: Satrec, judge: Satrec) -> tuple[float, float, float]:
     """Return how far SGP4 propagates from another set at the epoch of that: outwards, ahead, across [m]."""
     _, *own = judge.sgp4_tsince(0.0)
-    _, position, _ = propagated.sgp4(judge.jdsatepoch, judge.jdsatepochF)
+    _, position, _ = satellite.sgp4(judge.jdsatepoch, judge.jdsatepochF)
     r, s, w = 1e3 * bent_rsw(np.array([position]), np.concatenate(own)[None])[0]
     return r, s, w
 

@@ -135,8 +135,8 @@ def _nearest(times: np.ndarray, wanted: np.ndarray, first: np.ndarray, ends: np.
 
 def _own_states(catalogue: ElementCatalogue) -> _States:
     """Return the states of all sets at their own epochs."""
-    propagated = [one.sgp4_tsince(0.0)[1:] for one in catalogue.satellites]
-    states = np.array(propagated, dtype=float).reshape(-1, 6)
+    vectors = [one.sgp4_tsince(0.0)[1:] for one in catalogue.satellites]
+    states = np.array(vectors, dtype=float).reshape(-1, 6)
     return _States(states[:, :3], states[:, 3:])
 
 
@@ -153,8 +153,8 @@ def _propagate(catalogue: ElementCatalogue, rows: pd.DataFrame) -> _Propagated:
         earlier = earlier[number[earlier] == number[one]]
         minutes = _MINUTES * np.concatenate([t[earlier] - t[one], tau[members]])
         satellite, known = catalogue.satellites[one], len(earlier)
-        propagated, speeds = propagate(satellite, minutes)
-        back[one, :known] = propagated[:known]
-        positions[members], velocities[members] = propagated[known:], speeds[known:]
+        places, speeds = propagate(satellite, minutes)
+        back[one, :known] = places[:known]
+        positions[members], velocities[members] = places[known:], speeds[known:]
         kicked[members] = propagate(kick(satellite, _STEP), minutes[known:])[0]
     return _Propagated(positions, velocities, kicked, back)

@@ -135,7 +135,7 @@ def combined(rows: pd.DataFrame, ways: Ways, weights: pd.DataFrame) -> pd.DataFr
 def changes(rows: pd.DataFrame, set_of_row: pd.Series, bstar: pd.Series) -> pd.DataFrame:
     """Return speed [m/d] and B*, by set, whose displacement along the track is nearest to the corrections.
 
-    rows: of `mixed`
+    rows: of `combined`
     set_of_row: what tells the sets apart
     bstar: B* of each set
 

@@ -1,4 +1,4 @@
-"""The space weather that an assumed model propagates under, by the time at which it is known.
+"""The space weather that an assumed model has, by the time at which it is known.
 
 hindcast: t_j is today. The weather up to t_j was measured; only figures that look ahead are replaced.
 forecast: t_i is today. An outlook has the weather known at its issue, and the forecast made then.

@@ -129,8 +129,8 @@ class TaskPart:
         nudged: windows [h] of those
         held: window [h] and memory [days] of each of these arcs
 
-        In a large field the first propagate under all of it, and the others beside them. A few arcs that are
-        propagated alone leave most lanes of a block empty.
+        In a large field the first are propagated under all of it, and the others beside them. A few arcs
+        alone leave most lanes of a block empty.
         """
         families: dict[Hashable, pd.DataFrame] = {
             ("pairs", (), ()): self.starts,

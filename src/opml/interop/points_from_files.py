@@ -178,8 +178,8 @@ def _check_velocities(arc: Arc, sigmas: np.ndarray) -> None:
     if not near.any():
         return
     moved = np.diff(arc.positions, axis=0)[near]
-    propagated = 0.5 * (arc.velocities[1:] + arc.velocities[:-1])[near] * steps[near, None]
-    miss = float(np.median(np.linalg.norm(propagated - moved, axis=1) / np.linalg.norm(moved, axis=1)))
+    expected = 0.5 * (arc.velocities[1:] + arc.velocities[:-1])[near] * steps[near, None]
+    miss = float(np.median(np.linalg.norm(expected - moved, axis=1) / np.linalg.norm(moved, axis=1)))
     if miss > ALIEN:
         raise InputError(
             f"{arc.path}: expected velocities that lead from each position to the next, "

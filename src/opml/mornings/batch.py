@@ -126,8 +126,8 @@ class Surroundings:
     """What all objects of a job share: force models as of `watched.ObjectPropagators`, and the stations.
 
     The weather was seen until `seen_until` [s]. The models of fits and predictions stand with the parts of
-    them for high orbits and for neighbours, made once: arcs under one model propagate together. Mean elements
-    are improved beside those of all objects of the run, whose files are read once.
+    them for high orbits and for neighbours, made once: arcs under one model are propagated together. Mean
+    elements are improved beside those of all objects of the run, whose files are read once.
     """
 
     fits: tuple[ForceModel, ForceModel, ForceModel]
@@ -170,8 +170,8 @@ class Surroundings:
         )
 
     def model(self, rso: Rso) -> ObjectPropagators:
-        """Return the propagator of an object."""
-        of = partial(Propagator, rso=rso, integrator=self.integrator, ensemble=self.propagate)
+        """Return the propagators of an object."""
+        of = partial(Propagator, rso=rso, integrator=self.integrator, propagate_arcs=self.propagate)
         (fits, high, near), (predictions, high_ahead, near_ahead) = self.fits, self.predictions
         return ObjectPropagators(
             of(fits, near=near),
@@ -199,7 +199,7 @@ def run(files: Any, settings: BatchSettings, *, metadata: Mapping[str, Any]) -> 
         blocks, store = SharedBlocks(), Store(settings.days, settings.batch, settings.objects)
         done = store.done(settings.date)
         surroundings = Surroundings.read(
-            files, settings, blocks.propagate, since=_propagated_since(settings, done)
+            files, settings, blocks.propagate, since=_issued_since(settings, done)
         )
         attempts = _Attempts(blocks, settings.date)
         begun = attempts.together(
@@ -275,8 +275,8 @@ def _futures(path: FilePath, *, since: float) -> pd.DataFrame:
     return pd.concat(kept or [SCHEMAS["futures"].empty()], ignore_index=True)
 
 
-def _propagated_since(settings: BatchSettings, done: Mapping[str, Sequence[date]]) -> float:
-    """Return the time after which the weather is issued that the mornings to be run propagate under [s]."""
+def _issued_since(settings: BatchSettings, done: Mapping[str, Sequence[date]]) -> float:
+    """Return the time after which the weather of the mornings to be run is issued [s]."""
     begins = [settings.calendar.time(before[-1]) if before else -np.inf for before in done.values()]
     # An ephemeris starts less than its length before the morning, and from an issue of at most a day before.
     return min(begins) - DAY * (settings.max_days + 1.0)

@@ -53,8 +53,8 @@ def known_at(now: float, watched: Watched, records: Records, recent: Recent) -> 
     )
     pairs = _from_previous(known, longest=DAY * plan.max_days)
     # Where the newest may start one, nobody asks for the others.
-    for propagated in (pairs.tail(1), pairs) if len(pairs) else ():
-        known = replace(known, at_estimates=made(rows, predict_pairs(propagator, rows, propagated)))
+    for asked in (pairs.tail(1), pairs) if len(pairs) else ():
+        known = replace(known, at_estimates=made(rows, predict_pairs(propagator, rows, asked)))
         if known.may_depart().any():
             break
     return known

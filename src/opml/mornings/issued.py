@@ -90,11 +90,9 @@ def with_sigmas(judged: pd.DataFrame, issued: pd.DataFrame) -> pd.DataFrame:
     """Return rows of `judged` with the standard deviations that were stated of the selected models."""
     sigmas = judged[SIGMA_STATE].to_numpy(copy=True)
     selected = issued[(issued["model"] != "") & issued["morning"].isin(judged["morning"])]
-    for propagator in selected.to_dict("records"):
-        rows = (
-            (judged["model"] == propagator["model"]) & (judged["morning"] == propagator["morning"])
-        ).to_numpy()
-        sigmas[rows] = _sizes(propagator).sigmas(judged[rows])
+    for row in selected.to_dict("records"):
+        rows = ((judged["model"] == row["model"]) & (judged["morning"] == row["morning"])).to_numpy()
+        sigmas[rows] = _sizes(row).sigmas(judged[rows])
     return judged.assign(**dict(zip(SIGMA_STATE, sigmas.T, strict=True)))
 
 
@@ -107,11 +105,11 @@ def _columns(sizes: Sizes) -> dict[str, float]:
     return values | {name: getattr(sizes, name) for name in _TIMES}
 
 
-def _sizes(propagator: Mapping[str, Any]) -> Sizes:
+def _sizes(row: Mapping[str, Any]) -> Sizes:
     values: dict[str, Any] = {
-        group: np.array([propagator[f"{group}_{part}"] for part in parts]) for group, parts in _GROUPS.items()
+        group: np.array([row[f"{group}_{part}"] for part in parts]) for group, parts in _GROUPS.items()
     }
-    return Sizes(**values, **{name: propagator[name] for name in _TIMES})
+    return Sizes(**values, **{name: row[name] for name in _TIMES})
 
 
 def epochs(paths: pd.DataFrame, step: float) -> np.ndarray:

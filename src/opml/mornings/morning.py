@@ -22,7 +22,7 @@ from opml.mornings.watched_object import Watched
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import SCHEMAS
 
-_NOT_FLOWN = Verdict(UNPROVEN, "nothing was issued yet")
+_NOT_ISSUED = Verdict(UNPROVEN, "nothing was issued yet")
 
 
 @dataclass(frozen=True)
@@ -77,7 +77,7 @@ class _Morning:
     paths: list[Paths] = field(default_factory=list)
     selected: SelectedModel | None = None
     ephemeris: pd.DataFrame | None = None
-    verdict: Verdict = _NOT_FLOWN
+    verdict: Verdict = _NOT_ISSUED
 
     def fit(self) -> None:
         """Estimate the tracks that are new; again behind a burn, where the estimates show one."""

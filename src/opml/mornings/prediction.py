@@ -303,7 +303,7 @@ def _window(tracking: pd.DataFrame, windows: Sequence[float]) -> float:
 def _object_propagators(
     rso: Rso, weather: FilePath, settings: OrbitSettings, times: _Times, max_days: float
 ) -> ObjectPropagators:
-    """Return the propagator of an object under the weather that was known at each time."""
+    """Return the propagators of an object under the weather that was known at each time."""
     weather, t = str(weather), nodes(times.epoch, times.duration)
     sources, hours = settings.environment, settings.environment.issue_hours or known_weather.FIT_HOURS
     date = _text(times.epoch, times.date)

@@ -76,9 +76,9 @@ class Sgp4:
         if self.improved is not None:
             number, morning = int(self.sets["number"].iloc[0]), modified_julian_day(self.epoch) + now / DAY
             for name in (DENSITY, LEARNED):
-                propagated = self.improved.newest(name, number, morning)
-                if propagated is not None:
-                    models[name] = partial(mean_elements.states, propagated, epoch=self.epoch)
+                satellite = self.improved.newest(name, number, morning)
+                if satellite is not None:
+                    models[name] = partial(mean_elements.states, satellite, epoch=self.epoch)
         return {name: partial(_expected, states) for name, states in models.items()}
 
 

@@ -298,17 +298,17 @@ def stations_from_rows(rows: Mapping[str, Mapping[str, object]]) -> dict[str, St
 
 
 def rsos_from_rows(
-    rows: Mapping[str, Mapping[str, object]], *, propagated: Container[str] = ()
+    rows: Mapping[str, Mapping[str, object]], *, from_files: Container[str] = ()
 ) -> dict[str, Rso]:
     """Return RSOs from mappings of the sheet's columns. Raises InputError, naming the column.
 
     rows: values by column, by the RSO's name
-    propagated: names of RSOs whose orbit is in a file; their rows may lack the elements, which are NaN then
+    from_files: names of RSOs whose orbit is in a file; their rows may lack the elements, which are NaN then
     """
     rsos = {}
     for name, row in rows.items():
         fields = _RSO_FIELDS
-        if name in propagated and not set(row) & set(_ELEMENTS):
+        if name in from_files and not set(row) & set(_ELEMENTS):
             fields = {key: field for key, field in _RSO_FIELDS.items() if key not in _ELEMENTS}
         elements = dict.fromkeys((field.attribute for field in _RSO_FIELDS.values()), math.nan)
         rsos[name] = Rso(name=name, **(elements | _parse_rows({name: row}, fields)[name]))
@@ -320,7 +320,7 @@ def rsos_from_rows(
 def check_body(name: str, body: Mapping[str, object]) -> None:
     """Raise InputError for a name, or a body's numbers, that no line of the sheet of RSOs may have."""
     _check_name("name", name, {})
-    rsos_from_rows({name: body}, propagated=(name,))
+    rsos_from_rows({name: body}, from_files=(name,))
 
 
 def _parse_rows(

@@ -126,8 +126,8 @@ def _newest(outcome: Outcome) -> str:
 def _yesterday(outcome: Outcome) -> str:
     """Return a link to the folder of the morning before, if there was one."""
     before = (date.fromisoformat(outcome["date"]) - timedelta(days=1)).isoformat()
-    selected = (GOOD, WIDE, UNPROVEN)
-    was_sent = any(one["date"] == before and one["verdict"] in selected for one in outcome["mornings"])
+    sent = (GOOD, WIDE, UNPROVEN)
+    was_sent = any(one["date"] == before and one["verdict"] in sent for one in outcome["mornings"])
     is_there = outcome["message"] and was_sent
     return f"; [yesterday's](../{before}/{outcome['object']}/)" if is_there else ""
 

@@ -42,8 +42,8 @@ def section(
         if (rso, stations) in fits:
             fit = fits[rso, stations].groupby("day")
             rows += [[*_cells("fit", day, table), NO_VALUE, NO_VALUE, NO_VALUE] for day, table in fit]
-        selected = _verdict(mornings.selected, shares[CHOSEN], days) if CHOSEN in shares else TOO_SHORT
-        yield from texts.blocks("uncertainty.dataset", rows, rso=rso, stations=stations, selected=selected)
+        verdict = _verdict(mornings.selected, shares[CHOSEN], days) if CHOSEN in shares else TOO_SHORT
+        yield from texts.blocks("uncertainty.dataset", rows, rso=rso, stations=stations, verdict=verdict)
 
 
 def _verdict(selected: pd.DataFrame, shares: pd.DataFrame, days: Sequence[float]) -> str:

@@ -29,11 +29,11 @@ def check(run: RunSettings, *, is_measured: bool = False) -> None:
     ends = nodes(epoch, DAY * run.duration_days)[[0, -1]]
     earth_orientation.tabulate(epoch, ends)
     celestial_bodies.tabulate(sources.ephemerides, epoch, ends)
-    propagated = {"true_solar_activity": sources.true_solar_activity}
+    activities = {"true_solar_activity": sources.true_solar_activity}
     # Measurements before a forecast need not reach into the days ahead.
     if sources.knowledge != known_weather.FORECAST or not (is_measured or sources.true_solar_activity):
-        propagated = {"solar_activity": sources.solar_activity, **propagated}
-    for setting, source in propagated.items():
+        activities = {"solar_activity": sources.solar_activity, **activities}
+    for setting, source in activities.items():
         if source:
             _check_activity(setting, source, epoch, ends, sources.percentile)
     _check_knowledge(run, ends)

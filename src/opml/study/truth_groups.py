@@ -33,7 +33,7 @@ def named_rsos(paper: Paper, beyond: Beyond, own_study: OwnStudy) -> list[str]:
 def groups(study: Study, rsos: Iterable[str], *, results: Path) -> list[tuple[str, ...]]:
     """Return the simulated RSOs of each group of two or more.
 
-    rsos: names that the study may propagate
+    rsos: names that the study may simulate
     results: folder of the truths that exist, in `truth`, and of their groups, in `truth_groups`
 
     A job's truths are made anew together, with all that follows from them. So an RSO with a truth stays with
@@ -58,8 +58,8 @@ def _finished_groups(study: Study, rsos: Sequence[str], results: Path) -> Iterat
     placed: set[str] = set()
     for group in map(_read_group, sorted((results / TRUTH_GROUPS).glob("*.parquet"))):
         is_needed = not set(rsos).isdisjoint(group) and placed.isdisjoint(group)
-        is_propagated = any(_has_truth(results, rso) for rso in group)
-        if is_needed and is_propagated and len(_simulated_rsos(study, group)) == len(group):
+        has_truth = any(_has_truth(results, rso) for rso in group)
+        if is_needed and has_truth and len(_simulated_rsos(study, group)) == len(group):
             placed.update(group)
             yield group
 

@@ -366,7 +366,7 @@ def beside(objects, folder, until):
     blocks, store = SharedBlocks(), Store(folder, "0", objects)
     under_way = []
     for name, (one, rso) in objects.items():
-        propagator = replace(one.model.fits, rso=rso, ensemble=blocks.propagate)
+        propagator = replace(one.model.fits, rso=rso, propagate_arcs=blocks.propagate)
         model = replace(one.model, fits=propagator, predictions=propagator, flattened=propagator)
         under_way.append(begin(store, name, replace(one, model=model), until))
 

@@ -3,7 +3,7 @@
 At the start of each track, all measurements of that track and of those that began in the window before it
 are fitted under the assumed model (paper, sec. Estimation Models). A window may reach beyond the track, too:
 such an estimate is smoothed and known later, which serves labels. The partial derivatives come from
-neighbouring arcs: the nominal arc and seven that differ in one parameter propagate as eight lanes of an
+neighbouring arcs: the nominal arc and seven that differ in one parameter are propagated as eight lanes of an
 ensemble, so no variational equations are needed.
 """
 

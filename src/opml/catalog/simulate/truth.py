@@ -33,7 +33,7 @@ def initial_state(rso: Rso, gm: float) -> np.ndarray:
 
 
 def simulate(propagator: Propagator, *, duration: float, step: float) -> pd.DataFrame:
-    """Return the `truth` table of a propagator: GCRF states every `step` from the epoch to `duration` [s].
+    """Return the `truth` table of a propagator's RSO: GCRF states every `step` to `duration` [s].
 
     propagator: under the true model. Raises InputError where it does not stay in orbit that long. Source:
     paper, sec. Truth Dynamic Models.

@@ -1,4 +1,4 @@
-"""Propagator of a block of arcs along a grid of times, the kernel below `opml.dynamics.ensemble`."""
+"""Propagation of a block of arcs along a grid of times, the kernel below `opml.dynamics.ensemble`."""
 
 from typing import NamedTuple
 
@@ -74,7 +74,7 @@ def advance(
     work: memory for one block
     """
     values, factors, scratch, new, slopes = work.values, work.factors, work.scratch, work.new, work.slopes
-    # The part of the grid on which any lane propagates.
+    # The part of the grid on which any lane is propagated.
     begin, end = join[0], leave[0]
     for lane in range(WIDTH):
         begin, end = min(begin, join[lane]), max(end, leave[lane])

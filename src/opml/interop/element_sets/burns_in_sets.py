@@ -134,10 +134,10 @@ def _difference(earlier: KnownSet, later: KnownSet) -> np.ndarray:
     return _EARTH_RADIUS * np.array([abs(a - other_a), a * tilt])
 
 
-def _mean_orbit(propagating: Satrec, after: float) -> tuple[float, float, float]:
+def _mean_orbit(satellite: Satrec, after: float) -> tuple[float, float, float]:
     """Return mean semi-major axis [Earth radii], inclination and node [rad] some time [s] after the epoch.
 
     All are NaN where SGP4 fails.
     """
-    error, _, _ = propagating.sgp4_tsince(after / _MINUTE)
-    return (propagating.am, propagating.im, propagating.Om) if error == 0 else (np.nan, np.nan, np.nan)
+    error, _, _ = satellite.sgp4_tsince(after / _MINUTE)
+    return (satellite.am, satellite.im, satellite.Om) if error == 0 else (np.nan, np.nan, np.nan)

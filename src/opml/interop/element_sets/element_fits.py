@@ -80,9 +80,9 @@ def _nearest(start: np.ndarray, misses: Callable[[np.ndarray], np.ndarray]) -> n
 
 def _misses(parameters: np.ndarray, time: str, since: np.ndarray, positions: np.ndarray) -> np.ndarray:
     """Return the distances (n, 3) [km] of SGP4 from positions (n, 3) at times (n,) [s] from a UTC text on."""
-    propagating = _satellite(parameters, time)
-    days = propagating.jdsatepochF + since / DAY
-    errors, propagated, _ = propagating.sgp4_array(np.full(len(since), propagating.jdsatepoch), days)
+    satellite = _satellite(parameters, time)
+    days = satellite.jdsatepochF + since / DAY
+    errors, propagated, _ = satellite.sgp4_array(np.full(len(since), satellite.jdsatepoch), days)
     return np.where(errors[:, None] == 0, propagated - positions, _LOST)
 
 

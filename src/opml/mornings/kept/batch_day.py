@@ -102,13 +102,13 @@ class BatchDay:
     def paths(self, name: str) -> list[Paths]:
         """Return the ephemerides of an object, if any are there."""
         models = self.marks[name].models
-        if not models or self._selected is None:
+        if not models or self._paths is None:
             return []
-        rows = self._selected.rows(name)
+        rows = self._paths.rows(name)
         return [Paths(rows[paths_schema(models).names])] if len(rows) else []
 
     @cached_property
-    def _selected(self) -> "ObjectRows | None":
+    def _paths(self) -> "ObjectRows | None":
         """The ephemerides, if any are there."""
         file = self.folder / PATHS
         if not file.exists():
@@ -125,11 +125,11 @@ class BatchDay:
             }
             self._write(f"{table}.parquet", rows, schema, metadata)
         paths = {name: made[name].records.paths if name in made else self.paths(name) for name in marks}
-        if selected := {name: one.table for name, found in paths.items() for one in found}:
-            models = list(dict.fromkeys(model for name in selected for model in marks[name].models))
+        if tables := {name: one.table for name, found in paths.items() for one in found}:
+            models = list(dict.fromkeys(model for name in tables for model in marks[name].models))
             of_none, of_all = paths_schema([]), paths_schema(models)
             schema = replace(of_none, optional=of_all.columns[len(of_none.columns) :])
-            self._write(PATHS, selected, schema, {**metadata, "models": models})
+            self._write(PATHS, tables, schema, {**metadata, "models": models})
         told = [made[name].outcome if name in made else self.outcomes[name] for name in marks]
         outcomes.write(self.folder / _OUTCOMES, told)
         with replacing(self.folder / _DONE) as temporary:

@@ -32,9 +32,9 @@ def convert(days: FilePath) -> None:
 def _finished(folder: Path) -> FinishedMorning:
     made, paths = read_metadata(folder / "issued.parquet"), folder / PATHS
     estimates, judged, issued = (read_table(folder / f"{name}.parquet", name) for name in Records.TABLES)
-    selected = (
+    ephemerides = (
         [Paths(read_table(paths, paths_schema(read_metadata(paths)["models"])))] if paths.exists() else []
     )
-    records = Records(estimates, judged, issued, selected)
+    records = Records(estimates, judged, issued, ephemerides)
     outcome = outcomes.NOTHING | json.loads((folder / _DONE).read_text(encoding="utf-8"))
     return FinishedMorning(records, outcome, made["settings"], made.get("stations", {}))

@@ -184,8 +184,8 @@ def with_sheets(values: Mapping[str, Any], source: Source | None = None) -> Sett
     sheets = Sheets.model_validate(values.get("sheets"))
     stations, rsos = read_stations(project_file(sheets.stations)), read_rsos(project_file(sheets.rsos))
     own_stations = _inline(source, "stations", stations_from_rows, known=stations)
-    propagated = {name for kind in _FROM_FILES for name in values.get(kind, {})}
-    own_rsos = _inline(source, "rsos", partial(rsos_from_rows, propagated=propagated), known=rsos)
+    from_files = {name for kind in _FROM_FILES for name in values.get(kind, {})}
+    own_rsos = _inline(source, "rsos", partial(rsos_from_rows, from_files=from_files), known=rsos)
     return Settings(values, stations | own_stations, rsos | own_rsos)
 
 
