@@ -40,7 +40,7 @@ from opml.ephemerides import corrected, replays
 from opml.ephemerides.ephemeris_task import Task, departures
 from opml.ephemerides.known_tables import KnownTables
 from opml.ephemerides.task_part import Grid
-from opml.interop import crd, points_from_files, sinex, tdm
+from opml.interop import crd, formats, points_from_files, sinex, tdm
 from opml.interop.element_sets import mean_elements
 from opml.interop.orbit_from_files import OrbitFiles
 from opml.interop.predicted_orbit import PredictedOrbit
@@ -412,7 +412,7 @@ def predict(
     """
     paths = [files] if isinstance(files, (str, os.PathLike)) else list(files)
     name = None if object is None else str(object)
-    if points_from_files.is_measured(paths[0]):
+    if formats.kind_of(paths[0], formats.ELEMENTS, formats.ORBIT, formats.TRACKS) != formats.ELEMENTS:
         request = Request(paths, days, name, date, weather, stations, area_to_mass)
         return measured_prediction.of_measurements(request, progress=lambda line: None)
     return set_prediction.predict(

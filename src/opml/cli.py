@@ -56,6 +56,15 @@ def _first_of_each() -> Callable[[logging.LogRecord], bool]:
     return is_new
 
 
+class _Help(argparse.HelpFormatter):
+    """Help that names the formats which are read."""
+
+    def _get_help_string(self, action: argparse.Action) -> str:
+        from opml.interop import formats
+
+        return formats.filled_in(action.help or "")
+
+
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="opml",
@@ -69,7 +78,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--version", action="version", version=f"opml {__version__}")
     subparsers = parser.add_subparsers(required=True, metavar="COMMAND", help="one of the commands below")
     for command in COMMANDS:
-        subparser = subparsers.add_parser(command.name, description=command.help)
+        subparser = subparsers.add_parser(command.name, description=command.help, formatter_class=_Help)
         command.add_arguments(subparser)
         subparser.set_defaults(run=command.run)
     return parser
@@ -82,7 +91,7 @@ def _add_init(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("folder", help="the project's folder; created if missing")
     kinds = parser.add_mutually_exclusive_group()
     kinds.add_argument("--elements", metavar="FILE", help="element sets of an object, for its study")
-    kinds.add_argument("--orbit", nargs="+", metavar="FILE", help="its positions: SP3, CPF, OEM or CSV")
+    kinds.add_argument("--orbit", nargs="+", metavar="FILE", help="its positions: {orbit}")
 
 
 def _init(options: argparse.Namespace) -> None:
@@ -100,7 +109,7 @@ def _init(options: argparse.Namespace) -> None:
 
 
 def _add_rso(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("file", help="a TLE, or an OMM in KVN, JSON, XML or CSV")
+    parser.add_argument("file", help="an element set: {elements}")
     parser.add_argument("--name", required=True, help="name in the sheet: lower-case letters and digits")
     parser.add_argument("--epoch", required=True, help="epoch of the run, UTC: 2016-09-28T12:09:45")
     parser.add_argument("--area-to-mass", type=float, required=True, help="area over mass [m2/kg]")
@@ -116,11 +125,11 @@ def _rso(options: argparse.Namespace) -> None:
 
 
 def _add_screen(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("ours", help="our object's OEM or mean elements; alone, a catalogue or a CDM")
-    parser.add_argument("others", nargs="*", help="ephemerides (OEM) and mean elements of other objects")
+    parser.add_argument("ours", help="our object's orbit ({orbit}) or sets; alone, a catalogue or a CDM")
+    parser.add_argument("others", nargs="*", help="orbits and element sets of other objects")
     parser.add_argument("--within", type=float, help="largest distance [km] (5); not of a CDM")
     parser.add_argument("--radius", type=float, help="sum of the radii of two objects [m] (20, or a CDM's)")
-    parser.add_argument("--days", type=float, default=7.0, help="days to screen where no file is an OEM (7)")
+    parser.add_argument("--days", type=float, default=7.0, help="days to screen without an orbit (7)")
     printed = parser.add_mutually_exclusive_group()
     printed.add_argument("--csv", action="store_true", help="as comma-separated values")
     printed.add_argument("--json", action="store_true", help="as a list of objects, null where unknown")
@@ -149,7 +158,7 @@ def _screen(options: argparse.Namespace) -> None:
 
 
 def _add_compare(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("ours", help="an orbit: OEM, SP3, CPF, CSV of points, TLE or OMM")
+    parser.add_argument("ours", help="an orbit: {orbit}, {elements}")
     parser.add_argument("other", nargs="+", help="another, such as the truth, in one file or several")
     parser.add_argument("--object", help="name or number of the object in the first, where it has several")
     parser.add_argument("--other-object", help="the same of the second")
@@ -181,7 +190,9 @@ def _instant(text: str) -> str:
 
 
 def _add_improve(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("sets", nargs="*", help="files and folders of TLEs or OMMs (all that was fetched)")
+    parser.add_argument(
+        "sets", nargs="*", help="files and folders of sets: {elements} (all that was fetched)"
+    )
     parser.add_argument("-o", "--output", required=True, help="better sets: .tle, .json, .csv, .xml or .kvn")
     parser.add_argument("--table", help="what was done, and the errors expected: .csv, .json or .parquet")
     parser.add_argument("--date", type=_instant, help=f"{_UTC}: only what was public then counts (now)")
@@ -215,7 +226,7 @@ def _improve(options: argparse.Namespace) -> None:
 
 def _add_predict(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "files", nargs="+", help="sets (TLE, OMM), points (CSV, OEM, SP3), TDMs; or a number, a name"
+        "files", nargs="+", help="sets ({elements}), points ({orbit}), tracks ({tracks}); or a number, a name"
     )
     parser.add_argument("-o", "--output", action="append", default=[], help=_PREDICTED)
     parser.add_argument("--object", help="name, designator or number, where the files have several objects")
@@ -236,7 +247,7 @@ _PREDICTED = "what is written, each by its suffix: .oem, .tle, .kvn, .xml, .csv,
 
 def _predict(options: argparse.Namespace) -> None:
     from opml.element_sets import station_passes
-    from opml.interop.points_from_files import is_measured
+    from opml.interop import formats
     from opml.interop.predicted_orbit import UNKNOWABLE
     from opml.workflow import prediction_files
 
@@ -248,7 +259,8 @@ def _predict(options: argparse.Namespace) -> None:
     places = [station_passes.place(text) for text in options.station]
     with on_stderr() as progress:
         _fetch_object(options, progress)
-        made = (_fit if is_measured(options.files[0]) else _propagate_sets)(options, progress)
+        kind = formats.kind_of(options.files[0], formats.ELEMENTS, formats.ORBIT, formats.TRACKS)
+        made = (_propagate_sets if kind == formats.ELEMENTS else _fit)(options, progress)
     for path in options.output:
         prediction_files.write(path, made, places)
     print(f"{made.identity} from {made.date} UTC: {made.way} ({made.reason})")
@@ -400,7 +412,7 @@ def _completion(options: argparse.Namespace) -> None:
     parser = argparse.ArgumentParser(prog="opml")
     subparsers = parser.add_subparsers()
     for command in COMMANDS:
-        subparser = subparsers.add_parser(command.name, help=command.help)
+        subparser = subparsers.add_parser(command.name, help=command.help, formatter_class=_Help)
         command.add_arguments(subparser)
         for action in subparser._actions:
             if action.nargs != 0 and action.choices is None and action.type is None:

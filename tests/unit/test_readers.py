@@ -19,7 +19,7 @@ from opml.base.yaml_files import read_yaml
 from opml.catalog.propagator import Propagator
 from opml.catalog.simulate import truth
 from opml.environment import celestial_bodies, earth_orientation, gravity_field, solar_activity
-from opml.interop import oem
+from opml.interop import oem, orbit_segments
 from opml.interop.element_sets import histories, mean_elements
 from opml.orbits.sheets import read_rsos, read_stations
 
@@ -64,7 +64,7 @@ READ = {
     "weather.csv": lambda path: solar_activity.tabulate(path, EPOCH, DAYS, 50),
     "finals2000A.all": lambda path: earth_orientation.tabulate(EPOCH, DAYS, bulletin=path),
     "week.bsp": lambda path: celestial_bodies.tabulate(path, EPOCH, DAYS),
-    "iss.oem": lambda path: oem.arcs(path, epoch=EPOCH),
+    "iss.oem": lambda path: orbit_segments.read(path, epoch=EPOCH),
     "vanguard.omm": mean_elements.read,
     **dict.fromkeys(NOTATIONS, lambda path: histories.read([path], epoch=EPOCH)),
     "stations.tsv": read_stations,
@@ -164,7 +164,7 @@ def test_a_sound_message_gives_the_orbit_that_was_written(read, kepler_model, is
     (arc,) = read("iss.oem")
     np.testing.assert_array_equal(arc.t, np.arange(0.0, 601.0, 20.0))
     start = truth.initial_state(iss, kepler_model.gm)
-    np.testing.assert_allclose([*arc.positions[0], *arc.velocities[0]], start, rtol=1e-12)
+    np.testing.assert_allclose(arc.states[0], start, rtol=1e-12)
 
 
 def test_sound_mean_elements_are_those_of_the_message(read):

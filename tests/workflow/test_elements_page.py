@@ -7,7 +7,7 @@ import pytest
 from element_histories import history, tle_text
 from following import Reader, blocks, page
 
-from opml.interop import oem
+from opml.interop import orbit_segments
 from opml.interop.element_sets import mean_elements
 from opml.interop.object_ids import ObjectId
 
@@ -53,7 +53,7 @@ def test_the_command_of_the_page_makes_what_the_page_says(made):
     assert "held96" in report
     assert "SGP4 from the newest set, improved by what a catalogue taught" in report
     (message,) = made.rglob(f"{LAST}/held96.oem")
-    (segment,) = oem.read(message, epoch="2016-09-28T12:09:45")
+    (segment,) = orbit_segments.read(message, epoch="2016-09-28T12:09:45")
     for path in (message.with_suffix(".omm"), message.with_suffix(".tle")):
         (one,) = mean_elements.read_sets(path)
         flown = mean_elements.states(one.satellite, epoch="2016-09-28T12:09:45", t=segment.t)

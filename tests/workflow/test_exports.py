@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 from project import ROOT
 
-from opml.interop import oem
+from opml.interop import orbit_segments
 from opml.tables import SCHEMAS, STATE, STATE_COVARIANCES, read_table, write_table
 
 TRIMMED = "--configfile=config/ci.yaml"
@@ -47,7 +47,7 @@ def test_ephemerides_from_each_estimate_are_as_many_files_as_estimates_departed(
     times = ["2016-09-28T121125Z", "2016-09-28T133305Z", "2016-09-29T130945Z"]
     assert [path.name for path in paths] == [f"{time}.oem" for time in times]
     for path, (_, rows) in zip(paths, table.groupby("i"), strict=True):
-        (segment,) = oem.read(path, epoch="2016-09-28T12:09:45")
+        (segment,) = orbit_segments.read(path, epoch="2016-09-28T12:09:45")
         np.testing.assert_array_equal(segment.states, rows[STATE])
 
 

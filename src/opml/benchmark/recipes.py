@@ -30,6 +30,7 @@ from opml.environment.solar_activity import OBSERVED
 from opml.interop import ccsds
 from opml.interop.element_sets import mean_elements, tle
 from opml.interop.element_sets.element_set import seconds_since
+from opml.interop.orbit_arcs import contents
 
 _TLE = 2  # lines
 
@@ -166,8 +167,8 @@ def _write_sets(path: Path, recipe: Recipe, catalogue: ElementCatalogue, rows: p
     table, morning = catalogue.table, float(rows["morning"].iloc[0])
     known = (table["known"] <= morning) & (table["t"] >= morning - recipe.history_days)
     own = table[known & table["number"].isin(rows["number"].unique())]
-    texts = {file: mean_elements.read_text(file) for file in own["file"].unique()}
-    pieces = {file: dict(enumerate(tle.pieces(text))) for file, text in texts.items()}
+    texts = {file: contents(file).decode() for file in own["file"].unique()}
+    pieces = {file: dict(enumerate(tle.pieces(file, text))) for file, text in texts.items()}
     lines = [
         line
         for file, place in zip(own["file"], own["place"], strict=True)

@@ -9,7 +9,7 @@ from opml.base.progress import on_stderr
 def add_task(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of `task`."""
     parser.add_argument("recipe", help="a recipe, as benchmark/elements-maximum.yaml")
-    parser.add_argument("orbits", nargs="+", help="files and folders of TLEs; of tracks SP3, CPF, OEM")
+    parser.add_argument("orbits", nargs="+", help="files and folders of TLEs; of tracks {orbit}")
     parser.add_argument("-o", "--output", required=True, help="the task's folder; the truth gets -truth")
     parser.add_argument("--weather", default="OBSERVED", help="space weather, CSSI (that of the package)")
     parser.add_argument("--forecasts", metavar="FILE", help="weather as forecast: CSV, a column issued")

@@ -44,6 +44,13 @@ def velocities_of(t: np.ndarray, positions: np.ndarray) -> np.ndarray:
     return np.asarray(curve.derivative()(t - t[0]))
 
 
+def with_velocities(t: np.ndarray, states: np.ndarray) -> np.ndarray:
+    """Return states (n, 6) at times (n,) [s], with the velocities to their positions where any is unknown."""
+    if np.isfinite(states).all() or len(t) < FEWEST:
+        return states
+    return np.hstack([states[:, :3], velocities_of(t, states[:, :3])])
+
+
 @dataclass(frozen=True, eq=False)
 class Path:
     """States of an object, a minute or so apart."""

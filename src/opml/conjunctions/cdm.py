@@ -61,11 +61,6 @@ _UNITS_OF |= dict(zip(_STATED, _UNITS, strict=True))
 """Units of what is read, by key; a message may leave them out."""
 
 
-def matches(content: bytes) -> bool:
-    """Return whether a file looks like a CDM in KVN."""
-    return re.match(rb"(?:\s|COMMENT\b.*)*CCSDS_CDM_VERS\b", content) is not None
-
-
 def write(path: FilePath, conjunction: Conjunction, *, epoch: str) -> None:
     """Write a conjunction, whole or not at all.
 

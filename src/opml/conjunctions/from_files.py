@@ -7,7 +7,7 @@ from opml.base.files import FilePath
 from opml.conjunctions import all_pairs, cdm, screening
 from opml.conjunctions.approaches import EPOCH
 from opml.conjunctions.conjunction import Conjunction
-from opml.interop.orbit_arcs import contents
+from opml.interop import formats
 
 
 def conjunctions(
@@ -17,11 +17,12 @@ def conjunctions(
 
     within: largest distance [km], None: the usual one
     radius: sum of the radii of two objects [m], None: the usual one, or the CDM's
-    days: that mean elements are propagated where no file is an OEM
+    days: that mean elements are propagated where no file is an orbit
 
     Raises InputError for a distance with a CDM, and as `screening.screen`, `all_pairs.screen` and `cdm.read`.
     """
-    if len(files) == 1 and cdm.matches(contents(files[0])):
+    kinds = (formats.CONJUNCTION, formats.ORBIT, formats.ELEMENTS)
+    if len(files) == 1 and formats.kind_of(files[0], *kinds) == formats.CONJUNCTION:
         if within is not None:
             raise InputError("--within: expected ephemerides to screen, got a conjunction data message")
         return [cdm.read(files[0], epoch=EPOCH, radius=radius)]

@@ -3,7 +3,7 @@
     orbit = known_orbits.read(["mine.oem"])
     orbit.state("2019-09-16T00:00:00")
 
-Files are OEM, SP3, CPF, CSV of points, tables of opml with states, or mean elements, which SGP4 propagates.
+Files are of any format of orbits, tables of opml with states, or mean elements, which SGP4 propagates.
 """
 
 import logging
@@ -20,19 +20,17 @@ from opml.base import epochs
 from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.files import FilePath
-from opml.conjunctions.approaches import EPOCH, LONGEST_STEP, Path, velocities_of
+from opml.conjunctions.approaches import EPOCH, LONGEST_STEP, Path, with_velocities
 from opml.conjunctions.trajectories import covariances_at
-from opml.environment import earth_orientation, nodes
-from opml.interop import ccsds, fixes_csv, object_ids, oem
-from opml.interop.curves.orbit_curve import rotate_to_gcrf
+from opml.interop import ccsds, formats, object_ids, oem, orbit_segments
 from opml.interop.element_sets import histories
 from opml.interop.element_sets.mean_elements import MOST_DAYS
 from opml.interop.object_ids import UNKNOWN, ObjectId
-from opml.interop.orbit_arcs import Arc, contents
-from opml.interop.orbit_from_files import OrbitFiles, arcs_of_files, is_orbit
-from opml.orbits.elements import rsw_rotation
+from opml.interop.orbit_arcs import Arc
+from opml.interop.orbit_from_files import OrbitFiles, arcs_of_files
+from opml.interop.orbit_segments import covariances_in_rsw
 from opml.orbits.state_polynomials import FEWEST
-from opml.tables import STATE, is_table, read_kind, read_metadata, read_table
+from opml.tables import STATE, read_kind, read_metadata, read_table
 
 _SAME = 1e-5  # [s]
 _OTHER_UNIT = 0.5  # of most ways between positions that velocities miss by more
@@ -170,28 +168,18 @@ def read(paths: Sequence[FilePath], wanted: str | None = None) -> KnownOrbit:
     Raises InputError, naming file and line, as the readers of the formats do.
     """
     paths = list(dict.fromkeys(paths))
-    content = contents(paths[0])
-    if is_table(content):
-        return _of_tables(paths)
-    if is_orbit(content):
-        return _of_orbit(paths, wanted, is_message=oem.matches(content))
-    if not fixes_csv.matches(content):
+    kind = formats.kind_of(paths[0], formats.TABLE, formats.ORBIT, formats.ELEMENTS)
+    if kind == formats.ELEMENTS:
         return _of_sets(paths, wanted)
-    return _of_arcs(
-        [fixes_csv.read(path, contents(path), epoch=EPOCH, satellite=wanted)[0] for path in paths]
-    )
+    return _of_tables(paths) if kind == formats.TABLE else _of_files(OrbitFiles(paths, EPOCH, np.inf, wanted))
 
 
-def _of_orbit(paths: Sequence[FilePath], wanted: str | None, *, is_message: bool) -> States:
-    arcs = arcs_of_files(OrbitFiles(paths, EPOCH, np.inf, wanted))
-    if not is_message or arcs[0].frame == "ITRF":
-        return _of_arcs(arcs)
-    begins = {(arc.satellite, arc.t[0]) for arc in arcs}
-    segments = [
-        one for path in paths for one in oem.read(path, epoch=EPOCH) if (one.name, one.t[0]) in begins
+def _of_files(files: OrbitFiles) -> States:
+    arcs = [_in_one_unit(arc) for arc in arcs_of_files(files)]
+    stretches = [
+        one for segment in orbit_segments.of_arcs(arcs, epoch=EPOCH) for one in stretches_of(segment)
     ]
-    stretches = [stretch for one in segments for stretch in stretches_of(one)]
-    return States(str(paths[0]), stretches, identity=segments[0].identity)
+    return States(str(files.paths[0]), stretches, identity=arcs[0].identity)
 
 
 def _of_tables(paths: Sequence[FilePath]) -> States:
@@ -207,16 +195,12 @@ def _of_tables(paths: Sequence[FilePath]) -> States:
     return States(str(paths[0]), stretches, identity=identity)
 
 
-def _of_arcs(arcs: Sequence[Arc]) -> States:
-    ordered = sorted(arcs, key=lambda arc: float(arc.t[0]))
-    stretches = [one for arc in ordered for one in _stretches(str(arc.path), *_in_gcrf(_in_one_unit(arc)))]
-    return States(str(arcs[0].path), stretches, identity=arcs[0].identity)
-
-
 def _in_one_unit(arc: Arc) -> Arc:
     """Return an arc, without its velocities where their unit is another, as in SP3 files of CNES."""
-    moved = np.diff(arc.positions, axis=0)
-    by_velocity = 0.5 * np.diff(arc.t)[:, None] * (arc.velocities[1:] + arc.velocities[:-1])
+    steps = np.diff(arc.t)
+    near = steps <= LONGEST_STEP
+    moved = np.diff(arc.positions, axis=0)[near]
+    by_velocity = (0.5 * steps[:, None] * (arc.velocities[1:] + arc.velocities[:-1]))[near]
     ways, misses = (np.linalg.norm(one, axis=1) for one in (moved, moved - by_velocity))
     if np.count_nonzero(misses > _OTHER_UNIT * ways) <= len(ways) / 2:
         return arc
@@ -227,33 +211,14 @@ def _in_one_unit(arc: Arc) -> Arc:
 def stretches_of(segment: oem.Segment) -> list[Stretch]:
     """Return the stretches of a segment, times since EPOCH, with covariances in RSW."""
     stretches = _stretches(segment.name, segment.t, segment.states)
-    t, covariances = segment.covariance_t, segment.covariances
-    if segment.covariance_frame == "GCRF" and len(t):
-        states = States(segment.name, stretches).at(t)
-        known = np.isfinite(states).all(axis=1)
-        turns = np.kron(np.eye(2), rsw_rotation(states[known]))
-        t, covariances = t[known], turns @ covariances[known] @ turns.transpose(0, 2, 1)
+    t, covariances = covariances_in_rsw(segment, States(segment.name, stretches).at)
     return [replace(one, covariance_t=t, covariances=covariances) for one in stretches]
-
-
-def _in_gcrf(arc: Arc) -> tuple[np.ndarray, np.ndarray]:
-    """Return times and GCRF states of an arc."""
-    (begin,) = ccsds.utc_texts(EPOCH, arc.t[:1])
-    hours = nodes(begin, float(arc.t[-1] - arc.t[0]))
-    orientation = earth_orientation.tabulate(begin, hours)
-    return arc.t, rotate_to_gcrf(replace(arc, t=arc.t - arc.t[0]), orientation)
 
 
 def _stretches(name: str, t: np.ndarray, states: np.ndarray) -> list[Stretch]:
     """Return stretches of ascending times (n,); positions without velocities get them where they are many."""
     parts = np.split(np.arange(len(t)), np.flatnonzero(np.diff(t) > LONGEST_STEP + _SAME) + 1)
-    return [Stretch(name, t[part], _with_velocities(t[part], states[part])) for part in parts]
-
-
-def _with_velocities(t: np.ndarray, states: np.ndarray) -> np.ndarray:
-    if np.isfinite(states).all() or len(t) < FEWEST:
-        return states
-    return np.hstack([states[:, :3], velocities_of(t, states[:, :3])])
+    return [Stretch(name, t[part], with_velocities(t[part], states[part])) for part in parts]
 
 
 def _of_sets(paths: Sequence[FilePath], wanted: str | None) -> Sets:

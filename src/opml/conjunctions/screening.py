@@ -1,4 +1,4 @@
-"""Close approaches between ephemerides in files: OEM, with their covariances, and mean elements.
+"""Close approaches between ephemerides in files: orbits, with their covariances, and mean elements.
 
 opml screen ours.oem others/*.oem catalogue.tle --within 5 --radius 20
 
@@ -18,7 +18,7 @@ import numpy as np
 from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.files import FilePath
-from opml.conjunctions import approaches, cdm
+from opml.conjunctions import approaches
 from opml.conjunctions.approaches import EPOCH, Approach
 from opml.conjunctions.conjunction import Conjunction, Participant, check_length, check_radius
 from opml.conjunctions.sieve import Looks, Span
@@ -29,10 +29,9 @@ from opml.conjunctions.trajectories import (
     read_elements,
     span_of_days,
 )
-from opml.interop import ccsds, oem
+from opml.interop import ccsds, formats, orbit_segments
 from opml.interop.element_sets.mean_elements import WARN_DAYS
 from opml.interop.object_ids import ObjectId
-from opml.interop.orbit_arcs import contents
 
 RADIUS = 20.0  # sum of the radii of two objects of which nothing is told [m]
 DAYS = 7.0  # days that mean elements are propagated by default
@@ -93,22 +92,20 @@ class ScreenedObject:
 
 
 def read(paths: Sequence[FilePath], *, days: float = DAYS) -> list[ScreenedObject]:
-    """Read the ephemerides in files, ours first: OEM, and mean elements over the span of ours.
+    """Read the ephemerides in files, ours first: orbits, and mean elements over the span of ours.
 
-    days: from our newest set on that elements are propagated where no file is an OEM
+    days: from our newest set on that elements are propagated where no file is an orbit
 
     A file that is named twice counts once. The first file is of our object. Where it has mean elements,
-    all of them are propagated over the span of the OEM. Of an object with several sets SGP4 propagates the
+    all of them are propagated over the span of the orbits. Of an object with several sets SGP4 propagates the
     newest before the middle of the span, to 30 days from its epoch at most. Raises InputError, naming the
     file, for what cannot be read, and a first file of several objects.
     """
-    for path in paths:
-        if cdm.matches(contents(path)):
-            raise InputError(f"{path}: expected an ephemeris or mean elements, got a CDM: it is read alone")
     first, *rest = {File(path).resolve(): path for path in paths}.values()
-    ours = _of_message(first) if _is_message(first) else []
-    messages = [path for path in rest if _is_message(path)]
-    others = [ephemeris for path in messages for ephemeris in _of_message(path)]
+    kinds = {path: formats.kind_of(path, formats.ORBIT, formats.ELEMENTS) for path in (first, *rest)}
+    ours = _of_orbit(first) if kinds[first] == formats.ORBIT else []
+    orbits = [path for path in rest if kinds[path] == formats.ORBIT]
+    others = [ephemeris for path in orbits for ephemeris in _of_orbit(path)]
     spans = [trajectory.span for ephemeris in ours or others for trajectory in ephemeris.trajectories]
     span = _whole(spans) if spans else span_of_days(first, days)
     ours = ours or _of_elements([first], span)
@@ -117,7 +114,7 @@ def read(paths: Sequence[FilePath], *, days: float = DAYS) -> list[ScreenedObjec
     if not ours[0].trajectories:
         begin, end = _texts(span)
         raise InputError(f"{first}: expected elements that SGP4 propagates from {begin} to {end}, got others")
-    elements = [path for path in rest if path not in messages]
+    elements = [path for path in rest if path not in orbits]
     return [*ours, *others, *(_of_elements(elements, span) if elements else [])]
 
 
@@ -160,10 +157,6 @@ def screen(ephemerides: Sequence[ScreenedObject], *, within: float, radius: floa
 def _whole(spans: Iterable[Span]) -> Span:
     begins, ends = zip(*spans, strict=True)
     return min(begins), max(ends)
-
-
-def _is_message(path: FilePath) -> bool:
-    return oem.matches(contents(path))
 
 
 def _tell_unknown(ephemeris: ScreenedObject, wanted: Sequence[Span]) -> None:
@@ -228,9 +221,9 @@ def _goes_on(approach: Approach, span: Span, spans: Sequence[Span]) -> bool:
     return is_last and any(begin <= approach.t < end for begin, end in spans)
 
 
-def _of_message(path: FilePath) -> list[ScreenedObject]:
-    """Return an ephemeris of each object of an OEM."""
-    segments = oem.read(path, epoch=EPOCH)
+def _of_orbit(path: FilePath) -> list[ScreenedObject]:
+    """Return an ephemeris of each object in a file."""
+    segments = orbit_segments.read(path, epoch=EPOCH)
     try:
         trajectories = [(one.identity, of_segment(one)) for one in segments]
     except InputError as reason:

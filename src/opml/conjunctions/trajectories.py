@@ -11,14 +11,14 @@ from opml.base.constants import DAY, WGS84_A
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.conjunctions import approaches
-from opml.conjunctions.approaches import EPOCH, Path
+from opml.conjunctions.approaches import EPOCH, Path, with_velocities
 from opml.conjunctions.sieve import STEEP, Looks, Sgp4Orbit, Span
 from opml.interop.element_sets import histories, mean_elements, sgp4_errors
 from opml.interop.element_sets.mean_elements import MOST_DAYS
 from opml.interop.object_ids import ObjectId
 from opml.interop.oem import Segment
+from opml.interop.orbit_segments import covariances_in_rsw
 from opml.orbits.density_error import DensityErrors
-from opml.orbits.elements import rsw_rotation
 from opml.orbits.state_polynomials import FEWEST
 
 COVARIANCE_HELD = 600.0
@@ -69,13 +69,9 @@ class Trajectory:
 
 
 def of_segment(segment: Segment) -> Trajectory:
-    """Return the trajectory of a segment of an OEM."""
-    path = Path(segment.name, segment.t, segment.states)
-    covariances = segment.covariances
-    if segment.covariance_frame == "GCRF" and len(covariances):
-        turns = np.kron(np.eye(2), rsw_rotation(path.at(segment.covariance_t)))
-        covariances = turns @ covariances @ turns.transpose(0, 2, 1)
-    return Trajectory(path, segment.covariance_t, covariances, density=segment.density)
+    """Return the trajectory of a segment."""
+    path = Path(segment.name, segment.t, with_velocities(segment.t, segment.states))
+    return Trajectory(path, *covariances_in_rsw(segment, path.at), density=segment.density)
 
 
 def span_of_days(path: FilePath, days: float) -> Span:

@@ -33,7 +33,8 @@ _FINE, _DOUBLE = Context(prec=40), Context(prec=17)
 _DEGREE = Decimal("0.01745329251994329576923690768488612713443")  # one degree in radians
 SCALES = ("UTC", "TAI", "TT", "GPS")  # time systems for reading; messages are written in UTC
 
-FRAMES = {"GCRF": np.eye(3), "ICRF": np.eye(3), "EME2000": np.asarray(erfa.bp06(2451545.0, 0.0)[0]).T}
+_BIAS = np.asarray(erfa.bp06(2451545.0, 0.0)[0]).T
+FRAMES = {"GCRF": np.eye(3), "ICRF": np.eye(3), "EME2000": _BIAS, "J2000": _BIAS}
 """Rotations of the frames for reading to GCRF; EME2000 differs by the bias (IERS Conventions 2010, 5.6)."""
 
 DENSITY_COMMENT, DENSITY_KEY = "DCP Density Forecast Uncertainty", "DENSITY_FORECAST_UNCERTAINTY"
@@ -123,12 +124,6 @@ class Message:
             number, key, value = self.pair()
             values[key] = number, value
         return KeyValues(self, values, self.number)
-
-    def skip(self, first: str, last: str) -> None:
-        """Pass the lines from `first` to `last`, where the next is `first`. Raises InputError at the end."""
-        if self.peek() == first:
-            while self.take()[1] != last:
-                pass
 
     def pair(self) -> tuple[int, str, str]:
         """Return number, key and value of a line and pass it. Raises InputError for any other line."""

@@ -18,7 +18,7 @@ from opml.interop.orbit_arcs import (
     Arc,
     NoSuchTime,
     check_ascending,
-    choose_satellite,
+    choose_satellites,
     line_error,
     numbers,
     seconds_since,
@@ -41,11 +41,6 @@ _Row = tuple[int, list[str]]  # line and words
 class _Records:
     positions: list[_Row]
     velocities: list[_Row | None]  # of each position
-
-
-def matches(content: bytes) -> bool:
-    """Return whether a file looks like CPF."""
-    return re.match(rb"H1\s+CPF\b", content, re.IGNORECASE) is not None
 
 
 def read(path: FilePath, content: bytes, *, epoch: str, satellite: str | None = None) -> list[Arc]:
@@ -91,7 +86,7 @@ def _satellite(path: FilePath, rows: Sequence[_Row], wanted: str | None) -> tupl
             raise line_error(path, number, zero, word)
     name = first[_NAME[version]]
     ids = second[_IDS]
-    choose_satellite(path, [[name, *ids]], wanted)
+    choose_satellites(path, [[name, *ids]], wanted)
     return name, ids[-1]
 
 

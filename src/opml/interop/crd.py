@@ -17,7 +17,7 @@ from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.interop.orbit_arcs import (
     NoSuchTime,
-    choose_satellite,
+    choose_satellites,
     contents,
     line_error,
     numbers,
@@ -155,7 +155,7 @@ def _check_head(path: FilePath, head: dict[str, _Row], satellite: str | None) ->
         raise line_error(path, head["H1"][0], "H1 CRD of version 1 or 2", " ".join(head["H1"][1]))
     if head["H2"][1][5] not in _UTC:
         raise line_error(path, head["H2"][0], "UTC, time scale 3, 4 or 7", " ".join(head["H2"][1]))
-    choose_satellite(path, [head["H3"][1][1:5]], satellite)
+    choose_satellites(path, [head["H3"][1][1:5]], satellite)
     if len(last) < 21:
         raise line_error(path, number, "H4 with times and flags", " ".join(last))
     for word, wanted, what in (

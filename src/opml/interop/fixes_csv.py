@@ -22,8 +22,15 @@ import numpy as np
 
 from opml.base.errors import InputError
 from opml.base.files import FilePath
-from opml.interop.element_sets import omm
-from opml.interop.orbit_arcs import Arc, NoSuchTime, check_ascending, line_error, numbers, seconds_since
+from opml.interop.orbit_arcs import (
+    EVERY,
+    Arc,
+    NoSuchTime,
+    check_ascending,
+    line_error,
+    numbers,
+    seconds_since,
+)
 
 PASSED_OVER = "-"  # name of a column that is not read
 SCALES = ("utc", "gps", "tai", "tt")  # names of columns of times
@@ -56,6 +63,7 @@ _PER_SECOND = re.compile(r"(k?m)[/_]s(?:ec)?(?![a-z0-9])")
 _UNIX_NAME = re.compile(r"\b(?:unix|posix)[_ ]?(?:time|timestamp)?(?:[_ ]\(?s\)?)?$")
 _UNIX_TIME = re.compile(r"(\d{9,10})(\.\d*)?", re.ASCII)
 _OF_OBJECT = re.compile(r"(\w+)\.(?=\w)")  # an object's name before that of a column
+_BEGIN = 65_536  # bytes in which a file has its first line
 _LEAST_METRES = 1e6  # from which on positions are in m: an orbit's are 6e3 to 6e5 km
 _DATE = r"(?P<year>\d{4})[-/](?P<month>\d\d)[-/](?P<day>\d\d)[T ]"
 _MONTHS = ("jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec")
@@ -67,10 +75,9 @@ _log = logging.getLogger(__name__)
 
 
 def matches(content: bytes) -> bool:
-    """Return whether the first line of a file has columns, and not those of mean elements."""
-    text = content.decode("utf-8", errors="replace")
-    _, first = next(_without_comments(text), (0, ""))
-    return not omm.matches(text) if "," in first else _names_columns(first)
+    """Return whether the first line of a file has columns."""
+    _, first = next(_without_comments(content[:_BEGIN].decode("utf-8", errors="replace")), (0, ""))
+    return first.count(",") >= len(_GROUPS[0]) or _names_columns(first)
 
 
 def _names_columns(line: str) -> bool:
@@ -78,15 +85,13 @@ def _names_columns(line: str) -> bool:
     return len(told) > len(_GROUPS[0]) and any({"scale", "time"} & one.keys() for one in told)
 
 
-def read(
-    path: FilePath, content: bytes, *, epoch: str, satellite: str | None = None
-) -> tuple[Arc, np.ndarray]:
-    """Read the points of a CSV, and their standard deviations (n, 6) [m, m/s], NaN where it has none.
+def read(path: FilePath, content: bytes, *, epoch: str, satellite: str | None = None) -> list[Arc]:
+    """Read the points of a CSV with their standard deviations, an arc.
 
     Raises InputError for a satellite that is asked for, and, naming the line, for columns of which no points
     can be made, a cell that is no number or no time, and times that do not ascend.
     """
-    if satellite is not None:
+    if satellite not in (None, EVERY):
         raise InputError(f"{path}: expected no name of an object, as a CSV has none, got {satellite}")
     (number, names), *rows = _lines(path, content)
     columns = _Columns(path, number, [name.strip().lower() for name in names])
@@ -106,14 +111,14 @@ def read(
         got = f"{np.nanmin(sigmas[wrong[0]]):g}"
         raise line_error(path, int(lines[wrong[0]]), "standard deviations above 0", got)
     frame, scale = columns.frame, columns.calendar_scale
-    return Arc(path, "", frame, frame, scale, t, positions, velocities, lines), sigmas
+    return [Arc(path, "", frame, frame, scale, t, positions, velocities, lines, sigmas=sigmas)]
 
 
 def _lines(path: FilePath, content: bytes) -> list[tuple[int, list[str]]]:
     try:
         text = content.decode()
     except UnicodeDecodeError as reason:
-        raise InputError(f"{path}: expected SP3, CPF, OEM or CSV, got no text ({reason})") from None
+        raise InputError(f"{path}: expected CSV in UTF-8 text, got none ({reason})") from None
     lines = list(_without_comments(text))
     if not lines:
         raise InputError(f"{path}: expected a line of columns, such as {EXAMPLE}, got an empty file")

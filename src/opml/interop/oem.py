@@ -6,6 +6,7 @@ message per estimate. An OEM has no drag coefficients.
 Source: CCSDS 502.0-B-2, section 5.
 """
 
+import logging
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
@@ -19,8 +20,9 @@ import pandas as pd
 from opml.base.errors import InputError
 from opml.base.files import FilePath, replacing_folder
 from opml.interop import ccsds
+from opml.interop.element_sets.teme import teme_to_gcrf, tod_to_gcrf
 from opml.interop.object_ids import UNKNOWN, ObjectId
-from opml.interop.orbit_arcs import MOST_APART, Arc, check_ascending, choose_satellite
+from opml.interop.orbit_arcs import MOST_APART, Arc, check_ascending, choose_satellites
 from opml.orbits.density_error import DensityErrors
 from opml.tables import STATE, STATE_COVARIANCES, symmetric_matrices
 from opml.tables.convergence import none_converged
@@ -31,6 +33,7 @@ _KILO = 3  # kilometres in the message, metres here
 _LOWER = np.tril_indices(6)
 
 _RSW = "RSW"
+_log = logging.getLogger(__name__)
 _SENSITIVITY = "DCP_SENSITIVITY_VECTOR"
 _DENSITY_KEYS = {
     ccsds.DENSITY_COMMENT: ccsds.DENSITY_KEY,
@@ -44,7 +47,15 @@ _COVARIANCE_STEP = 600.0
 
 _SECONDS = len("2016-09-28T12:09:45")
 _DEGREE = 7  # of the interpolation; a state each minute is then good to a millimetre
-_FRAMES = (*ccsds.FRAMES, "ITRF")
+_OF_DATE = {"TEME": teme_to_gcrf, "TOD": tod_to_gcrf}
+_FRAMES = (*ccsds.FRAMES, *_OF_DATE, "ITRF")
+_AXES = {
+    **dict.fromkeys((*ccsds.FRAMES, *_OF_DATE), "GCRF"),
+    **dict.fromkeys(("RSW", "RTN", "RIC"), _RSW),
+    "TNW": "TNW",
+}
+"""Axes of covariances by the names of their frames; others cost the covariances."""
+
 _TERRESTRIAL = re.compile(r"ITRF[-_]?\d*", re.IGNORECASE)
 
 
@@ -183,42 +194,26 @@ def write_each(
             write(new / f"{name}Z.oem", segments, epoch=epoch, comment=comment)
 
 
-def read(path: FilePath, *, epoch: str) -> list[Segment]:
-    """Read the segments of an OEM, with states in GCRF.
+def read(path: FilePath, _: bytes, *, epoch: str, satellite: str | None = None) -> list[Arc]:
+    """Read the arcs of an object in an OEM, one per segment, with their covariances.
 
-    The message may use the time systems of `ccsds.SCALES` and the frames of `ccsds.FRAMES`. States outside
-    the useable times are left out, accelerations are ignored. Raises InputError, naming file and line, for a
-    malformed message, one that is not centred on Earth, another frame, times that do not ascend and negative
-    variances.
+    satellite: as in `choose_satellites`, a name or an id of the object
+
+    The message may use the time systems of `ccsds.SCALES`, the frames of `ccsds.FRAMES`, TEME, TOD and
+    realisations of the ITRF. States outside the useable times are left out, accelerations are ignored, and
+    covariances in other axes are passed over, and logged. Raises InputError, naming the line, for a malformed
+    or truncated message, one that is not centred on Earth, another frame, times that do not ascend and
+    negative variances.
     """
-    message = _open(path)
-    segments = [(_segment(message, epoch), header) for header in message.segments()]
-    first = segments[0][0].newest
-    return [
-        replace(one, known=header.time("CREATION_DATE", first, epoch=epoch, scale="UTC"))
-        for one, header in segments
-    ]
-
-
-def matches(content: bytes) -> bool:
-    """Return whether a file looks like an OEM in KVN, of any version."""
-    return re.match(rb"(?:\s|COMMENT\b.*)*CCSDS_OEM_VERS\b", content) is not None
-
-
-def arcs(path: FilePath, *, epoch: str, satellite: str | None = None) -> list[Arc]:
-    """Read the arcs of an object in an OEM, one per segment, each in the segment's frame.
-
-    satellite: name or id of the object; None: the message has only one
-
-    The message may use the frames of `ccsds.FRAMES` and realisations of the ITRF. States outside the useable
-    times are left out. Raises InputError, naming the line, for a malformed or truncated message, one that is
-    not centred on Earth and another frame.
-    """
-    message = _open(path)
-    named_arcs = [_named_arc(message, epoch) for _ in message.segments()]
-    objects = list(dict.fromkeys(names for names, _ in named_arcs))
-    wanted = objects[choose_satellite(path, objects, satellite)]
-    arcs = [arc for names, arc in named_arcs if names == wanted and arc.t.size]
+    message = ccsds.Message(path, version_key=_KEY, versions=_VERSIONS, in_comments=_DENSITY_KEYS)
+    found = []
+    for header in message.segments():
+        names, arc = _named_arc(message, epoch)
+        known = header.time("CREATION_DATE", np.nan, epoch=epoch, scale="UTC")
+        found.append((names, replace(arc, known=None if np.isnan(known) else known)))
+    objects = list(dict.fromkeys(names for names, _ in found))
+    wanted = [objects[k] for k in choose_satellites(path, objects, satellite)]
+    arcs = [arc for names, arc in found if names in wanted and arc.t.size]
     if not arcs:
         raise InputError(f"{path}: expected states within the useable times, got none")
     return arcs
@@ -266,10 +261,6 @@ def _density_lines(density: DensityErrors, epoch: str) -> Iterator[str]:
         yield f"COMMENT {sensitivity} = {time} {' '.join(map(repr, numbers))}"
 
 
-def _open(path: FilePath) -> ccsds.Message:
-    return ccsds.Message(path, version_key=_KEY, versions=_VERSIONS, in_comments=_DENSITY_KEYS)
-
-
 class _States(NamedTuple):
     """The states (n, 6) of a segment [m, m/s] in its frame at times (n,) [s], and which are useable."""
 
@@ -281,46 +272,33 @@ class _States(NamedTuple):
     useable: np.ndarray
 
 
-def _segment(message: ccsds.Message, epoch: str) -> Segment:
-    read = _states(message, epoch)
-    frame = read.metadata.choice("REF_FRAME", tuple(ccsds.FRAMES))
-    density, covariance_t, covariances, covariance_frame = _covariances(message, frame, read.scale, epoch)
-    if not read.useable.any():
-        raise message.error("states within the useable times", "none", read.lines[0])
-    return Segment(
-        name=read.metadata.text("OBJECT_NAME"),
-        t=read.t[read.useable],
-        states=(read.states @ _state_rotation(frame).T)[read.useable],
-        covariance_t=covariance_t,
-        covariances=covariances,
-        covariance_frame=covariance_frame,
-        identity=_identity(read.metadata),
-        density=density,
-    )
-
-
 def _named_arc(message: ccsds.Message, epoch: str) -> tuple[tuple[str, str], Arc]:
-    """Return name and id of a segment's object, and the arc of its states; covariances are ignored."""
+    """Return name and id of a segment's object, and the arc of its states, with their covariances."""
     metadata, scale, t, states, lines, useable = _states(message, epoch)
-    message.skip("COVARIANCE_START", "COVARIANCE_STOP")
     realisation, name = metadata.text("REF_FRAME"), metadata.text("OBJECT_NAME")
+    frame = "ITRF" if _TERRESTRIAL.fullmatch(realisation) else metadata.choice("REF_FRAME", _FRAMES)
+    covariance_t, covariances, axes, density = _covariances(message, frame, scale, epoch)
+    if frame in _OF_DATE:
+        states = np.einsum("nij,nj->ni", _turns(frame, epoch, t), states)
+        frame = "GCRF"
+    number = metadata.text("OBJECT_ID", name)
     arc = Arc(
         path=message.path,
         satellite=name,
-        frame="ITRF" if _TERRESTRIAL.fullmatch(realisation) else metadata.choice("REF_FRAME", _FRAMES),
+        frame=frame,
         realisation=realisation,
         scale=scale,
         t=t[useable],
         positions=states[useable, :3],
         velocities=states[useable, 3:],
         lines=lines[useable],
-        identity=_identity(metadata),
+        identity=ObjectId.of(name, metadata.text("OBJECT_ID", "")),
+        covariance_t=covariance_t,
+        covariances=covariances,
+        covariance_frame=axes,
+        density=density,
     )
-    return (name, metadata.text("OBJECT_ID", name)), arc
-
-
-def _identity(metadata: ccsds.KeyValues) -> ObjectId:
-    return ObjectId.of(metadata.text("OBJECT_NAME"), metadata.text("OBJECT_ID", ""))
+    return (name, number), arc
 
 
 def _states(message: ccsds.Message, epoch: str) -> _States:
@@ -351,8 +329,12 @@ def _states(message: ccsds.Message, epoch: str) -> _States:
 
 def _covariances(
     message: ccsds.Message, frame: str, scale: str, epoch: str
-) -> tuple[DensityErrors | None, np.ndarray, np.ndarray, str]:
-    numbers, times, covariances, frames = [], [], [], set()
+) -> tuple[np.ndarray, np.ndarray, str, DensityErrors | None]:
+    """Return times, covariances in GCRF or axes of the states, their axes, and errors of the density.
+
+    frame: of the states, which counts for covariances that name none
+    """
+    numbers, times, covariances, frames = [], [], [], []
     density = None
     if message.peek() == "COVARIANCE_START":
         message.take()
@@ -363,17 +345,27 @@ def _covariances(
                 raise message.error("EPOCH = time", f"{key} = {value}", number)
             numbers.append(number)
             times.append(value)
-            own = _covariance_frame(message, frame)
-            frames.add(_RSW if own == _RSW else "GCRF")
-            if len(frames) > 1:
-                raise message.error("one COV_REF_FRAME for all covariances of a segment", own, number)
-            turn = np.eye(6) if own == _RSW else _state_rotation(own)
-            covariances.append(turn @ _covariance(message) @ turn.T)
+            frames.append(_covariance_frame(message, frame))
+            covariances.append(_covariance(message))
         message.take()
-    shape = (len(covariances), 6, 6)
     t = message.times(times, numbers, epoch=epoch, scale=scale)
     check_ascending(message.path, t, np.array(numbers))
-    return density, t, np.reshape(covariances, shape), frames.pop() if frames else "GCRF"
+    axes = {_AXES.get(own, "") for own in frames} or {"GCRF"}
+    if "" in axes:
+        wrong = next(k for k, own in enumerate(frames) if own not in _AXES)
+        told = "%s: line %d: covariances left out: expected COV_REF_FRAME = %s, got %s"
+        _log.warning(told, message.path, numbers[wrong], " or ".join(_AXES), frames[wrong])
+        return np.empty(0), np.empty((0, 6, 6)), "GCRF", None
+    if len(axes) > 1:
+        other = next(k for k, own in enumerate(frames) if _AXES[own] != _AXES[frames[0]])
+        expected = f"COV_REF_FRAME = {frames[0]} for all covariances of a segment"
+        raise message.error(expected, frames[other], numbers[other])
+    if "GCRF" in axes:
+        for own in set(frames):
+            rows = [k for k, frame in enumerate(frames) if frame == own]
+            for k, turn in zip(rows, _turns(own, epoch, t[rows]), strict=True):
+                covariances[k] = turn @ covariances[k] @ turn.T
+    return t, np.reshape(covariances, (len(t), 6, 6)), axes.pop(), density
 
 
 def _density(message: ccsds.Message, scale: str, epoch: str) -> DensityErrors | None:
@@ -402,10 +394,7 @@ def _covariance_frame(message: ccsds.Message, frame: str) -> str:
     """Return the frame of a covariance: that of its line COV_REF_FRAME, without this line `frame`."""
     if not message.peek().startswith("COV_REF_FRAME"):
         return frame
-    number, _, frame = message.pair()
-    if frame not in (*ccsds.FRAMES, _RSW):
-        raise message.error(f"COV_REF_FRAME = {' or '.join((*ccsds.FRAMES, _RSW))}", frame, number)
-    return frame
+    return message.pair()[2].upper().removesuffix("_INERTIAL")
 
 
 def _covariance(message: ccsds.Message) -> np.ndarray:
@@ -423,5 +412,7 @@ def _covariance(message: ccsds.Message) -> np.ndarray:
     return covariance
 
 
-def _state_rotation(frame: str) -> np.ndarray:
-    return np.kron(np.eye(2), ccsds.FRAMES[frame])
+def _turns(frame: str, epoch: str, t: np.ndarray) -> np.ndarray:
+    """Return the rotations (n, 6, 6) of states in a frame at times (n,) [s] to GCRF."""
+    turns = _OF_DATE[frame](epoch, t) if frame in _OF_DATE else np.tile(ccsds.FRAMES[frame], (len(t), 1, 1))
+    return np.kron(np.eye(2), turns)

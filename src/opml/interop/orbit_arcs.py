@@ -3,7 +3,8 @@
 import codecs
 import zlib
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from pathlib import Path
 from typing import Self
 
@@ -15,7 +16,9 @@ from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.files import FilePath, unpacked
 from opml.interop.object_ids import UNKNOWN, ObjectId
+from opml.orbits.density_error import DensityErrors
 
+EVERY = "*"  # in the place of a name: all satellites of a file
 MOST_APART = 300.0  # longest time between two nodes for interpolation [s]
 
 BEHIND_TAI = {"TAI": 0.0, "TT": -32.184, "GPS": 19.0, "GAL": 19.0, "QZS": 19.0}
@@ -32,7 +35,7 @@ class Arc:
 
     path: FilePath
     satellite: str
-    frame: str  # ITRF, GCRF or EME2000
+    frame: str  # ITRF, GCRF, EME2000, TEME or TOD
     realisation: str  # name of the frame in the file
     scale: str  # time system of the file
     t: np.ndarray  # (n,) [s since the run's epoch], ascending
@@ -41,10 +44,22 @@ class Arc:
     lines: np.ndarray  # (n,) line numbers of the nodes
     identity: ObjectId = UNKNOWN  # what else than the name identifies the satellite
     burns: Sequence[float] = ()  # when the file has it manoeuvre [s since the run's epoch]
+    sigmas: np.ndarray | None = None  # (n, 6) of the nodes in RSW [m, m/s], NaN where the file has none
+    covariance_t: np.ndarray = field(default_factory=lambda: np.empty(0))  # (m,) [s since the run's epoch]
+    covariances: np.ndarray = field(default_factory=lambda: np.empty((0, 6, 6)))  # (m, 6, 6) [m, m/s]
+    covariance_frame: str = "GCRF"  # axes of the covariances: GCRF, or RSW or TNW of the states
+    density: DensityErrors | None = None  # the part of the covariances that other objects share
+    known: float | None = None  # when the file was made [s since the run's epoch]; None: it does not say
+
+    @property
+    def owner(self) -> ObjectId:
+        """The object, by the satellite's name where nothing else identifies it."""
+        return replace(self.identity, name=self.identity.name or self.satellite)
 
     def part(self, rows: np.ndarray) -> Self:
         """Return the arc of some rows (n,) alone."""
-        columns = {name: getattr(self, name)[rows] for name in ("t", "positions", "velocities", "lines")}
+        names = ("t", "positions", "velocities", "lines", *(() if self.sigmas is None else ("sigmas",)))
+        columns = {name: getattr(self, name)[rows] for name in names}
         return replace(self, **columns)
 
     def without_velocities(self) -> Self:
@@ -64,11 +79,19 @@ class NoSuchTime(ValueError):
 def contents(path: FilePath) -> bytes:
     """Return the bytes of a file, plain or gzipped. Raises InputError where it cannot be read."""
     try:
-        return unpacked(Path(path).read_bytes()).removeprefix(codecs.BOM_UTF8)
+        source = Path(path)
+        content = _of_pipe(source) if source.is_fifo() else source.read_bytes()
+        return unpacked(content).removeprefix(codecs.BOM_UTF8)
     except FileNotFoundError:
         raise InputError(f"{path}: no such file") from None
     except (EOFError, OSError, zlib.error) as reason:
         raise InputError(f"{path}: expected a file that is whole, got {reason}") from None
+
+
+@lru_cache(maxsize=64)
+def _of_pipe(path: Path) -> bytes:
+    """Return the bytes of a pipe, which can be read once."""
+    return path.read_bytes()
 
 
 def line_error(path: FilePath, line: int, expected: str, got: str | bytes) -> InputError:
@@ -78,8 +101,8 @@ def line_error(path: FilePath, line: int, expected: str, got: str | bytes) -> In
 
 
 def excerpt(text: str) -> str:
-    """Return an error in one line that is not too long."""
-    shown = " ".join("".join(c if c.isprintable() else "?" for c in text).split())
+    """Return a text as it stands, in one line that is not too long."""
+    shown = "".join(c if c.isprintable() else "?" for c in text.strip())
     return f"{shown[:_MOST_SHOWN]}..." if len(shown) > _MOST_SHOWN else shown or "nothing"
 
 
@@ -135,22 +158,26 @@ def _seconds_since(epoch: str, calendar: np.ndarray, scale: str) -> np.ndarray:
     return np.asarray(np.round((day - first) * DAY + (part - first_part) * DAY, 8))
 
 
-def choose_satellite(path: FilePath, satellites: Sequence[Sequence[str]], wanted: str | None) -> int:
-    """Return the index of the wanted satellite of a file.
+def choose_satellites(path: FilePath, satellites: Sequence[Sequence[str]], wanted: str | None) -> list[int]:
+    """Return the indices of the wanted satellites of a file, each given by its names.
 
-    wanted: one of its names; None: the file has only one satellite
+    wanted: a name of one of them; None: the file has only one satellite; EVERY: all of them
 
-    Raises InputError where no satellite has the name, or several are there without a name.
+    Raises InputError where no satellite has the name, or several have it, or are there without a name.
     """
-    first_names = ", ".join(names[0] for names in satellites)
-    if wanted is None:
-        if len(satellites) != 1:
-            raise InputError(f"{path}: expected the name of one of its satellites, {first_names}, got none")
-        return 0
-    for k, names in enumerate(satellites):
-        if wanted.upper() in (name.upper() for name in names):
-            return k
-    raise InputError(f"{path}: expected satellite {wanted}, got {first_names}")
+    chosen = [k for k, names in enumerate(satellites) if wanted in (None, EVERY) or _has(names, wanted)]
+    if len(chosen) == 1 or wanted == EVERY:
+        return chosen
+    if not chosen:
+        first_names = ", ".join(names[0] for names in satellites)
+        raise InputError(f"{path}: expected satellite {wanted}, got {first_names}")
+    expected = "the name of one of its satellites" if wanted is None else f"one satellite {wanted}"
+    got = ", ".join(str(ObjectId.of(*satellites[k])) for k in chosen)
+    raise InputError(f"{path}: expected {expected}, got {got}")
+
+
+def _has(names: Sequence[str], wanted: str) -> bool:
+    return wanted.upper() in map(str.upper, names) or ObjectId.of(*names).is_called(wanted)
 
 
 def _number(text: bytes | str) -> float:

@@ -1,9 +1,9 @@
-"""Reader of an orbit from files in SP3, CPF or OEM: arcs, checked against each other and the run.
+"""Reader of an orbit from files in any of its formats: arcs, checked against each other and the run.
 
 It needs no dynamics, so that a plan can check files of orbits without loading compiled kernels.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -13,13 +13,11 @@ from opml.base.constants import DAY, WGS84_A, WGS84_F
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.environment import MARGIN_S
-from opml.interop import ccsds, cpf, oem, sp3
+from opml.interop import ccsds, formats
 from opml.interop.orbit_arcs import MOST_APART, Arc, contents
 
 _NEAREST, _FARTHEST = WGS84_A * (1.0 - WGS84_F), 600e6
 """Distances of a satellite from the Earth's centre [m]; others are in another unit."""
-
-_Read = Callable[..., list[Arc]]
 
 
 @dataclass(frozen=True)
@@ -56,13 +54,13 @@ def arcs_of_files(files: OrbitFiles) -> list[Arc]:
     frame or time system than the others, and one in another unit.
     """
     arcs: list[Arc] = []
-    first_read: _Read | None = None
+    first = None
     for path in dict.fromkeys(files.paths):
         content = contents(path)
-        read = _reader(path, content)
-        if read is not (first_read := first_read or read):
-            raise InputError(f"{path}: expected the format of {files.paths[0]}, got another")
-        arcs += read(path, content, epoch=files.epoch, satellite=files.satellite)
+        first = first or formats.of(path, content, formats.ORBIT)
+        if (own := formats.of(path, content, formats.ORBIT)) is not first:
+            raise InputError(f"{path}: expected {first.name}, as {files.paths[0]}, got {own.name}")
+        arcs += formats.read(path, content, formats.ORBIT, epoch=files.epoch, satellite=files.satellite)
     check_together(arcs)
     if files.positions_alone:
         arcs = [arc.without_velocities() for arc in arcs]
@@ -90,31 +88,15 @@ def check_together(arcs: Sequence[Arc]) -> None:
             )
 
 
-def is_orbit(content: bytes) -> bool:
-    """Return whether a file is in one of the formats of orbits, by its first line."""
-    return any(kind.matches(content) for kind in (sp3, cpf, oem))
-
-
-def _reader(path: FilePath, content: bytes) -> _Read:
-    """Return the reader for a file, by its first line. Raises InputError for an unknown format."""
-    if sp3.matches(content):
-        return sp3.read
-    if cpf.matches(content):
-        return cpf.read
-    if oem.matches(content):
-        return _read_oem
-    raise InputError(f"{path}: expected an orbit in SP3, CPF or OEM, got neither by its first line")
-
-
-def _read_oem(path: FilePath, _: bytes, *, epoch: str, satellite: str | None) -> list[Arc]:
-    return oem.arcs(path, epoch=epoch, satellite=satellite)
-
-
 def _check_alike(first: Arc, other: Arc) -> None:
-    for what in ("satellite", "frame", "scale"):
-        expected, got = getattr(first, what), getattr(other, what)
-        if expected.upper() != got.upper():
-            name = {"scale": "time system"}.get(what, what)
+    if not first.owner.is_same(other.owner):
+        expected = f"satellite {first.owner}, as in {first.path}"
+        raise InputError(f"{other.path}: expected {expected}, got {other.owner}")
+    for name, expected, got in (
+        ("frame", first.frame, other.frame),
+        ("time system", first.scale, other.scale),
+    ):
+        if expected != got:
             raise InputError(f"{other.path}: expected {name} {expected}, as in {first.path}, got {got}")
 
 

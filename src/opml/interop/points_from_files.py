@@ -1,4 +1,4 @@
-"""Reader of points of an orbit for fits, from files in SP3, CPF, OEM or CSV: times, GCRF states, sigmas.
+"""Reader of points of an orbit for fits, from files of its formats: times, GCRF states, sigmas.
 
 They are taken as they are, without a curve through them: a fit weighs each by its standard deviations.
 """
@@ -6,19 +6,17 @@ They are taken as they are, without a curve through them: a fit weighs each by i
 import logging
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
 from opml.base.errors import InputError
-from opml.base.files import FilePath
 from opml.base.section import JobSettings
-from opml.interop import ccsds, fixes_csv, tdm
+from opml.interop import ccsds
 from opml.interop.curves.orbit_curve import rotate_to_gcrf
-from opml.interop.object_ids import UNKNOWN, ObjectId
-from opml.interop.orbit_arcs import MOST_APART, Arc, contents
-from opml.interop.orbit_from_files import OrbitFiles, arcs_of_files, check_together, is_orbit, outside
+from opml.interop.object_ids import ObjectId
+from opml.interop.orbit_arcs import MOST_APART, Arc
+from opml.interop.orbit_from_files import OrbitFiles, arcs_of_files, outside
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import FIX_SIGMAS, STATE
 
@@ -29,8 +27,6 @@ Those of an orbit miss one of MOST_APART by a hundredth; the Earth's turn is 0.0
 """
 
 _log = logging.getLogger(__name__)
-
-_Points = tuple[Arc, np.ndarray]  # an arc, and the standard deviations (n, 6) of its points in RSW
 
 
 @dataclass(frozen=True)
@@ -60,18 +56,10 @@ class FixTaking(JobSettings):
         return Sampling(self.sigmas, self.every_s)
 
 
-def is_measured(path: FilePath) -> bool:
-    """Return whether a file has points (SP3, CPF, OEM, CSV) or tracks; a folder is one of element sets."""
-    if Path(path).is_dir():
-        return False
-    content = contents(path)
-    return tdm.matches(content) or is_orbit(content) or fixes_csv.matches(content)
-
-
 def check(files: OrbitFiles, sampling: Sampling) -> None:
     """Raise InputError where no points could be made of these files, as `read` does, without the frames."""
-    for arc, sigmas in _within(files, sampling):
-        _check_velocities(arc, sigmas)
+    for arc in _within(files, sampling):
+        _check_velocities(arc)
 
 
 def read(files: OrbitFiles, orientation: pd.DataFrame, sampling: Sampling) -> pd.DataFrame:
@@ -80,54 +68,56 @@ def read(files: OrbitFiles, orientation: pd.DataFrame, sampling: Sampling) -> pd
     orientation: table `earth_orientation` over the run
 
     Where files or segments overlap, that with the later beginning counts. Raises InputError, naming file and
-    line, for files as `orbit_from_files.arcs_of_files` and `fixes_csv.read` refuse them, for nothing within
-    the run, and for velocities that are not those of the positions.
+    line, for files as `orbit_from_files.arcs_of_files` refuses them, for nothing within the run, and for
+    velocities that are not those of the positions.
     """
     parts = []
-    for arc, sigmas in _within(files, sampling):
-        _check_velocities(arc, sigmas)
+    for arc in _within(files, sampling):
+        _check_velocities(arc)
         parts.append(pd.DataFrame(rotate_to_gcrf(arc, orientation), columns=STATE).assign(t=arc.t))
-        parts[-1][FIX_SIGMAS] = sigmas
+        parts[-1][FIX_SIGMAS] = arc.sigmas
     return pd.concat(parts, ignore_index=True).sort_values("t", ignore_index=True)
 
 
 def reach(files: OrbitFiles) -> tuple[float, float]:
     """Return when the first and the last point of files are [s], in the run or not; raises as `read` does."""
-    arcs = [arc for arc, _ in _weighted(files, Sampling(()))]
+    arcs = arcs_of_files(files)
     return float(arcs[0].t[0]), max(float(arc.t[-1]) for arc in arcs)
 
 
 def identity_and_burns(files: OrbitFiles) -> tuple[ObjectId, list[Manoeuvre]]:
-    """Return what files tell beside points: the object, and when it manoeuvred; a CSV says nothing."""
-    arcs = arcs_of_files(files) if is_orbit(contents(files.paths[0])) else []
-    marked = sorted({t for arc in arcs for t in arc.burns})
-    identity = replace(arcs[0].identity, name=arcs[0].identity.name or arcs[0].satellite) if arcs else UNKNOWN
-    return identity, [Manoeuvre(t, known=t) for t in marked]
+    """Return what files tell beside points: the object, and when it manoeuvred."""
+    arcs = arcs_of_files(files)
+    return arcs[0].owner, [Manoeuvre(t, known=t) for t in sorted({t for arc in arcs for t in arc.burns})]
 
 
-def _within(files: OrbitFiles, sampling: Sampling) -> list[_Points]:
-    """Return the points within the run by arc, without overlap, and thinned.
+def _within(files: OrbitFiles, sampling: Sampling) -> list[Arc]:
+    """Return the points within the run by arc, with their sigmas, without overlap, and thinned.
 
     Where velocities count, a point without one is left out.
     """
-    arcs = _weighted(files, sampling)
-    counting = [np.isfinite(np.hstack([arc.velocities, sigmas[:, 3:]])).all(axis=1) for arc, sigmas in arcs]
+    arcs = arcs_of_files(files)
+    sigmas = [_sigmas(arc, sampling) for arc in arcs]
+    counting = [
+        np.isfinite(np.hstack([arc.velocities, own[:, 3:]])).all(axis=1)
+        for arc, own in zip(arcs, sigmas, strict=True)
+    ]
     with_velocities = any(rows.any() for rows in counting)
     kept = []
-    for k, (arc, sigmas) in enumerate(arcs):
+    for k, arc in enumerate(arcs):
         rows = np.isfinite(arc.positions).all(axis=1) & (arc.t >= 0.0) & (arc.t <= files.duration)
-        for later, _ in arcs[k + 1 :]:
+        for later in arcs[k + 1 :]:
             rows &= (arc.t < later.t[0]) | (arc.t > later.t[-1])
         if with_velocities:
             rows &= counting[k]
         else:
-            sigmas[:, 3:] = np.nan
+            sigmas[k][:, 3:] = np.nan
         rows &= _thinned(arc.t, rows, sampling.every)
         if rows.any():
-            kept.append((arc.part(rows), sigmas[rows]))
+            kept.append(replace(arc, sigmas=sigmas[k]).part(rows))
     if not kept:
-        raise outside([arc for arc, _ in arcs], files)
-    _tell_outside([arc for arc, _ in arcs], files)
+        raise outside(arcs, files)
+    _tell_outside(arcs, files)
     return kept
 
 
@@ -142,23 +132,12 @@ def _tell_outside(arcs: Sequence[Arc], files: OrbitFiles) -> None:
         _log.warning(told, *run, count, one.path, begin, end)
 
 
-def _weighted(files: OrbitFiles, sampling: Sampling) -> list[_Points]:
-    """Return the arcs of files in the order of their beginnings, with the sigmas (n, 6) of their points."""
+def _sigmas(arc: Arc, sampling: Sampling) -> np.ndarray:
+    """Return the standard deviations (n, 6) of an arc's points: its own, else those of the sampling."""
     usual = np.full(len(FIX_SIGMAS), np.nan)
     usual[: len(sampling.sigmas)] = sampling.sigmas
-    if is_orbit(contents(files.paths[0])):
-        return [(arc, np.tile(usual, (len(arc.t), 1))) for arc in arcs_of_files(files)]
-    arcs = [_of_csv(path, files) for path in dict.fromkeys(files.paths)]
-    check_together([arc for arc, _ in arcs])
-    arcs.sort(key=lambda pair: float(pair[0].t[0]))
-    return [(arc, np.where(np.isfinite(sigmas), sigmas, usual)) for arc, sigmas in arcs]
-
-
-def _of_csv(path: FilePath, files: OrbitFiles) -> _Points:
-    content = contents(path)
-    if is_orbit(content):
-        raise InputError(f"{path}: expected the format of {files.paths[0]}, got another")
-    return fixes_csv.read(path, content, epoch=files.epoch, satellite=files.satellite)
+    own = np.nan if arc.sigmas is None else arc.sigmas
+    return np.where(np.isfinite(own), own, np.tile(usual, (len(arc.t), 1)))
 
 
 def _thinned(t: np.ndarray, rows: np.ndarray, every: float) -> np.ndarray:
@@ -171,10 +150,11 @@ def _thinned(t: np.ndarray, rows: np.ndarray, every: float) -> np.ndarray:
     return first
 
 
-def _check_velocities(arc: Arc, sigmas: np.ndarray) -> None:
+def _check_velocities(arc: Arc) -> None:
     """Raise InputError where velocities that count do not lead from each position to the next."""
     steps = np.diff(arc.t)
-    near = np.isfinite(sigmas[1:, 3]) & np.isfinite(sigmas[:-1, 3]) & (steps <= MOST_APART)
+    counting = np.full(len(arc.t), False) if arc.sigmas is None else np.isfinite(arc.sigmas[:, 3])
+    near = counting[1:] & counting[:-1] & (steps <= MOST_APART)
     if not near.any():
         return
     moved = np.diff(arc.positions, axis=0)[near]

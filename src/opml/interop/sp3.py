@@ -17,7 +17,7 @@ from opml.interop.orbit_arcs import (
     Arc,
     NoSuchTime,
     check_ascending,
-    choose_satellite,
+    choose_satellites,
     line_error,
     numbers,
     seconds_since,
@@ -46,15 +46,10 @@ class _Header:
     satellites: list[str]
 
 
-def matches(content: bytes) -> bool:
-    """Return whether a file looks like SP3, of any version."""
-    return re.match(rb"#[a-z][PV]\d{4}", content) is not None
-
-
 def read(path: FilePath, content: bytes, *, epoch: str, satellite: str | None = None) -> list[Arc]:
     """Read the arc of a satellite in an SP3 file.
 
-    satellite: id, such as L47; None: the file has only one
+    satellite: as in `choose_satellites`, an id such as L47
 
     Positions marked as bad, absent or predicted are left out, those predicted are counted in the log. A mark
     of a manoeuvre is one halfway from the epoch before. Raises InputError, naming the line, for a malformed
@@ -62,10 +57,16 @@ def read(path: FilePath, content: bytes, *, epoch: str, satellite: str | None = 
     """
     lines = content.splitlines()
     header = _header(path, lines)
-    name = header.satellites[choose_satellite(path, [[name] for name in header.satellites], satellite)]
     rows = np.array(lines, dtype=f"S{_WIDTH}")
     _check_kinds(path, rows)
     t, epoch_rows = _epochs(path, rows, header, epoch)
+    chosen = choose_satellites(path, [[name] for name in header.satellites], satellite)
+    return [_arc(path, rows, header, header.satellites[k], t, epoch_rows) for k in chosen]
+
+
+def _arc(
+    path: FilePath, rows: np.ndarray, header: _Header, name: str, t: np.ndarray, epoch_rows: np.ndarray
+) -> Arc:
     positions, position_lines = _vectors(path, rows, f"P{name}", epoch_rows)
     velocities, _ = _vectors(path, rows, f"V{name}", epoch_rows)
     known = np.isfinite(positions[:, 0])
@@ -80,20 +81,18 @@ def read(path: FilePath, content: bytes, *, epoch: str, satellite: str | None = 
             "and predicted ones do not count"
         )
         raise InputError(message)
-    return [
-        Arc(
-            path=path,
-            satellite=name,
-            frame="ITRF",
-            realisation=header.realisation,
-            scale=header.scale,
-            t=t[known],
-            positions=positions[known] * _KILOMETRE,
-            velocities=velocities[known] * _unit_of_velocities(path, t, positions, velocities),
-            lines=position_lines[known],
-            burns=(0.5 * (t + np.append(t[:1], t[:-1])))[marked].tolist(),
-        )
-    ]
+    return Arc(
+        path=path,
+        satellite=name,
+        frame="ITRF",
+        realisation=header.realisation,
+        scale=header.scale,
+        t=t[known],
+        positions=positions[known] * _KILOMETRE,
+        velocities=velocities[known] * _unit_of_velocities(path, t, positions, velocities),
+        lines=position_lines[known],
+        burns=(0.5 * (t + np.append(t[:1], t[:-1])))[marked].tolist(),
+    )
 
 
 def _unit_of_velocities(

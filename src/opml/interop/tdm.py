@@ -56,11 +56,6 @@ COLUMNS = ["track", "t", "station", "azimuth", "elevation", "range"]
 """Columns of the table `tracking` in a message, which has no noise-free values."""
 
 
-def matches(content: bytes) -> bool:
-    """Return whether a file looks like a TDM in KVN, of any version."""
-    return re.match(rb"(?:\s|COMMENT\b.*)*CCSDS_TDM_VERS\b", content) is not None
-
-
 def write(path: FilePath, tracking: pd.DataFrame, *, epoch: str, rso: str) -> None:
     """Write the measurements of a table `tracking` as a TDM, whole or not at all."""
     ccsds.write(path, _lines(tracking, epoch, rso))

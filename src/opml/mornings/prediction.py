@@ -33,9 +33,8 @@ from opml.environment.forecasts.methods import AnyForecast
 from opml.environment.known_weather import Issues
 from opml.environment.settings import EnvironmentSettings
 from opml.ephemerides.along_track_shift import NotSmoothError, through
-from opml.interop import ccsds, points_from_files, tdm
+from opml.interop import ccsds, formats, points_from_files, tdm
 from opml.interop.object_ids import ObjectId
-from opml.interop.orbit_arcs import contents
 from opml.interop.orbit_from_files import OrbitFiles
 from opml.interop.predicted_orbit import STEP, PredictedOrbit
 from opml.learning.models import learners
@@ -89,7 +88,8 @@ class Request:
     @property
     def kind(self) -> str:
         """Tracks or fixes."""
-        return "tracks" if tdm.matches(contents(self.files[0])) else "fixes"
+        kind = formats.kind_of(self.files[0], formats.ORBIT, formats.TRACKS)
+        return "tracks" if kind == formats.TRACKS else "fixes"
 
 
 @dataclass(frozen=True, eq=False)

@@ -104,6 +104,17 @@ def rsw_rotation(states: np.ndarray) -> np.ndarray:
     return np.stack([rx, ry, rz, *along, wx, wy, wz], axis=-1).reshape(*x.shape, 3, 3)
 
 
+def tnw_rotation(states: np.ndarray) -> np.ndarray:
+    """Return the rotations (n, 3, 3) from the inertial frame to TNW of the states (n, 6).
+
+    Rows are the unit vectors T along the velocity, N across it in the orbital plane, towards the Earth, and W
+    of the angular momentum. Source: SANA registry of orbit-relative reference frames, TNW_INERTIAL.
+    """
+    along = states[:, 3:] / np.linalg.norm(states[:, 3:], axis=1)[:, None]
+    across = rsw_rotation(states)[:, 2]
+    return np.stack([along, np.cross(across, along), across], axis=1)
+
+
 def in_rsw(differences: np.ndarray, states: np.ndarray) -> np.ndarray:
     """Return differences (n, 6) [m, m/s] in RSW of the states (n, 6), both position and velocity rotated."""
     rotated: np.ndarray = np.einsum("nij,nkj->nki", rsw_rotation(states), differences.reshape(-1, 2, 3))

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
-from support import REPOSITORY, refusals, shared
+from support import refusals, shared
 
 from opml import cli
 from opml.base.errors import InputError
@@ -174,11 +174,6 @@ def test_a_name_stays_within_the_folder(tmp_path):
     (written,) = (tmp_path / "m").iterdir()
     assert written.name == "-ours-1-b_..-other-1-b_20000101T000000000000.cdm"
     assert [path.name for path in tmp_path.iterdir()] == ["m"]
-
-
-def test_other_files_are_no_cdm():
-    assert cdm.matches(b"COMMENT a\nCCSDS_CDM_VERS = 1.0\n")
-    assert not cdm.matches((REPOSITORY / "README.md").read_bytes())
 
 
 @pytest.mark.parametrize("text", ["20.0", "20.0 [m]", "0.02 [km]", "0.02[km]"])

@@ -21,7 +21,7 @@ from opml.ephemerides.ephemeris_task import Task, departures
 from opml.ephemerides.known_tables import KnownTables
 from opml.ephemerides.task_part import Grid, TaskPart
 from opml.figures import errors_at_later_tracks
-from opml.interop import oem
+from opml.interop import oem, orbit_segments
 from opml.interop.element_sets import sgp4_baseline
 from opml.interop.object_ids import ObjectId
 from opml.learning.judge.error_sizes import Sizes
@@ -309,7 +309,7 @@ def test_an_oem_holds_the_table_to_its_digits(table, tmp_path):
     )
     oem.write(tmp_path / "c.oem", oem.corrected_segments(table, rso="iss"), epoch=EPOCH, comment=told)
     assert f"\nCOMMENT {told}\n" in (tmp_path / "c.oem").read_text(encoding="utf-8")
-    back = oem.read(tmp_path / "c.oem", epoch=EPOCH)
+    back = orbit_segments.read(tmp_path / "c.oem", epoch=EPOCH)
     assert [segment.covariance_frame for segment in back] == ["RSW", "RSW"]
     for segment, (_, own) in zip(back, table.groupby("i"), strict=True):
         np.testing.assert_array_equal(segment.t, own["t"])
@@ -331,12 +331,12 @@ def test_each_ephemeris_is_a_message(table, tmp_path):
     # 0.3 and 0.61 days after the epoch.
     assert [path.name for path in paths] == ["2016-09-28T192145Z.oem", "2016-09-29T024809Z.oem"]
     for path, rows in zip(paths, each, strict=True):
-        (segment,) = oem.read(path, epoch=EPOCH)
+        (segment,) = orbit_segments.read(path, epoch=EPOCH)
         np.testing.assert_array_equal(segment.states, rows[STATE])
         assert "\nCOMMENT of mornings\n" in path.read_text(encoding="utf-8")
     # A message of all of them holds the same, one below the other.
     oem.write(tmp_path / "c.oem", oem.corrected_segments(table, rso="iss"), epoch=EPOCH)
-    together = oem.read(tmp_path / "c.oem", epoch=EPOCH)
+    together = orbit_segments.read(tmp_path / "c.oem", epoch=EPOCH)
     assert [segment.t[0] for segment in together] == [rows["t"].iloc[0] for rows in each]
 
 

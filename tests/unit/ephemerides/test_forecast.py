@@ -13,7 +13,7 @@ from opml.dynamics.forces import with_outlooks
 from opml.ephemerides import forecast
 from opml.ephemerides.ephemeris_task import Grid, Task
 from opml.ephemerides.known_tables import KnownTables
-from opml.interop import oem
+from opml.interop import oem, orbit_segments
 from opml.tables import (
     PARAMETER_COVARIANCES,
     PARAMETERS,
@@ -98,4 +98,6 @@ def test_its_message_says_what_it_is(table, tmp_path):
     assert "prediction, with the weather's covariances, from the estimate of track 1" in (
         tmp_path / "f.oem"
     ).read_text(encoding="utf-8")
-    assert [segment.covariance_frame for segment in oem.read(tmp_path / "f.oem", epoch=EPOCH)] == ["RSW"] * 2
+    assert [segment.covariance_frame for segment in orbit_segments.read(tmp_path / "f.oem", epoch=EPOCH)] == [
+        "RSW"
+    ] * 2

@@ -18,7 +18,7 @@ from opml.ephemerides import corrected, replays
 from opml.ephemerides.ephemeris_task import Task
 from opml.ephemerides.known_tables import KnownTables
 from opml.ephemerides.task_part import Grid
-from opml.interop import oem
+from opml.interop import oem, orbit_segments
 from opml.learning.data import dataset
 from opml.learning.data.cleaning import Cleaning
 from opml.learning.data.splits import are_over
@@ -238,7 +238,7 @@ def test_the_message_of_a_morning_has_the_errors_and_the_covariance_that_were_re
         first_morning=now,
     )
     oem.write(tmp_path / "m.oem", oem.corrected_segments(made, rso="iss"), epoch=EPOCH)
-    (segment,) = oem.read(tmp_path / "m.oem", epoch=EPOCH)
+    (segment,) = orbit_segments.read(tmp_path / "m.oem", epoch=EPOCH)
     told = table[table["i"] == starts["track"].iloc[0]]
     true = tables["predictions"].set_index(["i", "j"]).loc[pd.MultiIndex.from_frame(told[["i", "j"]])]
     states = true[[f"{name}_true" for name in STATE]].to_numpy()

@@ -297,10 +297,13 @@ ROW = csv(omm())
 PAGE = "<!DOCTYPE html>\n<html><head><title>403</title></head>\n<body><br></body></html>\n"
 DAMAGED = {
     "error page behind sets": (text(*LINES) + PAGE, ": line 8: expected line 1 of a TLE, got '<html>"),
-    "archive": (b"PK\3\4" + bytes(40), ": expected a TLE or an OMM in UTF-8 text, got bytes that are none"),
+    "archive": (
+        b"PK\3\4" + bytes(40),
+        ": expected element sets (TLE, OMM), got an archive, not gzip",
+    ),
     "packed twice": (
         gzip.compress(gzip.compress(text(*LINES).encode(), mtime=0), mtime=0),
-        ": expected a TLE or an OMM in UTF-8 text",
+        ": expected element sets (TLE, OMM), got bytes that are no text",
     ),
     "more behind gzip": (
         gzip.compress(text(*LINES).encode(), mtime=0) + b"more",
@@ -310,16 +313,19 @@ DAMAGED = {
         json.dumps(SETS).replace("]", ",]"),
         ": line 1: expected OMMs in JSON, got Expecting value",
     ),
-    "semicolons": (ROW.replace(",", ";"), ": line 1: expected line 1 of a TLE, got 'OBJECT_NAME;"),
+    "semicolons": (ROW.replace(",", ";"), ": line 1: expected a column EPOCH, got none"),
     "time system": (csv(omm(TIME_SYSTEM="TAI")), ": line 2: TIME_SYSTEM: expected UTC, got TAI"),
     "centre": (csv(omm(CENTER_NAME="MARS")), ": line 2: CENTER_NAME: expected EARTH, got MARS"),
     "radians": (
         kvn(omm(INCLINATION="0.9", RA_OF_ASC_NODE="6.2", ARG_OF_PERICENTER="0.01", MEAN_ANOMALY="3.1")),
         ": line 8: INCLINATION: expected degrees, and not all four angles between 0 and 6.3, got 0.9",
     ),
-    "binary": (bytes(range(256)), ": expected a TLE or an OMM in UTF-8 text"),
-    "zeros": (b"\0" * 99, ": expected a TLE or an OMM in UTF-8 text, got bytes that are none"),
-    "utf-16": (text(*LINES).encode("utf-16"), ": expected a TLE or an OMM in UTF-8 text"),
+    "binary": (bytes(range(256)), ": expected element sets (TLE, OMM), got bytes that are no text"),
+    "zeros": (b"\0" * 99, ": expected element sets (TLE, OMM), got bytes that are no text"),
+    "utf-16": (
+        text(*LINES).encode("utf-16"),
+        ": expected element sets (TLE, OMM), got bytes that are no text",
+    ),
     "cut gzip": (gzip.compress(text(*LINES).encode(), mtime=0)[:-20], ": expected a file that is whole"),
     "no line 2 at the end": (text(LINES[1], [FIRST]), ": line 3: expected line 2 of a TLE after this line"),
     "no line 1": (text([SECOND], LINES[1]), ": line 1: expected line 1 of a TLE, got '2 12345"),

@@ -209,7 +209,7 @@ def test_a_list_as_csv_is_read_and_several_are_told(tmp_path):
     ]
     np.testing.assert_array_equal(*states)
     path = tmp_path / "list.csv"
-    for rows, said in ((2, "the mean elements of one RSO, got 2 sets"), (0, "a TLE or an OMM, got none")):
+    for rows, said in ((2, "the mean elements of one RSO, got 2 sets"), (0, "element sets, got none")):
         path.write_text("\n".join([",".join(OMM), *[",".join(OMM.values())] * rows]))
         assert refusal(mean_elements.read, path) == f"{path}: expected {said}"
 

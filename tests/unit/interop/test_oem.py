@@ -10,11 +10,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from support import EPOCH, edited, refusal, refusals
 
+from opml.base import epochs
 from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.catalog.propagator import Propagator
 from opml.catalog.simulate import truth
-from opml.interop import ccsds, oem
+from opml.interop import ccsds, oem, orbit_segments
 from opml.orbits.density_error import DensityErrors
 from opml.tables import PARAMETERS, SCHEMAS, STATE
 
@@ -55,6 +56,10 @@ def predictions():
     return frame.assign(**pairs, reason=["", "", "", "decayed below 120 km"])
 
 
+def arcs(path, **satellite):
+    return oem.read(path, path.read_bytes(), epoch=EPOCH, **satellite)
+
+
 @given(DOUBLES, st.sampled_from([-6, -3, 0]))
 def test_a_number_keeps_every_bit(value, power):
     message = object.__new__(ccsds.Message)
@@ -82,7 +87,7 @@ def test_the_leap_second_of_2016_has_a_name():
 
 
 def test_truth_comes_back_bit_for_bit(orbit, message):
-    (back,) = oem.read(message, epoch=EPOCH)
+    (back,) = orbit_segments.read(message, epoch=EPOCH)
     np.testing.assert_array_equal(back.t, orbit["t"])
     np.testing.assert_array_equal(back.states, orbit[list(STATE)])
 
@@ -90,7 +95,7 @@ def test_truth_comes_back_bit_for_bit(orbit, message):
 def test_byte_order_marks_and_the_header_of_version_3_are_passed_over(orbit, message):
     edited(message, "CCSDS_OEM_VERS = 2.0", "CCSDS_OEM_VERS = 3.0\nCLASSIFICATION = public\nMESSAGE_ID = 7")
     message.write_text("\ufeff" + message.read_text(encoding="utf-8"), encoding="utf-8")
-    (back,) = oem.read(message, epoch=EPOCH)
+    (back,) = orbit_segments.read(message, epoch=EPOCH)
     np.testing.assert_array_equal(back.states, orbit[list(STATE)])
 
 
@@ -109,7 +114,7 @@ def of_estimates(tmp_path):
 
 def test_estimates_come_back_with_their_covariances(of_estimates):
     path, table = of_estimates
-    (back,) = oem.read(path, epoch=EPOCH)
+    (back,) = orbit_segments.read(path, epoch=EPOCH)
     usable = table[table["converged"]]
     assert back.t.tolist() == back.covariance_t.tolist() == [0.0, 200.0]
     np.testing.assert_array_equal(back.states, usable[list(STATE)])
@@ -122,7 +127,7 @@ def test_estimates_come_back_with_their_covariances(of_estimates):
 def test_predictions_are_a_segment_an_estimate(tmp_path):
     table = predictions()
     oem.write(tmp_path / "p.oem", oem.prediction_segments(table, rso="iss"), epoch=EPOCH)
-    first, second = oem.read(tmp_path / "p.oem", epoch=EPOCH)
+    first, second = orbit_segments.read(tmp_path / "p.oem", epoch=EPOCH)
     assert (first.t.tolist(), second.t.tolist()) == ([100.0, 200.5], [200.5])
     np.testing.assert_array_equal(np.vstack([first.states, second.states]), table[list(STATE)][:3])
     assert "COMMENT prediction from the estimate of track 1" in (tmp_path / "p.oem").read_text()
@@ -140,16 +145,16 @@ def test_tables_without_anything_to_tell_are_input_errors():
 
 def test_other_frames_and_time_systems_are_turned_to_ours(message, orbit):
     edited(message, "REF_FRAME = GCRF", "REF_FRAME = EME2000")
-    (back,) = oem.read(message, epoch=EPOCH)
+    (back,) = orbit_segments.read(message, epoch=EPOCH)
     bias = np.array(erfa.bp06(2451545.0, 0.0)[0])  # GCRS to mean J2000
     np.testing.assert_allclose(back.states[:, :3] @ bias.T, orbit[["x", "y", "z"]], rtol=0, atol=1e-8)
     assert 0.1 < np.linalg.norm(back.states[0, :3] - orbit.loc[0, ["x", "y", "z"]].to_numpy(float)) < 1.0
     edited(message, "TIME_SYSTEM = UTC", "TIME_SYSTEM = TAI")
-    assert oem.read(message, epoch=EPOCH)[0].t[0] == -36.0
+    assert orbit_segments.read(message, epoch=EPOCH)[0].t[0] == -36.0
     edited(message, "TIME_SYSTEM = TAI", "TIME_SYSTEM = TT")
-    assert oem.read(message, epoch=EPOCH)[0].t[0] == -68.184
+    assert orbit_segments.read(message, epoch=EPOCH)[0].t[0] == -68.184
     edited(message, "TIME_SYSTEM = TT", "TIME_SYSTEM = GPS")
-    assert oem.read(message, epoch=EPOCH)[0].t[0] == -17.0
+    assert orbit_segments.read(message, epoch=EPOCH)[0].t[0] == -17.0
 
 
 def test_days_of_the_year_zulus_and_accelerations_are_read(message, orbit):
@@ -157,14 +162,14 @@ def test_days_of_the_year_zulus_and_accelerations_are_read(message, orbit):
     lines = [f"{line} 0 0 0" if line.startswith("2016") else line for line in text.splitlines()]
     lines[16] = lines[16].replace(" ", "Z ", 1)
     message.write_text("\n".join(lines))
-    (back,) = oem.read(message, epoch=EPOCH)
+    (back,) = orbit_segments.read(message, epoch=EPOCH)
     np.testing.assert_array_equal(back.t, orbit["t"])
 
 
 @pytest.mark.parametrize(("old", "new", "line"), refusals("oem"))
 def test_what_is_malformed_is_named_by_file_and_line(message, old, new, line):
     edited(message, old, new)
-    assert refusal(oem.read, message, epoch=EPOCH).startswith(f"{message}: {line}")
+    assert refusal(orbit_segments.read, message, epoch=EPOCH).startswith(f"{message}: {line}")
 
 
 @pytest.fixture
@@ -182,7 +187,7 @@ def shared_density(tmp_path):
 
 def test_an_error_of_density_comes_back(shared_density):
     path, density = shared_density
-    (found,) = oem.read(path, epoch=EPOCH)
+    (found,) = orbit_segments.read(path, epoch=EPOCH)
     assert found.density.uncertainty == density.uncertainty
     np.testing.assert_array_equal(found.density.sensitivities, density.sensitivities)
     assert found.density.at(60.0).effect == pytest.approx(0.1 * np.arange(3.0, 9.0))
@@ -194,7 +199,7 @@ def test_a_damaged_error_of_density_is_told_by_line(shared_density, old, new, ex
     path, _ = shared_density
     path.write_text(path.read_text().replace(old, new))
     with pytest.raises(InputError, match=rf"shared\.oem: line \d+: expected {expected}"):
-        oem.read(path, epoch=EPOCH)
+        orbit_segments.read(path, epoch=EPOCH)
 
 
 @pytest.mark.parametrize("text", ["nan", "inf", "1e999", "1_000", "0x1p3", "7,5", "\u0661"])
@@ -202,18 +207,20 @@ def test_numbers_have_to_be_finite_and_plain(message, text):
     lines = message.read_text().splitlines()
     lines[16] = " ".join([*lines[16].split()[:-1], text])
     message.write_text("\n".join(lines))
-    assert "line 17: expected a finite number, got" in refusal(oem.read, message, epoch=EPOCH)
+    assert "line 17: expected a finite number, got" in refusal(orbit_segments.read, message, epoch=EPOCH)
 
 
 @pytest.mark.parametrize(("old", "new", "expected"), refusals("covariances_in_oem"))
 def test_a_malformed_covariance_is_named(of_estimates, old, new, expected):
-    assert f": expected {expected}" in refusal(oem.read, edited(of_estimates[0], old, new), epoch=EPOCH)
+    assert f": expected {expected}" in refusal(
+        orbit_segments.read, edited(of_estimates[0], old, new), epoch=EPOCH
+    )
 
 
 def test_the_frame_of_covariances_is_read(of_estimates):
     path, _ = of_estimates
     path.write_text(path.read_text().replace("COV_REF_FRAME = GCRF", "COV_REF_FRAME = RSW"))
-    assert oem.read(path, epoch=EPOCH)[0].covariance_frame == "RSW"
+    assert orbit_segments.read(path, epoch=EPOCH)[0].covariance_frame == "RSW"
 
 
 def test_a_covariance_has_six_rows_that_grow(of_estimates):
@@ -222,20 +229,22 @@ def test_a_covariance_has_six_rows_that_grow(of_estimates):
     third = next(k for k, line in enumerate(lines) if line.startswith("COV_REF_FRAME")) + 3
     path.write_text("\n".join([*lines[:third], *lines[third + 1 :]]))
     expected = f"line {third + 1}: expected row 3 of a covariance's lower triangle"
-    assert expected in refusal(oem.read, path, epoch=EPOCH)
+    assert expected in refusal(orbit_segments.read, path, epoch=EPOCH)
 
 
 def test_a_cut_file_is_noticed(message):
     text = message.read_text()
     for size in (0, 10, 200, 330):
         message.write_text(text[:size])
-        assert "expected" in refusal(oem.read, message, epoch=EPOCH)
+        assert "expected" in refusal(orbit_segments.read, message, epoch=EPOCH)
 
 
 def test_no_file_and_no_text_are_input_errors(tmp_path):
-    assert "no such file" in refusal(oem.read, tmp_path / "none.oem", epoch=EPOCH)
+    assert "no such file" in refusal(orbit_segments.read, tmp_path / "none.oem", epoch=EPOCH)
     (tmp_path / "bytes.oem").write_bytes(b"\xff\xfe\x00")
-    assert "expected a message in UTF-8 text" in refusal(oem.read, tmp_path / "bytes.oem", epoch=EPOCH)
+    assert "got bytes that are no text in UTF-8" in refusal(
+        orbit_segments.read, tmp_path / "bytes.oem", epoch=EPOCH
+    )
 
 
 def as_nasa(message, frame="EME2000"):
@@ -248,7 +257,7 @@ def as_nasa(message, frame="EME2000"):
 
 @pytest.mark.parametrize("frame", ["ITRF", "ITRF2000", "ITRF-97", "itrf2014", "EME2000", "ICRF", "GCRF"])
 def test_arcs_keep_the_frame_of_the_message(message, orbit, frame):
-    (arc,) = oem.arcs(as_nasa(message, frame), epoch=EPOCH)
+    (arc,) = arcs(as_nasa(message, frame))
     assert arc.frame == ("ITRF" if frame.upper().startswith("ITRF") else frame)
     assert (arc.realisation, arc.scale, arc.satellite) == (frame, "UTC", "iss")
     # The first state, at 12:09:45, is outside of the useable times.
@@ -260,11 +269,7 @@ def test_arcs_keep_the_frame_of_the_message(message, orbit, frame):
 def test_a_packed_message_is_read(message):
     packed = message.with_suffix(".oem.gz")
     packed.write_bytes(gzip.compress(message.read_bytes(), mtime=0))
-    np.testing.assert_array_equal(
-        oem.arcs(packed, epoch=EPOCH)[0].positions, oem.arcs(message, epoch=EPOCH)[0].positions
-    )
-    assert oem.matches(message.read_bytes())
-    assert not oem.matches(b"CCSDS_OPM_VERS = 2.0")
+    np.testing.assert_array_equal(arcs(packed)[0].positions, arcs(message)[0].positions)
 
 
 def test_an_arc_per_segment_of_the_object_that_is_wanted(tmp_path, orbit):
@@ -272,13 +277,13 @@ def test_an_arc_per_segment_of_the_object_that_is_wanted(tmp_path, orbit):
     parts = [("iss", orbit[:11]), ("mir", orbit), ("iss", orbit[11:])]
     segments = [segment for rso, part in parts for segment in oem.truth_segments(part, rso=rso)]
     oem.write(path, segments, epoch=EPOCH)
-    assert [len(arc.t) for arc in oem.arcs(path, epoch=EPOCH, satellite="ISS")] == [11, 20]
+    assert [len(arc.t) for arc in arcs(path, satellite="ISS")] == [11, 20]
     with pytest.raises(
-        InputError, match=r"two\.oem: expected the name of one of its satellites, iss, mir, got"
+        InputError, match=r"two\.oem: expected the name of one of its satellites, got iss, mir"
     ):
-        oem.arcs(path, epoch=EPOCH)
+        arcs(path)
     with pytest.raises(InputError, match=r"two\.oem: expected satellite tiangong, got iss, mir"):
-        oem.arcs(path, epoch=EPOCH, satellite="tiangong")
+        arcs(path, satellite="tiangong")
 
 
 def test_messages_in_a_row_are_read_as_their_segments(tmp_path, orbit):
@@ -289,24 +294,52 @@ def test_messages_in_a_row_are_read_as_their_segments(tmp_path, orbit):
         texts.append((tmp_path / f"{k}.oem").read_text())
     path = tmp_path / "joined.oem"
     path.write_text("".join(texts))
-    assert [len(arc.t) for arc in oem.arcs(path, epoch=EPOCH)] == [11, 20]
-    known = [one.known for one in oem.read(path, epoch=EPOCH)]
+    assert [len(arc.t) for arc in arcs(path)] == [11, 20]
+    known = [one.known for one in orbit_segments.read(path, epoch=EPOCH)]
     assert known == [parts[0][0].known, parts[1][0].known]  # of each message, by its date of creation
     path.write_text("".join([texts[0], texts[1].replace("VERS = 2.0", "VERS = 9.0")]))
     with pytest.raises(InputError, match=r"joined.oem: line 2\d: expected CCSDS_OEM_VERS = 1.0 or .*= 9"):
-        oem.arcs(path, epoch=EPOCH)
+        arcs(path)
 
 
-def test_covariances_are_passed_over_by_arcs(of_estimates):
+@pytest.mark.parametrize("frame", ["RTN", "RSW_INERTIAL", "RIC"])
+def test_radial_along_and_across_has_many_names(of_estimates, frame):
     path, _ = of_estimates
-    edited(path, "COV_REF_FRAME = GCRF", "COV_REF_FRAME = RTN")
-    assert oem.arcs(path, epoch=EPOCH)[0].t.tolist() == [0.0, 200.0]
-    edited(path, "COVARIANCE_STOP", "")
-    assert "expected more lines, got the end of the file" in refusal(oem.arcs, path, epoch=EPOCH)
+    path.write_text(path.read_text().replace("COV_REF_FRAME = GCRF", "COV_REF_FRAME = RSW"))
+    expected = arcs(path)[0]
+    path.write_text(path.read_text().replace("COV_REF_FRAME = RSW", f"COV_REF_FRAME = {frame}"))
+    (arc,) = arcs(path)
+    assert arc.covariance_frame == "RSW"
+    np.testing.assert_array_equal(arc.covariances, expected.covariances)
+
+
+@pytest.mark.parametrize("frame", ["ITRF-97", "RSW_ROTATING", "SEZ"])
+def test_an_unknown_frame_of_covariances_costs_these_alone(of_estimates, frame, caplog):
+    path, _ = of_estimates
+    path.write_text(path.read_text().replace("COV_REF_FRAME = GCRF", f"COV_REF_FRAME = {frame}"))
+    (arc,) = arcs(path)
+    assert (arc.t.tolist(), len(arc.covariances)) == ([0.0, 200.0], 0)
+    assert ": covariances left out: expected COV_REF_FRAME = GCRF or" in caplog.text
+
+
+def test_frames_of_date_are_turned_to_ours(message, orbit):
+    text = message.read_text()
+    turned = {}
+    for frame in ("TEME", "TOD"):
+        message.write_text(text.replace("REF_FRAME = GCRF", f"REF_FRAME = {frame}"))
+        (arc,) = arcs(message)
+        assert (arc.frame, arc.realisation) == ("GCRF", frame)
+        turned[frame] = arc.positions
+    equinoxes = erfa.ee06a(*epochs.tt(EPOCH, 0.0))
+    turn = erfa.pnm06a(*epochs.tt(EPOCH, 0.0)).T
+    given = orbit[list(STATE[:3])].to_numpy()
+    np.testing.assert_allclose(turned["TOD"], given @ turn.T, rtol=0, atol=0.01)
+    mean = turn @ erfa.rz(-equinoxes, np.eye(3))
+    np.testing.assert_allclose(turned["TEME"], given @ mean.T, rtol=0, atol=2.0)
 
 
 @pytest.mark.parametrize(("old", "new", "line"), refusals("oem_arcs"))
 def test_arcs_that_are_cut_or_malformed_are_named(message, old, new, line):
     edited(message, old, new)
     with pytest.raises(InputError, match=f"iss.oem: .*expected {line}"):
-        oem.arcs(message, epoch=EPOCH)
+        arcs(message)

@@ -155,8 +155,9 @@ def test_a_wrong_csv_is_told_in_one_line(tmp_path, text, old, new, message):
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        (GOOD.encode("utf-16"), "expected SP3, CPF, OEM or CSV, got no text"),
-        (bytes(range(256)), "expected SP3, CPF, OEM or CSV, got no text"),
+        (GOOD.encode("utf-16"), "expected CSV in UTF-8 text, got none"),
+        (bytes(range(256)), r"expected an orbit \(OEM, .*\), got bytes that are no text in UTF-8"),
+        (GOOD.encode() + b"\xff", "expected CSV in UTF-8 text, got none"),
         (
             gzip.compress(GOOD.encode(), mtime=0)[:-9],
             "expected a file that is whole, got Compressed file ended",
@@ -166,7 +167,7 @@ def test_a_wrong_csv_is_told_in_one_line(tmp_path, text, old, new, message):
             "expected a file that is whole, got a gzip of more than 200 times its size",
         ),
     ],
-    ids=["UTF-16", "every byte", "cut gzip", "gzip of blank lines"],
+    ids=["UTF-16", "every byte", "a byte", "cut gzip", "gzip of blank lines"],
 )
 def test_bytes_that_are_no_csv_are_told_in_one_line(tmp_path, content, message):
     path = tmp_path / "orbit.csv"
@@ -227,7 +228,7 @@ def test_headings_in_use_give_the_same_points(tmp_path, t, states):
             lines = [line.replace(".", ",") for line in lines]
         path.write_text("\n".join([first, *lines]))
         assert fixes_csv.matches(path.read_bytes()), first
-        arc, _ = fixes_csv.read(path, path.read_bytes(), epoch=EPOCH)
+        (arc,) = fixes_csv.read(path, path.read_bytes(), epoch=EPOCH)
         assert (arc.frame, arc.scale) == ("GCRF", "UTC"), first
         np.testing.assert_allclose(arc.t, t, atol=1e-6)
         np.testing.assert_allclose(arc.positions, metres[:, :3], rtol=1e-12)
@@ -254,8 +255,8 @@ def test_files_of_one_rso_have_one_format(tmp_path, t, states):
     first, second = tmp_path / "a.csv", tmp_path / "b.oem"
     first.write_text(GOOD)
     oem(second, [(t, states)])
-    with pytest.raises(InputError, match=r"b.oem: expected the format of .*a.csv, got another"):
+    with pytest.raises(InputError, match=r"b.oem: expected CSV of points, as .*a.csv, got OEM"):
         points_from_files.check(OrbitFiles([first, second], EPOCH, DAY), PLACES)
     second.write_bytes(b"\xff\xfe\x00")
-    with pytest.raises(InputError, match=r"b.oem: expected SP3, CPF, OEM or CSV, got no text"):
+    with pytest.raises(InputError, match=r"b.oem: expected an orbit .* got bytes that are no text"):
         points_from_files.check(OrbitFiles([first, second], EPOCH, DAY), PLACES)

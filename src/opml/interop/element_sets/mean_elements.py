@@ -8,11 +8,10 @@ adds an RSO to the sheet. Source: CCSDS 502.0-B-2, section 4 (OMM).
 
 import logging
 import math
-import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import fields, replace
 from functools import lru_cache, partial
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 import numpy as np
 from sgp4.api import SGP4_ERRORS, Satrec
@@ -21,6 +20,7 @@ from opml.base import epochs
 from opml.base.constants import DAY, EARTH_GM
 from opml.base.errors import InputError
 from opml.base.files import FilePath
+from opml.interop import formats
 from opml.interop.element_sets import omm, tle
 from opml.interop.element_sets.element_set import ElementSet, each, elements_epoch, seconds_since
 from opml.interop.element_sets.teme import teme_to_gcrf
@@ -38,11 +38,6 @@ week by more than the median error of the paper case's predictions, 5 km.
 
 MOST_DAYS = 30.0
 """Days from the elements' epoch beyond which they are refused: drag has moved a low orbit too far by then."""
-
-_OTHER = re.compile(
-    r"\s*(?:COMMENT\b.*\s*)*(CCSDS_(?!OMM)[A-Z]+|#[a-d][PV]\d{4}|H1\s+C(?:PF|RD)\b)", re.IGNORECASE
-)
-"""How orbits, tracks and other messages begin."""
 
 Piece = omm.Record | Sequence[tle.Line]
 """The notation of a set: of an OMM, or lines of a TLE."""
@@ -68,30 +63,26 @@ def read_sets(path: FilePath, damaged: list[InputError] | None = None) -> list[E
 
     Raises InputError, naming file and line, for a file that cannot be read as a whole or has no set.
     """
-    sets, errors = _parsed(str(path), read_text(path))
+    sets, errors = _parsed(str(path), contents(path))
     if errors and damaged is None:
         raise errors[0]
     if damaged is not None:
         damaged.extend(errors)
     if not sets and not damaged:
-        raise InputError(f"{path}: expected a TLE or an OMM, got none")
+        raise InputError(f"{path}: expected {formats.ELEMENTS}, got none")
     return [*sets]
 
 
 @lru_cache(maxsize=4)
-def _parsed(path: str, text: str) -> tuple[list[ElementSet], list[InputError]]:
-    """Return the sets of a text and the errors of those that are damaged; a morning asks for them twice."""
+def _parsed(path: str, content: bytes) -> tuple[list[ElementSet], list[InputError]]:
+    """Return the sets of a file and the errors of those that are damaged; a morning asks for them twice."""
     errors: list[InputError] = []
-    return [*each(enumerate(pieces(path, text)), partial(_set, path), errors)], errors
+    return [*each(enumerate(pieces(path, content)), partial(_set, path), errors)], errors
 
 
-def pieces(path: FilePath, text: str) -> Iterator[Piece]:
-    """Return the parts of a text, one for each set. Raises InputError for a broken notation, and another."""
-    if other := _OTHER.match(text):
-        raise InputError(f"{path}: expected a TLE or an OMM, got {other[1]}, points or measurements")
-    if omm.matches(text) and not tle.begins_with_name(text):
-        return omm.records(path, text)
-    return tle.pieces(text)
+def pieces(path: FilePath, content: bytes) -> Iterator[Piece]:
+    """Return the parts of a file, one for each set. Raises InputError for a broken notation, and another."""
+    return cast("Iterator[Piece]", formats.read(path, content, formats.ELEMENTS))
 
 
 def _set(path: FilePath, placed: tuple[int, Piece]) -> ElementSet:
@@ -99,17 +90,6 @@ def _set(path: FilePath, placed: tuple[int, Piece]) -> ElementSet:
     if isinstance(piece, omm.Record):
         return replace(omm.element_set(path, piece), place=place)
     return replace(tle.element_set(path, piece), place=place)
-
-
-def read_text(path: FilePath) -> str:
-    """Return the text of a file of element sets. Raises InputError for bytes that are none."""
-    try:
-        text = contents(path).decode()
-    except UnicodeDecodeError as reason:
-        raise InputError(f"{path}: expected a TLE or an OMM in UTF-8 text ({reason})") from None
-    if "\0" in text:
-        raise InputError(f"{path}: expected a TLE or an OMM in UTF-8 text, got bytes that are none")
-    return text
 
 
 def state(satellite: Satrec, *, epoch: str) -> np.ndarray:

@@ -68,6 +68,7 @@ _UNITS = {
     "MEAN_MOTION_DOT": "rev/day**2",
     "MEAN_MOTION_DDOT": "rev/day**3",
 }
+_LONGEST = 10_000  # bytes of a line of columns
 _MOST_DIGITS = 9  # of a catalogue number
 _FIRST_YEAR, _LAST_YEAR = "1957", "2099"
 _REPEATED = ("COMMENT", "USER_DEFINED")
@@ -88,21 +89,6 @@ class Record(NamedTuple):
 
     line: int
     pairs: list[Pair]
-
-
-def matches(text: str) -> bool:
-    """Return whether a text begins as one of the four notations does."""
-    return text.lstrip().startswith(("{", "[", "<", _VERSION)) or _is_csv(text)
-
-
-def records(path: FilePath, text: str) -> Iterator[Record]:
-    """Yield the sets of a text. Raises InputError, naming the line, where the notation is broken."""
-    start = text.lstrip()
-    if start.startswith(("{", "[")):
-        return _json(path, text)
-    if start.startswith("<"):
-        return _xml(path, text)
-    return _csv(path, text) if _is_csv(text) else _kvn(text)
 
 
 def element_set(path: FilePath, record: Record) -> ElementSet:
@@ -224,7 +210,8 @@ class _Values:
         return InputError(f"{self._path}: line {line}: {key}: expected {expected}, got {got}")
 
 
-def _kvn(text: str) -> Iterator[Record]:
+def read_kvn(path: FilePath, text: str) -> Iterator[Record]:
+    """Yield the sets of messages in KVN; a line without a key is an error of its set."""
     record = None
     for number, line in enumerate(map(str.strip, text.splitlines()), start=1):
         if not line or re.match(r"COMMENT\b", line):
@@ -249,8 +236,11 @@ def _without_unit(key: str, text: str) -> str:
     return (value if is_known else text).strip()
 
 
-def _json(path: FilePath, text: str) -> Iterator[Record]:
-    """Yield the members of a list, or a single object, each decoded at its place, for its line."""
+def read_json(path: FilePath, text: str) -> Iterator[Record]:
+    """Yield the members of a list, or a single object, each decoded at its place, for its line.
+
+    Raises InputError, naming the line, for what is no JSON.
+    """
     decoder = json.JSONDecoder(object_pairs_hook=_Members, parse_int=str, parse_float=str, parse_constant=str)
     try:
         json.loads(text)
@@ -280,7 +270,8 @@ def _pairs(line: int, value: Any) -> list[Pair]:
     return [Pair(line, key, "" if member is None else str(member).strip()) for key, member in value]
 
 
-def _xml(path: FilePath, text: str) -> Iterator[Record]:
+def read_xml(path: FilePath, text: str) -> Iterator[Record]:
+    """Yield the messages in a text. Raises InputError, naming the line, for what is no XML."""
     messages, parser = _Messages(), xml.sax.make_parser()
     parser.setContentHandler(messages)
     parser.setProperty(property_lexical_handler, messages)
@@ -332,12 +323,14 @@ class _Messages(ContentHandler, LexicalHandler):
         return int(self._place.getLineNumber())
 
 
-def _is_csv(text: str) -> bool:
-    first = next(csv.reader(text.lstrip().splitlines()[:1]), [])
-    return len({cell.strip() for cell in first} & {*_NUMBERS}) > 1
+def is_csv(content: bytes) -> bool:
+    """Return whether the first line of a file has columns of mean elements."""
+    first = content.lstrip()[:_LONGEST].decode("latin-1").partition("\n")[0]
+    return len({*re.findall(r"\w+", first)} & {*_NUMBERS}) > 1
 
 
-def _csv(path: FilePath, text: str) -> Iterator[Record]:
+def read_csv(path: FilePath, text: str) -> Iterator[Record]:
+    """Yield the rows of a table. Raises InputError, naming the line, for broken CSV or a missing column."""
     reader = csv.reader(io.StringIO(text, newline=""), strict=True)
     columns: list[str] = []
     try:

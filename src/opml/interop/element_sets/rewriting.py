@@ -19,6 +19,7 @@ from opml.base.files import FilePath, replacing, suffix_of
 from opml.interop.element_sets import mean_elements, omm, tle
 from opml.interop.element_sets.element_set import PER_DAY
 from opml.interop.element_sets.mean_elements import Piece
+from opml.interop.orbit_arcs import contents
 
 Fields = Mapping[str, str]  # an OMM: values by their keys
 
@@ -86,7 +87,7 @@ class _Tle:
 def _pieces(path: FilePath, sets: Sequence[Better]) -> dict[int, Piece]:
     """Return the sets of a file by their places."""
     wanted = {one.place: one.line for one in sets}
-    pieces = enumerate(mean_elements.pieces(path, mean_elements.read_text(path)))
+    pieces = enumerate(mean_elements.pieces(path, contents(path)))
     there = {place: piece for place, piece in pieces if place in wanted}
     for place, line in wanted.items():
         if place not in there or _line(there[place]) != line:

@@ -34,6 +34,11 @@ def teme_to_gcrf(epoch: str, t: np.ndarray) -> np.ndarray:
     return np.asarray(erfa.c2ixys(x, y, s).transpose(0, 2, 1) @ to_cirs)
 
 
+def tod_to_gcrf(epoch: str, t: np.ndarray) -> np.ndarray:
+    """Return the rotations (n, 3, 3) of the true equator and equinox of date to GCRF (IAU 2006/2000A)."""
+    return np.asarray(erfa.pnm06a(*epochs.tt(epoch, t)).transpose(0, 2, 1))
+
+
 @lru_cache(maxsize=20_000)
 def _slow_angles(node: int) -> tuple[float, float, float, float]:
     """Return CIP x and y, CIO locator, and sidereal time less the Earth rotation angle at a node [rad]."""

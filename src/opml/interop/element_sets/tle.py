@@ -40,6 +40,8 @@ def _right(width: int) -> str:
 
 
 _NUMBER = rf"(?:[A-HJ-NP-Z]\d{{4}}|(?! {{5}}){_right(5)})"
+_LINE = re.compile(rb"^[12] [ A-Z\d][ \d]{3}\d[ A-Z]", re.MULTILINE)
+_BEGIN = re.compile(rb"\s*(?:[^\n]{1,%d}\n)?" % (_LONGEST_NAME + 1) + _LINE.pattern, re.MULTILINE)
 _EXPONENT = r"[ +-]\d{5}[+-]\d"
 _ANGLE = rf"{_right(3)}\.\d{{4}}"
 _PATTERNS = {
@@ -56,7 +58,17 @@ _PATTERNS = {
 }
 
 
-def pieces(text: str) -> Iterator[list[Line]]:
+def matches(content: bytes) -> bool:
+    """Return whether the first line of a file, or one below a name, begins as those of a TLE do."""
+    return _BEGIN.match(content) is not None
+
+
+def has_lines(content: bytes) -> bool:
+    """Return whether any line of a file begins as those of a TLE do."""
+    return _LINE.search(content) is not None
+
+
+def pieces(path: FilePath, text: str) -> Iterator[list[Line]]:
     """Yield the lines of each set: from its name or line 1 up to its line 2, or to where the next begins.
 
     Between a line 2 alone and the next line 1 alone, lines 2 may be written before lines 1: each line there
@@ -95,13 +107,6 @@ def _cut(text: str) -> Iterator[list[Line]]:
             piece, has_first = [], False
     if piece:
         yield piece
-
-
-def begins_with_name(text: str) -> bool:
-    """Return whether a text begins with a name above line 1 of a TLE, whatever the name looks like."""
-    name, *rest = text.split("\n", 2)
-    is_above = bool(rest) and _PATTERNS["1"].fullmatch(rest[0].rstrip()) is not None
-    return is_above and len(name.rstrip()) <= _LONGEST_NAME
 
 
 def element_set(path: FilePath, piece: Sequence[Line]) -> ElementSet:
