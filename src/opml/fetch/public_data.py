@@ -199,8 +199,7 @@ def _joined(known: str, new: str) -> str | None:
 
 def _check_sets(content: bytes) -> None:
     """Raise InputError for a body without a row of element sets in CSV."""
-    text = content.decode("utf-8", "replace")
-    if not omm.matches(text) or len(text.splitlines()) < 2:
+    if not omm.is_csv(content) or len(content.splitlines()) < 2:
         raise InputError("expected element sets in CSV, got another text")
 
 
