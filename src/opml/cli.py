@@ -190,9 +190,7 @@ def _instant(text: str) -> str:
 
 
 def _add_improve(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "sets", nargs="*", help="files and folders of {elements} (all that was fetched)"
-    )
+    parser.add_argument("sets", nargs="*", help="files and folders of {elements} (all that was fetched)")
     parser.add_argument("-o", "--output", required=True, help="better sets: .tle, .json, .csv, .xml or .kvn")
     parser.add_argument("--table", help="what was done, and the errors expected: .csv, .json or .parquet")
     parser.add_argument("--date", type=_instant, help=f"{_UTC}: only what was public then counts (now)")

@@ -120,6 +120,21 @@ def days_of_year(epoch: str, duration_s: float) -> tuple[float, np.ndarray]:
     return midnight, np.array(numbers, dtype=np.int64)
 
 
+def leap_seconds(earlier: ArrayLike, later: ArrayLike) -> np.ndarray:
+    """Return the leap seconds (n,) from times to later ones, modified Julian days (UTC)."""
+    days, behind_tai = _leap_seconds()
+    before, behind = (behind_tai[np.searchsorted(days, t, side="right")] for t in (earlier, later))
+    return np.asarray(behind - before)
+
+
+@lru_cache(maxsize=1)
+def _leap_seconds() -> tuple[np.ndarray, np.ndarray]:
+    """Return the modified Julian days (n,) of changes of UTC, and TAI - UTC (n + 1,) before and after [s]."""
+    table = erfa.leap_seconds.get()
+    _, days = erfa.cal2jd(table["year"], table["month"], 1)
+    return days, np.append(0.0, table["tai_utc"])
+
+
 def calendar(mjd: float) -> str:
     """Return the calendar date 'YYYY-MM-DD' of a modified Julian day number."""
     return (date(1858, 11, 17) + timedelta(days=math.floor(mjd))).isoformat()

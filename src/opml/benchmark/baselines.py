@@ -16,6 +16,7 @@ import pandas as pd
 from sgp4.api import Satrec
 
 from opml import __version__
+from opml.base import epochs
 from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.files import FilePath, check_distinct_files, replacing, suffix_of
@@ -229,7 +230,8 @@ def _fit(sets: list[Satrec]) -> Satrec:
         age = one.jdsatepoch - newest.jdsatepoch + one.jdsatepochF - newest.jdsatepochF
         if age >= -_DAYS_OF_FIT:
             minutes = np.linspace(-1.0, 0.0, _POINTS) * 1440.0
-            times.append(age * DAY + minutes * 60.0)
+            leap = epochs.leap_seconds(*(each.jdsatepoch - epochs.MJD_ZERO for each in (newest, one)))
+            times.append(age * DAY + leap + minutes * 60.0)
             positions.append(propagate(one, minutes)[0])
     t, points = np.concatenate(times), np.concatenate(positions)
     order = np.argsort(t, kind="stable")

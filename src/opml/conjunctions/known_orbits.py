@@ -33,6 +33,7 @@ from opml.orbits.state_polynomials import FEWEST
 from opml.tables import STATE, read_kind, read_metadata, read_table
 
 _SAME = 1e-5  # [s]
+_SHOWN = 5  # objects in an error
 _OTHER_UNIT = 0.5  # of most ways between positions that velocities miss by more
 
 _log = logging.getLogger(__name__)
@@ -231,8 +232,8 @@ def _number(path: FilePath, history: histories.History, wanted: str | None) -> i
     """Return the catalogue number of what is wanted: a number, a name or a designator."""
     if wanted is None:
         return None
-    for number, one in history.objects.items():
-        if one.is_called(wanted):
-            return number
-    objects = ", ".join(str(one) for one in [*history.objects.values()][:5])
-    raise InputError(f"{path}: expected object {wanted}, got {objects}")
+    called = [number for number, one in history.objects.items() if one.is_called(wanted)]
+    if len(called) == 1:
+        return called[0]
+    objects = ", ".join(str(history.objects[number]) for number in (called or [*history.objects])[:_SHOWN])
+    raise InputError(f"{path}: expected one object {wanted}, got {objects}")

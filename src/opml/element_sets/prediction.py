@@ -303,7 +303,9 @@ def errors_of_sets(catalogue: ElementCatalogue, date: str) -> pd.DataFrame:
 def _apart(satellite: Satrec, judge: Satrec) -> tuple[float, float, float]:
     """Return how far SGP4 propagates from another set at the epoch of that: outwards, ahead, across [m]."""
     _, *own = judge.sgp4_tsince(0.0)
-    _, position, _ = satellite.sgp4(judge.jdsatepoch, judge.jdsatepochF)
+    since, until = (one.jdsatepoch - epochs.MJD_ZERO + one.jdsatepochF for one in (satellite, judge))
+    leap = float(epochs.leap_seconds(since, until)) / DAY
+    _, position, _ = satellite.sgp4(judge.jdsatepoch, judge.jdsatepochF + leap)
     r, s, w = 1e3 * bent_rsw(np.array([position]), np.concatenate(own)[None])[0]
     return r, s, w
 

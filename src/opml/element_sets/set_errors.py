@@ -10,6 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
+from opml.base import epochs
+from opml.base.constants import DAY
 from opml.element_sets.catalogue import ElementCatalogue
 from opml.interop.element_sets.element_set import kick, propagate
 from opml.tables import IMPROVED_LEADS
@@ -115,7 +117,7 @@ def find(catalogue: ElementCatalogue, mornings: np.ndarray) -> tuple[pd.DataFram
             "morning": morning,
             "lead": lead,
             "newest": newest,
-            "tau": until - t[newest],
+            "tau": _days_between(t[newest], until),
             "judged": np.where(judge >= 0, table["known"].to_numpy()[judge], np.nan),
         }
     ), judge
@@ -131,6 +133,11 @@ def _nearest(times: np.ndarray, wanted: np.ndarray, first: np.ndarray, ends: np.
     after = np.searchsorted(times, wanted)
     left, right = (np.clip(after - 1, first, ends - 1), np.clip(after, first, ends - 1))
     return np.where(wanted - times[left] <= times[right] - wanted, left, right)
+
+
+def _days_between(earlier: np.ndarray, later: np.ndarray) -> np.ndarray:
+    """Return the days (n,) of 86 400 SI seconds, leap seconds among them, between modified Julian days."""
+    return np.asarray(later - earlier + epochs.leap_seconds(earlier, later) / DAY)
 
 
 def _own_states(catalogue: ElementCatalogue) -> _States:
@@ -151,7 +158,7 @@ def _propagate(catalogue: ElementCatalogue, rows: pd.DataFrame) -> _Propagated:
     for one, members in zip(sets, np.split(order, begins)[1:], strict=True):
         earlier = np.arange(one - 1, max(one - BACK, 0) - 1, -1)
         earlier = earlier[number[earlier] == number[one]]
-        minutes = _MINUTES * np.concatenate([t[earlier] - t[one], tau[members]])
+        minutes = _MINUTES * np.concatenate([_days_between(t[one], t[earlier]), tau[members]])
         satellite, known = catalogue.satellites[one], len(earlier)
         places, speeds = propagate(satellite, minutes)
         back[one, :known] = places[:known]

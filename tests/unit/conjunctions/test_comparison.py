@@ -193,6 +193,60 @@ def test_orbits_of_other_times_and_objects_are_refused(truth, tmp_path):
     ours = known_orbits.read([written(tmp_path / "ours.oem", truth)])
     (tmp_path / "sets.tle").write_text(tle_text(history([100.0])) + tle_text(history([100.0]), number=7))
     assert "names the object, got objects 7, 25544" in refusal(known_orbits.read, [tmp_path / "sets.tle"])
-    assert "sets.tle: expected object 8, got" in refusal(known_orbits.read, [tmp_path / "sets.tle"], "8")
+    assert "sets.tle: expected one object 8, got" in refusal(known_orbits.read, [tmp_path / "sets.tle"], "8")
     with pytest.raises(InputError, match=r"expected two orbits of the same time, got .*ours"):
         comparison.compare(ours, known_orbits.read([tmp_path / "sets.tle"], "7"))
+
+
+def test_fragments_of_one_name_that_begin_together_are_told_apart(truth, tmp_path):
+    """Three objects of one name and one beginning: each query gives its own states and covariances."""
+    ids = ["1999-025AAA", "1999-025BBB", "1999-025CCC"]
+    shifted = [moved(truth, [0.0, 1e3 * k, 0.0]) for k in range(3)]
+    spreads = [np.tile(np.eye(6) * (k + 1.0), (len(T), 1, 1)) for k in range(3)]
+    segments = [
+        oem.Segment(
+            "FENGYUN 1C DEB", T, states, T, spread, "RSW", identity=ObjectId.of("FENGYUN 1C DEB", one)
+        )
+        for one, states, spread in zip(ids, shifted, spreads, strict=True)
+    ]
+    path = tmp_path / "three.oem"
+    oem.write(path, segments, epoch=RUN)
+    for k, one in enumerate(ids):
+        orbit = known_orbits.read([path], one)
+        assert orbit.identity.designator == one
+        np.testing.assert_allclose(orbit.at(orbit.t), shifted[k], atol=1e-6)
+        np.testing.assert_allclose(orbit.covariances(orbit.t), spreads[k], atol=1e-9)
+    told = refusal(known_orbits.read, [path], "fengyun 1c deb")
+    assert "expected one satellite fengyun 1c deb, got FENGYUN 1C DEB (1999-025AAA), FENGYUN" in told
+
+
+def test_two_objects_of_one_name_are_not_one_orbit(truth, tmp_path):
+    paths = [tmp_path / "a.oem", tmp_path / "b.oem"]
+    for path, one, t in zip(paths, ("1999-025A", "1999-025B"), (T, T + 1e4), strict=True):
+        oem.write(path, [oem.Segment("DEB", t, truth, identity=ObjectId.of("DEB", one))], epoch=RUN)
+    told = refusal(known_orbits.read, paths)
+    assert "b.oem: expected satellite DEB (1999-025A), as in" in told
+    assert told.endswith("got DEB (1999-025B)")
+
+
+def test_sets_of_one_name_are_not_the_first_of_them(tmp_path):
+    path = tmp_path / "debris.tle"
+    path.write_text("".join(f"DEB\n{tle_text(history([0.0]), number)}" for number in (101, 102)))
+    assert known_orbits.read([path], "102").identity.number == 102
+    assert "expected one object deb, got DEB (101), DEB (102)" in refusal(known_orbits.read, [path], "deb")
+
+
+def test_covariances_along_the_velocity_are_turned(truth, tmp_path):
+    """On an eccentric orbit T of TNW is not S of RSW; N points down where the orbit is level."""
+    states = truth * [1.0, 1.0, 1.0, 1.2, 1.2, 1.2]
+    orbit = kepler(states[0] + [0.0, 0.0, 0.0, 500.0, 0.0, 0.0], 0.0, T)
+    tnw = np.tile(np.diag([400.0, 9.0, 1.0, 0.04, 0.01, 0.01]), (len(T), 1, 1))
+    path = written(tmp_path / "tnw.oem", orbit, tnw)
+    path.write_text(path.read_text().replace("COV_REF_FRAME = RSW", "COV_REF_FRAME = TNW"))
+    found = known_orbits.read([path]).covariances(known_orbits.read([path]).t)
+    along = orbit[:, 3:] / np.linalg.norm(orbit[:, 3:], axis=1)[:, None]
+    across = np.cross(orbit[:, :3], orbit[:, 3:])
+    across /= np.linalg.norm(across, axis=1)[:, None]
+    in_gcrf = rsw_rotation(orbit).transpose(0, 2, 1) @ found[:, :3, :3] @ rsw_rotation(orbit)
+    for axis, variance in ((along, 400.0), (np.cross(across, along), 9.0), (across, 1.0)):
+        np.testing.assert_allclose(np.einsum("ni,nij,nj->n", axis, in_gcrf, axis), variance, rtol=1e-6)

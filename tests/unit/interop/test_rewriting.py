@@ -1,14 +1,19 @@
 """Element sets written back: two numbers change, in every notation, and nothing else."""
 
+import csv
 import json
+from datetime import datetime
 from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from sgp4.api import Satrec
 
 from opml.base.errors import InputError
-from opml.interop.element_sets import mean_elements, rewriting
-from opml.interop.element_sets.element_set import PER_DAY, ElementSet
+from opml.interop.element_sets import element_set, mean_elements, omm, rewriting, tle
+from opml.interop.element_sets.element_set import PER_DAY, ElementSet, elements_epoch
 from opml.interop.element_sets.rewriting import Better
 
 NAME = "CALSPHERE 1"
@@ -32,6 +37,11 @@ def better(path: Path, **changes: float) -> Better:
 
 def better_than(one: ElementSet, **changes: float) -> Better:
     return Better(str(one.path), one.place, one.line, **({"motion": MOTION, "bstar": BSTAR} | changes))
+
+
+def published(path):
+    (one,) = mean_elements.read_sets(path)
+    return one.satellite.no_kozai, one.satellite.bstar
 
 
 def test_a_tle_keeps_all_but_two_fields_and_its_checksums(source: Path, tmp_path: Path) -> None:
@@ -76,6 +86,63 @@ def test_a_tle_without_an_international_designator_becomes_an_omm(source: Path, 
 
     (one,) = json.loads((tmp_path / "better.json").read_text())
     assert (one["OBJECT_NAME"], one["OBJECT_ID"]) == ("UNKNOWN", "UNKNOWN")
+
+
+SPACE_TRACK = {
+    "COMMENT": "GENERATED VIA SPACE-TRACK.ORG API",
+    "ORIGINATOR": "18 SPCS",
+    "CREATION_DATE": "2026-01-16T08:00:00",
+    "SEMIMAJOR_AXIS": "7353.1",
+    "PERIOD": "104.6",
+    "APOAPSIS": "994.1",
+    "PERIAPSIS": "955.8",
+    "TLE_LINE0": f"0 {NAME}",
+    "TLE_LINE1": FIRST,
+    "TLE_LINE2": SECOND,
+}
+
+
+@pytest.mark.parametrize("suffix", [".json", ".csv"])
+def test_nothing_of_an_improved_set_is_of_the_published_one(suffix, source, tmp_path):
+    rewriting.write(tmp_path / "plain.json", [better(source, motion=published(source)[0], bstar=BSTAR)])
+    (plain,) = json.loads((tmp_path / "plain.json").read_text())
+    given = tmp_path / "given.json"
+    given.write_text(json.dumps([plain | SPACE_TRACK]))
+
+    rewriting.write(tmp_path / f"better{suffix}", [better(given, bstar=6e-4)])
+
+    text = (tmp_path / f"better{suffix}").read_text()
+    one = json.loads(text)[0] if suffix == ".json" else next(csv.DictReader(text.splitlines()))
+    lines = one["TLE_LINE1"], one["TLE_LINE2"]
+    by_lines, by_keys = Satrec.twoline2rv(*lines), omm.satellite({key: str(one[key]) for key in one})
+    assert by_lines.bstar == pytest.approx(by_keys.bstar) == pytest.approx(6e-4)
+    assert by_lines.no_kozai == pytest.approx(by_keys.no_kozai, rel=1e-9)
+    assert not {"SEMIMAJOR_AXIS", "PERIOD", "APOAPSIS", "PERIAPSIS"} & one.keys()
+    assert one["ORIGINATOR"].startswith("OPML ")
+    assert "improved by OPML" in one["COMMENT"]
+    assert one["CREATION_DATE"] == "2026-01-16T08:00:00.000000"
+
+
+def test_a_set_that_nothing_improves_stays_as_it_is(source, tmp_path):
+    motion, bstar = published(source)
+    rewriting.write(tmp_path / "same.tle", [better(source, motion=motion, bstar=bstar)])
+    assert (tmp_path / "same.tle").read_text() == source.read_text()
+    rewriting.write(tmp_path / "same.json", [better(source, motion=motion, bstar=bstar)])
+    assert "OPML" not in (tmp_path / "same.json").read_text()
+
+
+@pytest.mark.parametrize("suffix", [".kvn", ".xml"])
+def test_a_message_has_the_header_that_the_standard_asks_for(suffix, source, tmp_path):
+    rewriting.write(tmp_path / f"better{suffix}", [better(source)])
+    text = (tmp_path / f"better{suffix}").read_text()
+    order = [
+        "improved by OPML",
+        "2026-01-15T16:09:17.726",
+        "= OPML 1" if suffix == ".kvn" else ">OPML 1",
+        "CALSPHERE 1",
+    ]
+    assert sorted(order, key=text.index) == order
+    assert text.count("CREATION_DATE") == (1 if suffix == ".kvn" else 2)
 
 
 def test_json_has_numbers_and_texts_as_celestrak_has_them(source: Path, tmp_path: Path) -> None:
@@ -134,3 +201,44 @@ def test_another_suffix_and_a_changed_file_are_refused(source: Path, tmp_path: P
     with pytest.raises(InputError, match=r"sets\.tle: line 2: expected the set that was read there"):
         rewriting.write(tmp_path / "better.tle", [one])
     assert not (tmp_path / "better.tle").exists()
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    number=st.integers(1, tle.LARGEST_NUMBER) | st.sampled_from([180_000, 235_000, 239_999]),
+    epoch=st.datetimes(datetime(1957, 1, 1), datetime(2056, 12, 31, 23, 59, 59, 999_999))
+    | st.sampled_from([datetime(2025, 12, 31, 23, 59, 59, 999_800), datetime(2024, 12, 31, 23, 59, 59)]),
+    eccentricity=st.floats(0.0, 0.9),
+    bstar=st.floats(-1.0, 1.0) | st.sampled_from([1e-12, -1e-9, 0.0]),
+)
+def test_what_a_tle_can_hold_is_read_as_it_was_written(number, epoch, eccentricity, bstar, tmp_path_factory):
+    elements = [2.0 / PER_DAY, eccentricity, 1.0, 2.0, 3.0, 4.0, bstar]
+    satellite = element_set.satellite(epoch.isoformat(timespec="microseconds"), elements)
+    path = tmp_path_factory.mktemp("tle") / "one.tle"
+    for lines in (tle.lines(satellite, number), tle.exported(satellite, number)):
+        path.write_text("\n".join(lines))
+        (one,) = mean_elements.read_sets(path)
+        assert one.number == number
+        assert one.satellite.bstar == pytest.approx(bstar, rel=1e-4, abs=1e-9)
+        apart = datetime.fromisoformat(elements_epoch(one.satellite)) - epoch
+        assert abs(apart.total_seconds()) < 4e-3  # before 1972 UTC had another rate
+
+
+@pytest.mark.parametrize(
+    ("epoch", "changes", "said"),
+    [
+        ("2060-01-01T00:00:00", {}, "epoch: expected one of a TLE, from 1957 to 2056"),
+        ("2056-12-31T23:59:59.999999", {}, "epoch: expected one of a TLE, from 1957 to 2056"),
+        ("2026-01-01T00:00:00", {1: 0.99999999}, "expected numbers that its columns hold"),
+        ("2026-01-01T00:00:00", {6: 1e12}, "expected numbers that its columns hold"),
+    ],
+    ids=["1960 again", "the last moment", "eccentricity", "B*"],
+)
+def test_what_a_tle_cannot_hold_is_refused(epoch, changes, said):
+    elements = [2.0 / PER_DAY, 0.1, 1.0, 2.0, 3.0, 4.0, 1e-4]
+    for k, value in changes.items():
+        elements[k] = value
+    satellite = element_set.satellite(epoch, elements)
+    for write in (tle.lines, tle.exported):
+        with pytest.raises(InputError, match=said):
+            write(satellite, 25544)

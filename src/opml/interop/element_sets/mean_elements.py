@@ -77,7 +77,7 @@ def read_sets(path: FilePath, damaged: list[InputError] | None = None) -> list[E
 def _parsed(path: str, content: bytes) -> tuple[list[ElementSet], list[InputError]]:
     """Return the sets of a file and the errors of those that are damaged; a morning asks for them twice."""
     errors: list[InputError] = []
-    return [*each(enumerate(pieces(path, content)), partial(_set, path), errors)], errors
+    return [*each(enumerate(pieces(path, content)), partial(_set_of_place, path), errors)], errors
 
 
 def pieces(path: FilePath, content: bytes) -> Iterator[Piece]:
@@ -85,8 +85,12 @@ def pieces(path: FilePath, content: bytes) -> Iterator[Piece]:
     return cast("Iterator[Piece]", formats.read(path, content, formats.ELEMENTS))
 
 
-def _set(path: FilePath, placed: tuple[int, Piece]) -> ElementSet:
-    place, piece = placed
+def _set_of_place(path: FilePath, placed: tuple[int, Piece]) -> ElementSet:
+    return element_set(path, *placed)
+
+
+def element_set(path: FilePath, place: int, piece: Piece) -> ElementSet:
+    """Return the set of a piece. Raises InputError, naming the line, for a damaged one."""
     if isinstance(piece, omm.Record):
         return replace(omm.element_set(path, piece), place=place)
     return replace(tle.element_set(path, piece), place=place)

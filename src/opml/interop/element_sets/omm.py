@@ -194,12 +194,8 @@ class _Values:
             raise self._error("INCLINATION", "degrees, and not all four angles between 0 and 6.3")
 
     def time(self, key: str) -> str:
-        """Return the time of a key as UTC text, to the microsecond. Raises InputError where it is none.
-
-        Lists of Space-Track's older class `tle` have a blank for the T, and microseconds under another key.
-        """
-        parts = [self.known[name] for name in (key, f"{key}_MICROSECONDS") if name in self.known]
-        text = ccsds.utc_text(".".join(part.rjust(6, "0") for part in parts).replace(" ", "T"))
+        """Return the time of a key as UTC text, to the microsecond. Raises InputError where it is none."""
+        text = time_text(self.known, key)
         if text is None or not _FIRST_YEAR <= text[:4] <= _LAST_YEAR:
             raise self._error(key, f"a time from {_FIRST_YEAR} to {_LAST_YEAR} like 2016-09-28T12:09:45")
         return text
@@ -208,6 +204,15 @@ class _Values:
         line = self._lines.get(key, self._line)
         got = excerpt(self.known.get(key, ""))
         return InputError(f"{self._path}: line {line}: {key}: expected {expected}, got {got}")
+
+
+def time_text(values: Mapping[str, str], key: str) -> str | None:
+    """Return the time of a key as UTC text, to the microsecond, None where it is none.
+
+    Lists of Space-Track's older class `tle` have a blank for the T, and microseconds under another key.
+    """
+    parts = [values[name] for name in (key, f"{key}_MICROSECONDS") if name in values]
+    return ccsds.utc_text(".".join(part.rjust(6, "0") for part in parts).replace(" ", "T"))
 
 
 def read_kvn(path: FilePath, text: str) -> Iterator[Record]:

@@ -1,7 +1,8 @@
 """Element sets written back with another mean motion and B*: TLEs, or OMMs in JSON, CSV, XML or KVN.
 
-Names, numbers, epochs and all that is not changed stay as the file has them. Formats: CelesTrak, GP data
-formats; CCSDS 502.0-B-2, section 4.
+Names, numbers, epochs and all that is not changed stay as the file has them. A message whose set is changed
+says so, with this package as its author and the date of the newest set; what follows from the elements is
+made anew or left out. Formats: CelesTrak, GP data formats; CCSDS 502.0-B-2, section 4.
 """
 
 import csv
@@ -9,21 +10,25 @@ import io
 import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from xml.sax.saxutils import escape
 
 from sgp4 import exporter
 from sgp4.api import Satrec
 
+from opml import __version__
 from opml.base.errors import InputError
 from opml.base.files import FilePath, replacing, suffix_of
+from opml.interop import ccsds
 from opml.interop.element_sets import mean_elements, omm, tle
-from opml.interop.element_sets.element_set import PER_DAY
+from opml.interop.element_sets.element_set import PER_DAY, seconds_since
 from opml.interop.element_sets.mean_elements import Piece
 from opml.interop.orbit_arcs import contents
 
+_ANY = "2000-01-01T12:00:00"
 Fields = Mapping[str, str]  # an OMM: values by their keys
 
-_HEADER = ("CCSDS_OMM_VERS", "CREATION_DATE", "ORIGINATOR")
+_HEADER = ("CCSDS_OMM_VERS", "COMMENT", "CREATION_DATE", "ORIGINATOR")
 _METADATA = (
     *("OBJECT_NAME", "OBJECT_ID", "CENTER_NAME", "REF_FRAME", "REF_FRAME_EPOCH", "TIME_SYSTEM"),
     "MEAN_ELEMENT_THEORY",
@@ -45,6 +50,13 @@ _STANDARD = {
     "CLASSIFICATION_TYPE": "U",
     "EPHEMERIS_TYPE": "0",
 }
+_DERIVED = (
+    *("SEMIMAJOR_AXIS", "SEMI_MAJOR_AXIS", "PERIOD", "APOAPSIS", "PERIAPSIS"),
+    *("GM", "RMS", "FILE", "GP_ID"),
+)
+"""Keys that tell of the published elements alone."""
+
+_LINES = ("TLE_LINE1", "TLE_LINE2")
 
 
 @dataclass(frozen=True)
@@ -68,8 +80,9 @@ def write(path: FilePath, sets: Sequence[Better]) -> int:
     for one in sets:
         wanted.setdefault(one.path, []).append(one)
     there = {file: _pieces(file, group) for file, group in wanted.items()}
-    found = [_better(there[one.path][one.place], one) for one in sets]
-    text, missing = write_sets(found)
+    header = _header(sets, there)
+    written = [_better(there[one.path][one.place], one, header) for one in sets]
+    text, missing = write_sets(written, header)
     with replacing(path) as temporary:
         temporary.write_text(text, encoding="utf-8")
     return missing
@@ -77,11 +90,12 @@ def write(path: FilePath, sets: Sequence[Better]) -> int:
 
 @dataclass(frozen=True)
 class _Tle:
-    """A TLE with its name, which may be empty."""
+    """A TLE with its name, which may be empty, and what an OMM of it says beside its elements."""
 
     name: str
     first: str
     second: str
+    said: Fields
 
 
 def _pieces(path: FilePath, sets: Sequence[Better]) -> dict[int, Piece]:
@@ -100,13 +114,30 @@ def _line(piece: Piece) -> int:
     return piece.line if isinstance(piece, omm.Record) else piece[-2:][0][0]
 
 
-def _better(piece: Piece, better: Better) -> _Tle | Fields:
+def _header(sets: Sequence[Better], there: Mapping[str, Mapping[int, Piece]]) -> Fields:
+    """Return author and date of messages: when the newest of the sets was made, else its epoch."""
+    read = [mean_elements.element_set(one.path, one.place, there[one.path][one.place]) for one in sets]
+    latest = seconds_since(_ANY, [one.satellite for one in read]).max()
+    date = max(ccsds.creation_date(_ANY, latest), *(one.created for one in read), "")
+    return {"CREATION_DATE": date, "ORIGINATOR": f"OPML {__version__}"}
+
+
+def _better(piece: Piece, better: Better, header: Fields) -> _Tle | Fields:
+    satellite = mean_elements.element_set(better.path, better.place, piece).satellite
+    is_same = (better.motion, better.bstar) == (satellite.no_kozai, satellite.bstar)
+    change = partial(tle.with_drag, motion=better.motion, bstar=better.bstar)
+    said = {} if is_same else {"COMMENT": f"MEAN_MOTION and BSTAR improved by OPML {__version__}", **header}
     if not isinstance(piece, omm.Record):
         *name, (_, first), (_, second) = piece
-        lines = tle.with_drag(first, second, motion=better.motion, bstar=better.bstar)
-        return _Tle(name[0][1].removeprefix("0 ") if name else "", *lines)
+        lines = (first, second) if is_same else change(first, second)
+        return _Tle(name[0][1].removeprefix("0 ") if name else "", *lines, said)
     fields = {pair.key: pair.value for pair in piece.pairs if pair.key and pair.value}
-    return fields | {"MEAN_MOTION": f"{better.motion * PER_DAY:.10f}", "BSTAR": f"{better.bstar:.10g}"}
+    if is_same:
+        return fields
+    if all(key in fields for key in _LINES):
+        fields |= zip(_LINES, change(*(fields[key] for key in _LINES)), strict=True)
+    numbers = {"MEAN_MOTION": f"{better.motion * PER_DAY:.10f}", "BSTAR": f"{better.bstar:.10g}"}
+    return {key: value for key, value in fields.items() if key not in _DERIVED} | numbers | said
 
 
 def _fields(one: _Tle | Fields) -> Fields:
@@ -119,22 +150,26 @@ def _fields(one: _Tle | Fields) -> Fields:
     fields = {
         key: (f"{value:.10g}" if isinstance(value, float) else str(value)) for key, value in exported.items()
     }
-    return fields if designator else {**fields, "OBJECT_ID": "UNKNOWN"}
+    return {**fields, **({} if designator else {"OBJECT_ID": "UNKNOWN"}), **one.said}
 
 
-def _as_tle(sets: Sequence[_Tle | Fields]) -> tuple[str, int]:
+def _as_tle(sets: Sequence[_Tle | Fields], _: Fields) -> tuple[str, int]:
     lines, missing = [], 0
     for one in sets:
         if not isinstance(one, _Tle):
-            if int(one["NORAD_CAT_ID"]) > tle.LARGEST_NUMBER:
+            try:
+                epoch = omm.time_text(one, "EPOCH") or ""
+                satellite = omm.satellite({**one, "EPOCH": epoch, "NORAD_CAT_ID": "0"})
+                pair = tle.exported(satellite, int(one.get("NORAD_CAT_ID", "0")))
+            except InputError:
                 missing += 1
                 continue
-            one = _Tle(one.get("OBJECT_NAME", ""), *exporter.export_tle(omm.satellite(one)))
+            one = _Tle(one.get("OBJECT_NAME", ""), *pair, {})
         lines += [*([one.name] if one.name else []), one.first, one.second]
     return "".join(f"{line}\n" for line in lines), missing
 
 
-def _as_json(sets: Sequence[_Tle | Fields]) -> tuple[str, int]:
+def _as_json(sets: Sequence[_Tle | Fields], _: Fields) -> tuple[str, int]:
     objects = ",\n".join(
         "{"
         + ",".join(f"{json.dumps(key)}:{_json_value(key, value)}" for key, value in _fields(one).items())
@@ -150,7 +185,7 @@ def _json_value(key: str, value: str) -> str:
     return repr(float(value)) if any(mark in value.lower() for mark in ".e") else str(int(value))
 
 
-def _as_csv(sets: Sequence[_Tle | Fields]) -> tuple[str, int]:
+def _as_csv(sets: Sequence[_Tle | Fields], _: Fields) -> tuple[str, int]:
     rows = [_fields(one) for one in sets]
     text = io.StringIO()
     writer = csv.DictWriter(
@@ -161,14 +196,15 @@ def _as_csv(sets: Sequence[_Tle | Fields]) -> tuple[str, int]:
     return text.getvalue(), 0
 
 
-def _as_kvn(sets: Sequence[_Tle | Fields]) -> tuple[str, int]:
+def _as_kvn(sets: Sequence[_Tle | Fields], header: Fields) -> tuple[str, int]:
     keys = (*_HEADER, *_METADATA, *_ELEMENTS, *_OF_TLES)
-    whole = [{"CCSDS_OMM_VERS": "2.0", **_STANDARD, **_fields(one)} for one in sets]
-    return "\n".join("".join(f"{key} = {one[key]}\n" for key in keys if key in one) for one in whole), 0
+    whole = [{"CCSDS_OMM_VERS": "2.0", **_STANDARD, **header, **_fields(one)} for one in sets]
+    texts = ["".join(f"{key} = {one[key]}\n" for key in keys if key in one) for one in whole]
+    return "\n".join(texts).replace("COMMENT = ", "COMMENT "), 0
 
 
-def _as_xml(sets: Sequence[_Tle | Fields]) -> tuple[str, int]:
-    messages = "".join(map(_xml_message, ({**_STANDARD, **_fields(one)} for one in sets)))
+def _as_xml(sets: Sequence[_Tle | Fields], header: Fields) -> tuple[str, int]:
+    messages = "".join(map(_xml_message, ({**_STANDARD, **header, **_fields(one)} for one in sets)))
     return f'<?xml version="1.0" encoding="UTF-8"?>\n<ndm>\n{messages}</ndm>\n', 0
 
 
@@ -185,11 +221,11 @@ def _xml_message(one: Fields) -> str:
     )
 
 
-WRITERS: Mapping[str, Callable[[Sequence[_Tle | Fields]], tuple[str, int]]] = {
+WRITERS: Mapping[str, Callable[[Sequence[_Tle | Fields], Fields], tuple[str, int]]] = {
     **dict.fromkeys((".tle", ".txt", ".3le"), _as_tle),
     ".json": _as_json,
     ".csv": _as_csv,
     ".xml": _as_xml,
     **dict.fromkeys((".kvn", ".omm"), _as_kvn),
 }
-"""Writers by the suffix of the file."""
+"""Writers by the suffix of the file, of sets and the header of messages."""

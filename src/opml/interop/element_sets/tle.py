@@ -7,9 +7,11 @@ Space-Track, Alpha-5: a letter other than I and O is the first two digits of a n
 import re
 from calendar import isleap
 from collections.abc import Iterator, Sequence
+from datetime import date, timedelta
 from itertools import zip_longest
 
 import numpy as np
+from sgp4 import exporter
 from sgp4.alpha5 import from_alpha5, to_alpha5
 from sgp4.api import Satrec
 
@@ -27,6 +29,8 @@ FOR_TESTS = 99999  # catalogue number of an object of which none is known
 EPHEMERIS_TYPES = ("0", "2", "3")
 """Types of elements that SGP4 propagates, 0 in what is published; 4 are those of SGP4-XP, another theory."""
 
+_FIRST_DAY, _JULIAN_1957, _YEARS = date(1957, 1, 1), 2435839.5, 100
+_DAY_PARTS = 10**8  # of a day that an epoch resolves
 _FIRST_YEAR = 57  # two digits of the first year of a TLE, 1957; smaller ones are of this century
 _LONGEST_NAME = 68  # letters of a name: a text as long as a line of a TLE is a damaged one
 
@@ -135,28 +139,64 @@ def lines(satellite: Satrec, number: int, launch: str = "") -> tuple[str, str]:
 
     launch: international designator as TLEs have it, 98067A
 
-    Raises InputError for a number beyond those of TLEs.
+    Raises InputError for a number, an epoch or elements beyond those of TLEs.
     """
-    if not 0 < number <= LARGEST_NUMBER:
-        raise InputError(f"number: expected one of a TLE, 1 to {LARGEST_NUMBER}, got {number}")
-    name = to_alpha5(number)
+    name = _number_text(number)
     angles = np.rad2deg([satellite.nodeo, satellite.argpo, satellite.mo])
     node, perigee, anomaly = (f"{round(angle, 4) % 360.0:8.4f}" for angle in angles)
-    epoch = f"{satellite.epochyr % 100:02d}{satellite.epochdays:012.8f}"
     motion = f"{satellite.no_kozai * PER_DAY:11.8f}"
-    return _summed(
-        f"1 {name}U {launch:8} {epoch}  .00000000  00000+0 {_exponent_text(satellite.bstar)} 0    0"
-    ), _summed(
+    return _whole(
+        f"1 {name}U {launch:8} {_epoch_text(satellite)}  .00000000  00000+0 "
+        f"{_exponent_text(satellite.bstar)} 0    0",
         f"2 {name} {np.rad2deg(satellite.inclo):8.4f} {node} {round(1e7 * satellite.ecco):07d} "
-        f"{perigee} {anomaly} {motion}    0"
+        f"{perigee} {anomaly} {motion}    0",
     )
+
+
+def exported(satellite: Satrec, number: int) -> tuple[str, str]:
+    """Return the two lines of a set with all that a TLE has beside its orbit, as sgp4 writes them.
+
+    sgp4 takes letters that catalogues leave out, epochs beyond the year's end and exponents of two digits.
+    Raises InputError as `lines` does.
+    """
+    name, (first, second) = _number_text(number), exporter.export_tle(satellite)
+    bstar = _exponent_text(satellite.bstar)
+    return _whole(
+        f"1 {name}{first[7:18]}{_epoch_text(satellite)}{first[32:53]}{bstar} {first[-7:-1]}",
+        f"2 {name}{second[7:-1]}",
+    )
+
+
+def _whole(first: str, second: str) -> tuple[str, str]:
+    """Return two lines with checksums. Raises InputError for numbers that their columns cannot hold."""
+    lines = _summed(first), _summed(second)
+    for kind, line in zip("12", lines, strict=True):
+        if not _PATTERNS[kind].fullmatch(line):
+            raise InputError(f"TLE: expected numbers that its columns hold, got {line!r}")
+    return lines
+
+
+def _number_text(number: int) -> str:
+    if not 0 < number <= LARGEST_NUMBER:
+        raise InputError(f"number: expected one of a TLE, 1 to {LARGEST_NUMBER}, got {number}")
+    return str(to_alpha5(number))
+
+
+def _epoch_text(satellite: Satrec) -> str:
+    """Return year and day of an epoch; rounded to the year's end, it is the first moment of the next."""
+    parts = round((satellite.jdsatepoch - _JULIAN_1957) * _DAY_PARTS + satellite.jdsatepochF * _DAY_PARTS)
+    days, part = divmod(parts, _DAY_PARTS)
+    day = _FIRST_DAY + timedelta(days=days)
+    if not 0 <= day.year - _FIRST_DAY.year < _YEARS:
+        raise InputError(f"epoch: expected one of a TLE, from 1957 to 2056, got {day}")
+    return f"{day:%y%j}.{part:08d}"
 
 
 def with_drag(first: str, second: str, *, motion: float, bstar: float) -> tuple[str, str]:
     """Return the two lines of a set with another mean motion [rad/min] and B*."""
-    return (
-        _summed(f"{first[:53]}{_exponent_text(bstar)}{first[61:68]}"),
-        _summed(f"{second[:52]}{motion * PER_DAY:11.8f}{second[63:68]}"),
+    return _whole(
+        f"{first[:53]}{_exponent_text(bstar)}{first[61:68]}",
+        f"{second[:52]}{motion * PER_DAY:11.8f}{second[63:68]}",
     )
 
 
