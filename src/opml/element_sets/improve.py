@@ -64,12 +64,14 @@ class Improved:
 
     past: judged predictions of the mornings before: number, morning (modified Julian day), lead [d], error
         (of SGP4), left (of it, as the object's set is improved now), sigma [m]
+    corrections: those of the date: number, lead [d], correction (what SGP4 is ahead of the track), sigma [m]
     """
 
     table: pd.DataFrame  # `improved_sets`, a row an object
     sets: list[Better]  # those of the table, as they are written
     date: str  # UTC text
     past: pd.DataFrame
+    corrections: pd.DataFrame
 
     def write(self, path: FilePath) -> int:
         """Write the sets in the format of the suffix; return how many it cannot hold.
@@ -160,7 +162,8 @@ def improve(known: PublicData, model: CatalogueModel, *, progress: Progress = _l
     why = reasons(known.catalogue, newest, now, date=today)
     weights = where_usable(weighting.weights(rows, tried), why)
     combined = weighting.combined(rows, tried, weighting.of_objects(weights, rows))
-    table = _table(newest, today - newest["t"], why, weights, now.join(combined[["correction", "sigma"]]))
+    now = now.join(combined[["correction", "sigma"]])
+    table = _table(newest, today - newest["t"], why, weights, now)
     sets = [
         Better(one.file, one.place, one.line, one.motion, one.bstar) for one in table.itertuples(index=False)
     ]
@@ -168,7 +171,8 @@ def improve(known: PublicData, model: CatalogueModel, *, progress: Progress = _l
     progress(f"used: {', '.join(f'{name} {count}' for name, count in counts)}")
     judged = rows.loc[np.isfinite(rows["error"]), ["morning", "error"]].join(combined, how="inner")
     past = judged.assign(left=judged["error"] - judged["correction"])[_PAST_COLUMNS].reset_index(drop=True)
-    return Improved(table.drop(columns=[*_WHERE]), sets, known.date, past)
+    corrections = now[["number", "lead", "correction", "sigma"]].dropna().reset_index(drop=True)
+    return Improved(table.drop(columns=[*_WHERE]), sets, known.date, past, corrections)
 
 
 def replayed(known: PublicData, model: CatalogueModel, mornings: np.ndarray) -> pd.DataFrame:

@@ -11,7 +11,7 @@ at that height.
 
 import math
 import os
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import chain
 
@@ -25,9 +25,20 @@ from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.base.progress import Progress
 from opml.element_sets import catalogue as catalogues
-from opml.element_sets import corrector, density, improve, trained_model, weighting
+from opml.element_sets import (
+    corrector,
+    density,
+    improve,
+    inside_now,
+    inside_sizes,
+    trained_model,
+    weighting,
+)
 from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day
 from opml.element_sets.improve import Improved
+from opml.element_sets.inside_now import InsideNow
+from opml.element_sets.orbit_inside import NoOrbitError
+from opml.element_sets.set_errors import OLDEST
 from opml.environment import nrlmsis
 from opml.environment.space_weather import INTERVALS
 from opml.interop import ccsds
@@ -45,6 +56,7 @@ from opml.interop.object_ids import ObjectId
 from opml.interop.predicted_orbit import LEADS, PredictedOrbit
 from opml.orbits.density_error import DensityErrors
 from opml.orbits.elements import bent_rsw
+from opml.orbits.state_polynomials import StatePolynomials
 
 MORNINGS = 12  # mornings before the date whose predictions tell an object's own sizes, radial and cross-track
 
@@ -80,6 +92,28 @@ _REACH = 0.5  # of a set that judges from the time predicted [d]
 
 
 @dataclass(frozen=True, eq=False)
+class OrbitInside:
+    """The orbit inside an object's sets from a date on.
+
+    path: function of times [s since the date] that returns GCRF states; now: as it was found; is_corrected:
+    whether its along-track position is as learned
+    """
+
+    path: Callable[[np.ndarray], np.ndarray]
+    now: InsideNow
+    is_corrected: bool
+
+    @property
+    def reason(self) -> str:
+        """How well it is known to be there, in words."""
+        hours, told = self.now.span.after / HOUR, self.now.agreement
+        agreed = (
+            f"agree to {told.r:.0f} m outwards and {told.w:.0f} m across" if told else "are too few to tell"
+        )
+        return f"fits over {hours:g} h on both sides of its sets {agreed}"
+
+
+@dataclass(frozen=True, eq=False)
 class Prediction(PredictedOrbit):
     """An object from the date on when its newest set was known.
 
@@ -88,7 +122,8 @@ class Prediction(PredictedOrbit):
     improved, published: the newest set with better numbers, and as it was; how: row of the table
     `improved_sets`; sizes: by lead [d] r, s, w, standard deviations of the prediction, and sgp4, that of the
     published set along the track [m]; better: the set as it is written; burns: when its sets show that it
-    burned in the last BURNED days, UTC; thrusts: how many of these sets show that it thrusts.
+    burned in the last BURNED days, UTC; thrusts: how many of these sets show that it thrusts; inside: the
+    orbit inside the sets, or why SGP4 propagates the improved set.
     """
 
     improved: Satrec
@@ -98,8 +133,11 @@ class Prediction(PredictedOrbit):
     better: rewriting.Better
     burns: Sequence[str]
     thrusts: int
+    inside: OrbitInside | str
 
     def _propagated(self, t: np.ndarray) -> np.ndarray:
+        if isinstance(self.inside, OrbitInside):
+            return self.inside.path(t)
         states = mean_elements.states(self.improved, epoch=self.date, t=t)
         if not np.isfinite(states).all():
             end = t[~np.isfinite(states).all(axis=1)].min()
@@ -135,12 +173,16 @@ class Prediction(PredictedOrbit):
     @property
     def remark(self) -> str:
         """What a message says of it."""
-        return "; ".join([f"{self.way}, propagated by SGP4", *self._cautions()])
+        by_sgp4 = "" if isinstance(self.inside, OrbitInside) else ", propagated by SGP4"
+        return "; ".join([f"{self.way}{by_sgp4}", *self._cautions()])
 
     @property
     def way(self) -> str:
         """What was used, in words."""
         of = f" from {self.how['population']}" if self.how["population"] else ""
+        if isinstance(self.inside, OrbitInside):
+            along = f", along the track corrected as learned{of}" if self.inside.is_corrected else ""
+            return f"orbit inside its sets, propagated under full forces{along}"
         names = {
             weighting.LEARNED: f"set improved by forecast density and a correction learned{of}",
             weighting.DENSITY: "set improved by forecast density",
@@ -152,7 +194,8 @@ class Prediction(PredictedOrbit):
     def reason(self) -> str:
         """Why that was used, in words."""
         weight = f"weight {self.how['weight']:.0%}, from the errors of its last {weighting.PAST} mornings"
-        return "; ".join([str(self.how["why"]) or weight, *self._cautions()])
+        inside = self.inside.reason if isinstance(self.inside, OrbitInside) else self.inside
+        return "; ".join([inside, str(self.how["why"]) or weight, *self._cautions()])
 
     def _cautions(self) -> Iterator[str]:
         """Yield why sigmas are wide, where they are."""
@@ -214,6 +257,10 @@ def predict(
     measured = _measured(errors, _usual(published, how["age"]))
     thrusts = thrusting(public) if how["height"] < LOW else 0
     sizes = _sizes(how, past, measured, _after_storm(known.weather.kp, how["height"]))
+    sizes = across_burns(sizes, past) if burns or thrusts else sizes
+    inside = _inside(public, newest.number, better, date, days, str(weather))
+    if isinstance(inside, OrbitInside):
+        sizes = _inside_sizes(inside, sizes)
     made = Prediction(
         identity,
         date,
@@ -223,13 +270,64 @@ def predict(
         changed(published, how["motion"], how["bstar"]),
         published,
         how,
-        across_burns(sizes, past) if burns or thrusts else sizes,
+        sizes,
         better.sets[place],
         burns,
         thrusts,
+        inside,
     )
     made.states(made.t)  # no errors are told of what decays before
     return made
+
+
+def _inside(
+    public: Sequence[KnownSet], number: int, better: Improved, date: str, days: float, weather: str
+) -> OrbitInside | str:
+    """Return the orbit inside the sets of an object, or why there is none, in words."""
+    newest = public[-1]
+    if newest.t < -DAY * OLDEST:
+        return f"newest set older than {OLDEST:g} d"
+    if reason := inside_now.unsuited(newest.satellite):
+        return reason
+    # The first sets after a burn are made of tracks from both sides of it: those since it is known count.
+    begin = max((one.counts_from for one in burns_among(public, epoch=date)), default=-np.inf)
+    sets = [one for one in public if one.t >= begin] or [newest]
+    try:
+        now = inside_now.find(sets, date=date, weather=weather)
+    except NoOrbitError as reason:
+        return str(reason)
+    if now.doubt:
+        return now.doubt
+    rows = better.corrections[better.corrections["number"] == number]
+    is_corrected = len(rows) == len(LEADS) - 1
+    shift = _shift(now, rows) if is_corrected else None
+    return OrbitInside(StatePolynomials(*now.predict(days, shift)).at, now, is_corrected)
+
+
+def _inside_sizes(inside: OrbitInside, improved: pd.DataFrame) -> pd.DataFrame:
+    """Return the sizes of errors of an orbit inside, as in `Prediction`; improved: those of the improved
+    set.
+    """
+    sizes = inside_sizes.sizes(inside.now, improved.index.to_numpy(float)).set_axis(improved.index)
+    if inside.is_corrected:
+        sizes["s"] = np.minimum(sizes["s"], improved["s"])
+    return sizes.assign(sgp4=improved["sgp4"])
+
+
+def _shift(now: InsideNow, corrections: pd.DataFrame) -> np.ndarray:
+    """Return by what the orbit inside is to be ahead of where it goes by itself, as `InsideNow.predict` takes
+    it.
+
+    Its own position along the track and that of SGP4, corrected, count by the inverse of their variances. At
+    the date the orbit stays where it is.
+    """
+    leads = np.append(0.0, corrections["lead"].to_numpy(float))
+    own = inside_sizes.sizes(now, leads)["s"].to_numpy()
+    sigma = np.append(own[0], corrections["sigma"])
+    ahead = now.ahead_of_sgp4(leads) - np.append(0.0, corrections["correction"])
+    part = own**2 / (own**2 + sigma**2)
+    part[0] = 0.0
+    return np.column_stack([leads, part * ahead, np.minimum(own, sigma)])
 
 
 def _past_of(number: int, better: Improved) -> pd.DataFrame:

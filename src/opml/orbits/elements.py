@@ -132,6 +132,14 @@ def bent_rsw(positions: np.ndarray, reference: np.ndarray) -> np.ndarray:
     return np.stack([np.hypot(x, y) - radius, radius * np.arctan2(y, x), z], axis=1)
 
 
+def positions_beside(reference: np.ndarray, bent: np.ndarray) -> np.ndarray:
+    """Return the positions (..., 3) that `bent_rsw` has at (..., 3) beside a reference (..., 6)."""
+    radius = np.linalg.norm(reference[..., :3], axis=-1)
+    height, angle = radius + bent[..., 0], bent[..., 1] / radius
+    in_axes = np.stack([height * np.cos(angle), height * np.sin(angle), bent[..., 2]], axis=-1)
+    return np.asarray(np.einsum("...ji,...j->...i", rsw_rotation(reference), in_axes))
+
+
 def from_rsw(differences: np.ndarray, states: np.ndarray) -> np.ndarray:
     """Return differences (n, 6) [m, m/s] in GCRF from those in RSW of the states (n, 6)."""
     rotated: np.ndarray = np.einsum("nji,nkj->nki", rsw_rotation(states), differences.reshape(-1, 2, 3))

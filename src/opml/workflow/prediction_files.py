@@ -8,7 +8,7 @@ from typing import Any
 
 from opml.base.errors import InputError
 from opml.base.files import FilePath, replacing, suffix_of
-from opml.element_sets.prediction import Prediction
+from opml.element_sets.prediction import OrbitInside, Prediction
 from opml.element_sets.station_passes import Place, passes
 from opml.interop import czml
 from opml.interop.element_sets import omm, rewriting, tle
@@ -38,7 +38,7 @@ def write(path: FilePath, prediction: PredictedOrbit, places: Sequence[Place]) -
 
 
 def _set(path: FilePath, prediction: PredictedOrbit, _: Sequence[Place]) -> None:
-    if not isinstance(prediction, Prediction):
+    if not isinstance(prediction, Prediction) or isinstance(prediction.inside, OrbitInside):
         _fitted_set(path, prediction)
     elif rewriting.write(path, [prediction.better]):
         raise InputError(f"{path}: expected an object whose number a TLE has, got {prediction.identity}")

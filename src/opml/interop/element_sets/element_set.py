@@ -26,6 +26,7 @@ _FASTEST = 18.0  # revolutions per day that no satellite makes: at the Earth's s
 _ROUNDING = 1e-9  # [deg]
 _MINUTE = 60.0
 _MINUTES_A_DAY = 1440.0
+_EARTH_RADIUS = 6378.135e3  # WGS 72, the unit of SGP4's lengths [m]
 
 _ANY = "2000-01-01T12:00:00"
 
@@ -77,9 +78,45 @@ def with_drag(satellite: Satrec, bstar: float) -> Satrec:
 
 def changed(satellite: Satrec, motion: float, bstar: float) -> Satrec:
     """Return a set with another mean motion [rad/min] and B*."""
-    days = satellite.jdsatepoch - _SGP4_ZERO_JULIAN + satellite.jdsatepochF
     angles = satellite.inclo, satellite.nodeo, satellite.argpo, satellite.mo
-    return _initialised(days, [motion, satellite.ecco, *angles, bstar])
+    return _initialised(_days(satellite), [motion, satellite.ecco, *angles, bstar])
+
+
+def _days(satellite: Satrec) -> float:
+    """Return the epoch of a set from SGP4's zero on [d]."""
+    return float(satellite.jdsatepoch - _SGP4_ZERO_JULIAN + satellite.jdsatepochF)
+
+
+def perturbed(satellite: Satrec, changes: Sequence[float] | np.ndarray) -> Satrec:
+    """Return a set with other elements.
+
+    changes: (6,) of the mean motion [rad/min], e cos w, e sin w, inclination, right ascension of the node and
+        argument of latitude [rad]
+    """
+    motion, along, up, tilt, node, latitude = changes
+    along += satellite.ecco * math.cos(satellite.argpo)
+    up += satellite.ecco * math.sin(satellite.argpo)
+    perigee = math.atan2(up, along)
+    elements = [
+        satellite.no_kozai + motion,
+        math.hypot(along, up),
+        satellite.inclo + tilt,
+        satellite.nodeo + node,
+        perigee,
+        satellite.argpo + satellite.mo + latitude - perigee,
+    ]
+    return _initialised(_days(satellite), [*elements, satellite.bstar])
+
+
+def decay(satellite: Satrec) -> float:
+    """Return by how much the mean semi-major axis of a set sinks about its epoch by SGP4 [m/d]."""
+    radius = [_mean_radius(satellite, minutes) for minutes in (-0.5 * _MINUTES_A_DAY, 0.5 * _MINUTES_A_DAY)]
+    return radius[0] - radius[1]
+
+
+def _mean_radius(satellite: Satrec, minutes: float) -> float:
+    error, _, _ = satellite.sgp4_tsince(minutes)
+    return float("nan") if error else float(satellite.am) * _EARTH_RADIUS
 
 
 def propagate(satellite: Satrec, minutes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -14,7 +14,7 @@ from functools import lru_cache, partial
 from typing import NamedTuple, cast
 
 import numpy as np
-from sgp4.api import SGP4_ERRORS, Satrec
+from sgp4.api import SGP4_ERRORS, Satrec, SatrecArray
 
 from opml.base import epochs
 from opml.base.constants import DAY, EARTH_GM
@@ -141,6 +141,17 @@ def _in_teme(satellites: Sequence[Satrec], epoch: str, times: Sequence[np.ndarra
     ]
     errors, *vectors = map(np.concatenate, zip(*propagated, strict=True))
     return np.where(errors[:, None] == 0, 1e3 * np.concatenate(vectors, axis=1), np.nan)
+
+
+def states_in_teme(satellites: Sequence[Satrec], *, epoch: str, t: np.ndarray) -> np.ndarray:
+    """Return what SGP4 makes of sets with one epoch (k, n, 6) in TEME [m, m/s], NaN where it fails.
+
+    t: (n,) times of all [s since the UTC text `epoch`]
+    """
+    first = satellites[0]
+    days = first.jdsatepochF + (t - seconds_since(epoch, [first])[0]) / DAY
+    errors, *vectors = SatrecArray([*satellites]).sgp4(np.full(len(t), first.jdsatepoch), days)
+    return np.where(errors[..., None] == 0, 1e3 * np.concatenate(vectors, axis=-1), np.nan)
 
 
 class Body(NamedTuple):

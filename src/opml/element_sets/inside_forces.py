@@ -1,0 +1,78 @@
+"""Forces under which the orbits inside public sets are sought: full ones, under the weather as it was known.
+
+A publisher's forces are not known in detail; these agree with what theirs make of an orbit to some metres.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from opml.base import epochs
+from opml.base.constants import BODIES, DAY
+from opml.dynamics.forces import build, tabulated, with_outlooks
+from opml.dynamics.kernels.surroundings import ForceModel
+from opml.dynamics.settings import FORCES, ForceModelSettings
+from opml.environment import known_weather, nodes
+from opml.environment.forecasts import regression
+from opml.environment.known_weather import Issues
+
+GRAVITY, KERNEL = "EGM2008", "DE440"
+
+DEGREE = 48
+"""Of gravity. At 400 km a field of 36 moves an orbit by 25 m across the track in a week; one of 70 takes
+twice the time and differs by 5 m."""
+
+FORECAST = {"kind": "regression", "lags": 82, "ridge": 10}  # of the weather after each issue
+ISSUE_HOURS = 24
+AHEAD = (
+    12.0  # longest arc after an issue [d]: seven days from a date on, the age of the set and of the weather
+)
+_BEFORE = 9.0  # days before the first set that its span reaches
+
+
+@dataclass(frozen=True)
+class Forces:
+    """A force model whose times count from `epoch` (UTC text), with outlooks of the weather a day apart."""
+
+    model: ForceModel
+    epoch: str
+    threads: int = 1
+
+    def time(self, date: str) -> float:
+        """Return the time of UTC text [s since the epoch]."""
+        return epochs.seconds_between(self.epoch, date)
+
+
+def read(weather: str | Path, *, first: float, last: float, threads: int = 1, degree: int = DEGREE) -> Forces:
+    """Return the forces for sets with epochs from `first` to `last` (modified Julian days, UTC).
+
+    weather: OBSERVED, the packaged weather, or a CSSI file; what was measured after an issue does not count
+    in an arc that begins under it
+
+    Raises InputError where the weather is unreadable, or begins too late.
+    """
+    epoch = f"{epochs.calendar(np.floor(first) - _BEFORE)}T00:00:00"
+    days = last - np.floor(first) + _BEFORE + AHEAD
+    t = nodes(epoch, DAY * days)
+    environment = tabulated(
+        epoch,
+        t,
+        known_weather.measured_activity(weather, epoch, t),
+        gravity=GRAVITY,
+        kernel=KERNEL,
+        degree=degree,
+    )
+    settings = ForceModelSettings.read(
+        {"degree": degree, "order": degree, "third_bodies": [*BODIES], "forces": [*FORCES]}, "forces"
+    )
+    issues = Issues(
+        source=weather,
+        epoch=epoch,
+        forecast=regression.METHOD.settings.read(FORECAST, "forecast"),
+        issue_hours=ISSUE_HOURS,
+        max_days=AHEAD,
+    )
+    return Forces(
+        with_outlooks(build(environment, settings), known_weather.outlooks(issues, t)), epoch, threads
+    )

@@ -1,0 +1,262 @@
+"""The orbit inside an object's newest sets, from a date on, and how far its like were off in the weeks
+before.
+
+    now = inside_now.find(public, date="2018-12-25T06:00:00", weather="OBSERVED")
+    now.span, now.agreement, now.errors, now.predict(days=7.0)
+
+Each set of a day of the last weeks has its orbit, under the weather as it was known. They tell the span, how
+well sets agree over it and what errors the newest orbit will have; that has its own set and those shortly
+before it.
+"""
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from sgp4.api import Satrec
+
+from opml.base import epochs
+from opml.base.constants import DAY, HOUR, WGS84_A
+from opml.dynamics.ensemble import propagate
+from opml.element_sets import inside_forces, past_orbits
+from opml.element_sets.inside_forces import Forces
+from opml.element_sets.orbit_inside import (
+    DRAG,
+    EVERY,
+    LEAST_DRAG,
+    LIGHT,
+    NUMBERS,
+    STEPS,
+    Beginning,
+    Equations,
+    NearbyOrbit,
+    begin_at,
+    departing,
+    orbits_beside,
+    solve,
+    usual_half_span,
+)
+from opml.element_sets.past_orbits import LONGEST, SPANS, Agreement, FitSpan, PastOrbits, centred
+from opml.interop.element_sets.burns_in_sets import KnownSet
+from opml.interop.element_sets.element_set import decay, semi_major_axis
+
+LOWEST = 180e3  # height of the perigee below which an orbit ends before its span does [m]
+DEEP = 2.0 * np.pi / 225.0  # mean motion [rad/min] below which SGP4 adds Sun and Moon
+PAST = 21.0  # days before the newest set whose sets tell the span and the errors
+MOST = 12  # sets of these, a day apart or more
+
+BEFORE = 4.0
+"""Days before the newest set whose sets count with it, where drag is small."""
+
+MODERN = "2015"
+"""Year from which a set that stands alone is taken to have an orbit inside."""
+
+AGREED = 0.7
+"""Part of what SGP4's predictions are off, outwards and across, that those of orbits inside are off at
+most.
+"""
+
+LITTLE_DRAG = 22.0  # decay [m/d] below which sets of some days count together
+_SHORT = 96.0 * HOUR  # half of the longest span that is tried where drag is not small [s]
+_EVERY = 120.0  # between the states of a prediction [s]
+_BSTAR = 12.741621  # Cd A/m of a B* of 1/(6378.135 km), in SGP4's own density [m2/kg]
+_LEAST = 3e-3  # Cd A/m from which one is sought first [m2/kg]
+
+
+@dataclass(frozen=True, eq=False)
+class InsideNow:
+    """The orbit inside the newest sets of an object.
+
+    date: UTC text from which it is predicted; age: of the newest set on it [d]
+    span: over which orbits were taken out; agreement: None where sets are too few to tell it
+    errors: of the orbits of past sets, as `PastOrbits.errors` has them
+    orbit, numbers: that beside the newest set, and the changes that make it the one inside
+    """
+
+    forces: Forces
+    date: str
+    age: float
+    span: FitSpan
+    agreement: Agreement | None
+    errors: pd.DataFrame
+    orbit: NearbyOrbit
+    numbers: np.ndarray
+
+    @property
+    def ballistic(self) -> float:
+        """Cd A/m of the orbit [m2/kg]."""
+        return self.orbit.ballistic(self.numbers)
+
+    @property
+    def doubt(self) -> str:
+        """Why the sets have no orbit inside, in words; '' where they have one."""
+        if self.agreement is None:
+            is_old = self.date < MODERN
+            return (
+                "its sets are of years when publishers fitted otherwise, and too few to tell"
+                if is_old
+                else ""
+            )
+        own, by_sgp4 = (
+            float(np.hypot(*self.errors[list(axes)].median())) for axes in (("r", "w"), ("sgp4_r", "sgp4_w"))
+        )
+        if not self.span.is_centred:
+            return "its sets agree best over spans before their epochs: they are fits of another kind"
+        if own > AGREED * by_sgp4:
+            return f"orbits of its sets agree to {own:.0f} m, SGP4's to {by_sgp4:.0f} m"
+        return ""
+
+    def ahead_of_sgp4(self, days: np.ndarray) -> np.ndarray:
+        """Return how far SGP4 from the newest set is ahead of the orbit (n,) [m], a revolution's mean.
+
+        days: (n,) from the date on
+        """
+        off = self.orbit.displacements(self.orbit.beginning.satellite) - self.orbit.partials @ self.numbers
+        now = self.forces.time(self.date)
+        since = (self.orbit.t - now) / DAY
+        there = (since >= -0.5) & np.isfinite(off[:, 1])
+        smooth = np.polynomial.Polynomial.fit(since[there], off[there, 1], 3)
+        return np.asarray(smooth(days))
+
+    def predict(self, days: float, along_track: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
+        """Return times (n,) [s since the date] and GCRF states (n, 6) of the orbit from the date on.
+
+        along_track: (leads, 3) days from the date, by what the orbit is to be ahead there [m], and the
+        standard deviation of that; its energy and its drag change so as to come near
+        """
+        begin = self.orbit.begin_again(self.numbers + self._shifted(along_track))
+        now = self.forces.time(self.date)
+        t = now + _EVERY * np.arange(int(np.ceil(DAY * days / _EVERY)) + 2)
+        epochs = np.concatenate([[begin.t], t[t > begin.t]])
+        departures = departing([begin], self.forces, first=np.zeros(1, int), last=np.array([len(epochs) - 1]))
+        arcs = propagate(self.forces.model, epochs, departures, integrator=STEPS)
+        return t - now, np.concatenate([begin.state[None], arcs.path(0)])[-len(t) :]
+
+    def _shifted(self, along_track: np.ndarray | None) -> np.ndarray:
+        """Return the changes (7,) of mean motion, argument of latitude and Cd A/m that come near to a
+        shift.
+        """
+        changes = np.zeros(NUMBERS)
+        if along_track is None:
+            return changes
+        days, ahead, sigma = along_track.T
+        t = self.forces.time(self.date) + DAY * days
+        places = np.clip(np.searchsorted(self.orbit.t, t), 0, len(self.orbit.t) - 1)
+        design, sought = self.orbit.partials[places, 1] / sigma[:, None], ahead / sigma
+        free = [_MOTION, _LATITUDE, DRAG]
+        changes[free] = np.linalg.lstsq(design[:, free], sought, rcond=None)[0]
+        least = (LEAST_DRAG - self.ballistic) / self.orbit.beginning.drag_step
+        if changes[DRAG] < least:  # some of the drag stays: without it an orbit would rise
+            changes[DRAG], free = least, [_MOTION, _LATITUDE]
+            rest = sought - least * design[:, DRAG]
+            changes[free] = np.linalg.lstsq(design[:, free], rest, rcond=None)[0]
+        return changes
+
+
+_MOTION, _LATITUDE = 0, 5  # places of elements among the numbers
+
+
+def find(
+    public: Sequence[KnownSet], *, date: str, weather: str | Path, threads: int | None = None
+) -> InsideNow:
+    """Return the orbit inside the newest of an object's sets.
+
+    public: sets that were known on the date (UTC text), none from before its last burn, by epoch; times since
+    the date
+
+    Raises InputError for weather that does not reach.
+    """
+    newest = public[-1]
+    daily = _thinned([one for one in _last_of_days(public) if one.t >= newest.t - DAY * PAST])
+    today = float(np.sum(epochs.utc(date, 0.0)) - epochs.MJD_ZERO)
+    forces = inside_forces.read(
+        weather,
+        first=today + daily[0].t / DAY,
+        last=today,
+        threads=threads or os.cpu_count() or 1,
+    )
+    now = forces.time(date)
+    little = decay(newest.satellite) < LITTLE_DRAG
+    longest = LONGEST if little else _SHORT
+    past = _past(daily, forces, now, longest=longest, is_lit=little)
+    told = past_orbits.agreement(past, [one for one in SPANS if max(one.before, one.after) <= longest])
+    span = told.span if told else centred(usual_half_span(newest.satellite))
+    numbers = past.numbers(span, past.sunlight(span) if little else 0.0)
+    counted = [one for one in public if newest.t - one.t <= (DAY * BEFORE if little else 0.0)]
+    [orbit] = orbits_beside(
+        forces,
+        [past.orbits[-1].begin_again(numbers[-1])],
+        back=np.array([span.before + newest.t - counted[0].t + EVERY]),
+        ahead=np.array([max(past_orbits.REACH - newest.t, span.after + EVERY)]),
+    )
+    equations = [_equations(orbit, one, now) for one in counted]
+    final = solve(orbit, [one.over(t - span.before, t + span.after) for t, one in equations])
+    return InsideNow(forces, date, -newest.t / DAY, span, told, past.errors(numbers), orbit, final)
+
+
+def _past(
+    daily: Sequence[KnownSet], forces: Forces, now: float, *, longest: float, is_lit: bool
+) -> PastOrbits:
+    """Return the orbits beside sets, which reach half the longest span before and REACH after their
+    epochs.
+    """
+    ballistic = _gauge(daily[-1], forces, now)
+    count = len(daily)
+    orbits = orbits_beside(
+        forces,
+        [_begin(one, forces, now, ballistic) for one in daily],
+        back=np.full(count, longest),
+        ahead=np.full(count, max(longest, past_orbits.REACH) + EVERY),
+        is_lit=is_lit,
+    )
+    equations = [_equations(orbit, one, now)[1] for one, orbit in zip(daily, orbits, strict=True)]
+    return PastOrbits(np.array([now + one.t for one in daily]), orbits, equations)
+
+
+def unsuited(satellite: Satrec) -> str:
+    """Return why no orbit is sought inside a set, '' where one is."""
+    perigee = semi_major_axis(satellite.no_kozai) * (1.0 - satellite.ecco) - WGS84_A
+    if satellite.no_kozai < DEEP:
+        return "deep space"
+    return "" if perigee > LOWEST else f"perigee below {LOWEST / 1e3:g} km"
+
+
+def _last_of_days(sets: Sequence[KnownSet]) -> list[KnownSet]:
+    return list({np.floor(one.t / DAY): one for one in sets}.values())
+
+
+def _thinned(sets: Sequence[KnownSet]) -> list[KnownSet]:
+    """Return MOST sets at most, spread evenly, with the newest."""
+    places = np.unique(np.round(np.linspace(len(sets) - 1, 0, min(len(sets), MOST))).astype(int))
+    return [sets[k] for k in places]
+
+
+def _begin(one: KnownSet, forces: Forces, now: float, ballistic: float) -> Beginning:
+    return begin_at(
+        one.satellite,
+        forces.epoch,
+        set_epoch=now + one.t,
+        known=now + one.made,
+        ballistic=ballistic,
+        reflection=LIGHT,
+    )
+
+
+def _gauge(newest: KnownSet, forces: Forces, now: float) -> float:
+    """Return Cd A/m [m2/kg] of the orbit inside a set over the usual span."""
+    half = usual_half_span(newest.satellite)
+    begin = _begin(newest, forces, now, max(_BSTAR * abs(newest.satellite.bstar), _LEAST))
+    for _ in range(2):
+        reach = np.array([half + EVERY])
+        [orbit] = orbits_beside(forces, [begin], back=reach, ahead=reach)
+        _, equations = _equations(orbit, newest, now)
+        t = now + newest.t
+        begin = orbit.begin_again(solve(orbit, [equations.over(t - half, t + half)]))
+    return begin.ballistic
+
+
+def _equations(orbit: NearbyOrbit, one: KnownSet, now: float) -> tuple[float, Equations]:
+    return now + one.t, orbit.equations(orbit.displacements(one.satellite))

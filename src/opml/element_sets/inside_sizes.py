@@ -1,0 +1,55 @@
+"""How large the errors of the orbit inside an object's newest set are: by its last weeks, and by its drag.
+
+The errors of the orbits of past sets, at later ones so many days on, are those that the newest will have. A
+few errors of the size that is typical of its drag count with them, as a short past decides little. What
+neighbouring sets have in common they do not show: precise orbits do, and that floor is added.
+"""
+
+import numpy as np
+import pandas as pd
+
+from opml.base.constants import DAY
+from opml.element_sets.inside_now import InsideNow
+from opml.interop.element_sets.element_set import decay
+
+FLOOR = {"r": 5.0, "s": 30.0, "w": 12.0}
+"""Errors that neighbouring sets have in common [m]: of Sentinel-3A and Jason-3, by precise orbits."""
+
+_TYPICAL = 4.0  # errors of the typical size that count with an object's own
+_REACH = 0.75  # an error counts for a time that is at most so far from its own [d]
+_ROUND = {"r": 10.0, "w": 15.0}  # typical errors at any height [m]
+_FREE = 25.0, 15.0  # typical error along the track without drag [m], and its growth [m/d]
+_DRAG = (
+    12.0,
+    1.65,
+)  # with it: a metre of decay a day makes so many metres of error in a day; power of the time
+
+
+def typical(sinking: float, days: np.ndarray, motion: float) -> pd.DataFrame:
+    """Return typical errors r, s, w [m] of the orbits inside sets so many days (n,) after their epochs.
+
+    sinking: decay [m/d]; motion: mean motion [rad/s]
+    """
+    constant, rate = _FREE
+    factor, power = _DRAG
+    free, dragged = constant + rate * days, factor * max(sinking, 0.0) * days**power
+    along = np.hypot(free, dragged)
+    gained = (free * rate + dragged**2 * power / np.maximum(days, 0.1)) / along
+    lower = gained / DAY / (1.5 * motion)  # an orbit that is too low by x gains 3/2 of its rate times x
+    return pd.DataFrame(
+        {"r": np.hypot(_ROUND["r"], lower), "s": along, "w": np.full(len(days), _ROUND["w"])}, index=days
+    )
+
+
+def sizes(now: InsideNow, leads: np.ndarray) -> pd.DataFrame:
+    """Return the standard deviations r, s, w [m] at leads (n,) [d] from the date on, which they index."""
+    satellite = now.orbit.beginning.satellite
+    since = leads + now.age
+    usual = typical(decay(satellite), since, satellite.no_kozai / 60.0)
+    measured = usual.copy()
+    for day in since:
+        own = now.errors.loc[np.abs(now.errors["days"] - max(day, 1.0)) <= _REACH, ["r", "s", "w"]]
+        squares = (own**2).sum() + _TYPICAL * usual.loc[day] ** 2
+        measured.loc[day] = np.sqrt(squares / (len(own) + _TYPICAL))
+    floor = np.array([FLOOR[axis] for axis in measured])
+    return np.hypot(measured.cummax(), floor).set_axis(leads)

@@ -1,0 +1,307 @@
+"""The orbit inside a public element set: the numerical orbit that its publisher fitted SGP4 to.
+
+Since about 2015 a public set is SGP4 fitted by least squares to an orbit under full forces, over a span of H
+on both sides of its epoch. With r(t) that orbit, s(t) SGP4's positions and J(t) their partials with respect
+to the elements of the set, the publisher's normal equations are
+
+    sum over |t - t_set| <= H of  J(t)' W (r(t; x, b) - s(t)) = 0
+
+SGP4's residuals s - r are half a kilometre, and none of it is left in these seven sums. So they are solved
+for the orbit, its state x and its Cd A/m b, by Newton's method. An orbit and SGP4 have the same partials to a
+thousandth, hence J serves for x, too. What drag and light do is differenced between two orbits. One step from
+SGP4's own state leaves half a metre.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from sgp4.api import Satrec
+
+from opml.base.constants import HOUR
+from opml.base.errors import InputError
+from opml.dynamics.ensemble import Arcs, Departures, propagate
+from opml.dynamics.settings import Integrator
+from opml.element_sets.inside_forces import Forces
+from opml.interop.element_sets import mean_elements
+from opml.interop.element_sets.element_set import decay, perturbed
+from opml.orbits.elements import bent_rsw, positions_beside
+
+EVERY = 1800.0
+"""Time between points of a span [s]; orbits begin at the last one before an epoch."""
+
+WEIGHTS = 1.0 / np.array([200.0, 500.0, 200.0])
+"""Weights of residuals in RSW [1/m]: the size of what SGP4 cannot hold."""
+
+ANY_DRAG = 0.05, 5.0
+"""Standard deviation of Cd A/m about NO_DRAG: [m2/kg], or of its first value, whichever is larger.
+
+It is no guess of the drag: it keeps a number finite that an orbit above 1000 km does not tell.
+"""
+
+NO_DRAG = 0.01  # [m2/kg]
+LIGHT = 0.02  # Cr A/m of a payload [m2/kg]
+STEPS = Integrator(position_tolerance_m=0.05, min_step_s=0.001, max_step_s=120.0)
+NUMBERS = 8  # six elements, Cd A/m and Cr A/m
+DRAG, SUNLIGHT = 6, 7  # places of the last two
+
+_UNITS = np.array([1e-7, 1e-5, 1e-5, 1e-5, 1e-5, 1e-5])
+"""Steps of the elements: mean motion [its own part], e cos w, e sin w, angles [rad]; some 70 m each."""
+
+_DRAG_STEP = 0.1, 1e-3  # step of Cd A/m: a part of it, and at least [m2/kg]
+LIGHT_STEP = 0.005  # of Cr A/m [m2/kg]
+LEAST_DRAG = 1e-4  # [m2/kg]
+
+
+class NoOrbitError(InputError):
+    """Sets that no orbit under full forces fits: it comes down within their span, or SGP4 fails in it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Beginning:
+    """Where the orbit beside a set begins to be sought.
+
+    satellite: the set; t: the last multiple of EVERY before its epoch [s since that of the force model]
+    state: (6,) GCRF then [m, m/s]
+    ballistic, reflection: Cd A/m, Cr A/m [m2/kg]
+    known: when the orbit was asked for: weather measured later does not count [s]
+    """
+
+    satellite: Satrec
+    t: float
+    state: np.ndarray
+    ballistic: float
+    reflection: float
+    known: float
+
+    @property
+    def drag_step(self) -> float:
+        """By how much Cd A/m is changed to see what it does [m2/kg]."""
+        part, least = _DRAG_STEP
+        return max(part * self.ballistic, least)
+
+
+@dataclass(frozen=True, eq=False)
+class NearbyOrbit:
+    """An orbit under full forces beside that of a set, and how it changes with its numbers.
+
+    t: (n,) every EVERY [s]; states: (n, 6) GCRF [m, m/s]
+    partials: (n, 3, 8) along the bent axes R, S, W [m], by steps of the numbers; those of Cr A/m are 0 where
+    they were not asked for
+    """
+
+    beginning: Beginning
+    epoch: str
+    t: np.ndarray
+    states: np.ndarray
+    partials: np.ndarray
+
+    def displacements(self, satellite: Satrec) -> np.ndarray:
+        """Return (n, 3) by what SGP4's positions of a set are off the orbit, along the bent axes [m]."""
+        by_sgp4 = mean_elements.states(satellite, epoch=self.epoch, t=self.t)
+        return bent_rsw(by_sgp4[:, :3], self.states)
+
+    def positions(self, numbers: np.ndarray, rows: slice | np.ndarray = slice(None)) -> np.ndarray:
+        """Return GCRF positions (m, 3) [m] of the orbit with its numbers changed (8,) by steps."""
+        return positions_beside(self.states[rows], self.partials[rows] @ numbers)
+
+    def ballistic(self, numbers: np.ndarray) -> float:
+        """Return Cd A/m [m2/kg] of the orbit with its numbers changed (8,) by steps."""
+        return float(self.beginning.ballistic + numbers[DRAG] * self.beginning.drag_step)
+
+    def reflection(self, numbers: np.ndarray) -> float:
+        """Return Cr A/m [m2/kg] of the orbit with its numbers changed (8,) by steps."""
+        return float(self.beginning.reflection + numbers[SUNLIGHT] * LIGHT_STEP)
+
+    def begin_again(self, numbers: np.ndarray) -> Beginning:
+        """Return where the orbit begins with its numbers changed (8,) by steps."""
+        old = self.beginning
+        pair = [old.satellite, perturbed(old.satellite, _steps(old.satellite) * numbers[:DRAG])]
+        before, after = (mean_elements.states(one, epoch=self.epoch, t=np.array([old.t]))[0] for one in pair)
+        ballistic = max(self.ballistic(numbers), LEAST_DRAG)
+        reflection = self.reflection(numbers)
+        return Beginning(old.satellite, old.t, old.state + after - before, ballistic, reflection, old.known)
+
+    def equations(self, displacements: np.ndarray) -> "Equations":
+        """Return the normal equations of a set.
+
+        displacements: of `displacements`; points where SGP4 fails, as they are not finite, do not count
+        """
+        there = np.isfinite(displacements).all(axis=1)
+        weighted = np.where(there[:, None, None], self.partials * WEIGHTS[:, None], 0.0)
+        residuals = np.where(there[:, None], displacements * WEIGHTS, 0.0)
+        squares = np.einsum("nai,naj->nij", weighted, weighted)
+        moments = np.einsum("nai,na->ni", weighted, residuals)
+        return Equations(self.t, _sums(squares), _sums(moments), _sums(there))
+
+
+@dataclass(frozen=True, eq=False)
+class Equations:
+    """Normal equations of a set over any span: sums over the points up to each."""
+
+    t: np.ndarray
+    squares: np.ndarray  # (n + 1, 8, 8)
+    moments: np.ndarray  # (n + 1, 8)
+    counts: np.ndarray  # (n + 1,)
+
+    def over(self, begin: float, end: float) -> tuple[np.ndarray, np.ndarray]:
+        """Return matrix (8, 8) and right side (8,) over a span [s], a set counting as one point."""
+        first, last = np.searchsorted(self.t, [begin, end + 0.5])
+        count, *sums = (part[last] - part[first] for part in (self.counts, self.squares, self.moments))
+        square, moment = (part / max(count, 1) for part in sums)
+        return square, moment
+
+
+def solve(
+    orbit: NearbyOrbit, equations: Sequence[tuple[np.ndarray, np.ndarray]], *, sunlight: float = 0.0
+) -> np.ndarray:
+    """Return the steps (8,) by which the numbers of an orbit change so that it solves equations of sets.
+
+    sunlight: the step of Cr A/m, which one set hardly tells
+
+    Raises NoOrbitError where there are no such steps.
+    """
+    matrix, moment = (np.sum(part, axis=0) for part in zip(*equations, strict=True))
+    free = slice(SUNLIGHT)
+    square, side = matrix[free, free].copy(), moment[free] - sunlight * matrix[free, SUNLIGHT]
+    least, parts = ANY_DRAG
+    begin = orbit.beginning
+    sigma = max(least, parts * begin.ballistic) / begin.drag_step
+    square[DRAG, DRAG] += sigma**-2
+    side[DRAG] += (NO_DRAG - begin.ballistic) / begin.drag_step * sigma**-2
+    try:
+        steps = np.linalg.solve(square, side)
+    except np.linalg.LinAlgError:
+        steps = np.full(len(side), np.nan)
+    if not np.isfinite(steps).all():
+        raise NoOrbitError("no orbit under full forces fits its sets")
+    return np.append(steps, sunlight)
+
+
+def orbits_beside(
+    forces: Forces,
+    beginnings: Sequence[Beginning],
+    *,
+    back: np.ndarray,
+    ahead: np.ndarray,
+    is_lit: bool = False,
+) -> list[NearbyOrbit]:
+    """Propagate the orbits beside sets, with their partials.
+
+    back, ahead: (sets,) how far before and after the epoch of the set each orbit reaches [s]
+    is_lit: whether those of Cr A/m are asked for, which cost another arc
+
+    States are not finite where an orbit comes down.
+    """
+    families = 3 if is_lit else 2
+    starts = np.array([one.t for one in beginnings])
+    first, last = (EVERY * np.round(end / EVERY) for end in (starts - back, starts + ahead))
+    halves = [_paths(forces, beginnings, end, way, families) for end, way in ((first, -1.0), (last, 1.0))]
+    orbits = []
+    for k, begin in enumerate(beginnings):
+        arcs = [_whole(begin, halves, k + family * len(beginnings)) for family in range(families)]
+        t = first[k] + EVERY * np.arange(len(arcs[0]))
+        changes = [bent_rsw(other[:, :3], arcs[0])[..., None] for other in arcs[1:]]
+        none = [np.zeros((len(t), 3, 1))] * (3 - families)
+        partials = np.concatenate([_sgp4_partials(begin.satellite, forces.epoch, t), *changes, *none], axis=2)
+        orbits.append(NearbyOrbit(begin, forces.epoch, t, arcs[0], partials))
+    return orbits
+
+
+def _paths(
+    forces: Forces, beginnings: Sequence[Beginning], ends: np.ndarray, way: float, families: int
+) -> Arcs:
+    """Return arcs one way in time (1 or -1): of all beginnings, of all with more drag, and with more
+    light.
+    """
+    starts = np.array([one.t for one in beginnings])
+    epochs = np.arange((way * starts).min(), (way * ends).max() + 0.5 * EVERY, EVERY)
+    drag, steps, light = np.array([(one.ballistic, one.drag_step, one.reflection) for one in beginnings]).T
+    outlook = forces.model.newest_outlook(np.array([one.known for one in beginnings]))
+    departures = Departures(
+        np.tile([one.state for one in beginnings], (families, 1)),
+        first=np.tile(np.searchsorted(epochs, way * starts), families),
+        last=np.tile(np.searchsorted(epochs, way * ends), families),
+        ballistic=np.concatenate([drag, drag + steps, drag][:families]),
+        reflection=np.concatenate([light, light, light + LIGHT_STEP][:families]),
+        outlook=np.tile(outlook, families),
+    )
+    return propagate(forces.model, way * epochs, departures, integrator=STEPS, threads=forces.threads)
+
+
+def _whole(begin: Beginning, halves: Sequence[Arcs], arc: int) -> np.ndarray:
+    """Return the states (n, 6) of an arc both ways from its beginning."""
+    back, ahead = (half.path(arc) for half in halves)
+    return np.concatenate([back[::-1], begin.state[None], ahead])
+
+
+def _sgp4_partials(satellite: Satrec, epoch: str, t: np.ndarray) -> np.ndarray:
+    """Return what steps of the elements do to SGP4's positions (n, 3, 6), along the bent axes [m]."""
+    changes = np.diag(_steps(satellite))
+    own = mean_elements.states_in_teme([satellite], epoch=epoch, t=t)[0]
+    moved = [
+        bent_rsw(states[:, :3], own)
+        for states in mean_elements.states_in_teme(
+            [perturbed(satellite, side * change) for change in changes for side in (1.0, -1.0)],
+            epoch=epoch,
+            t=t,
+        )
+    ]
+    return np.stack(
+        [0.5 * (plus - minus) for plus, minus in zip(moved[::2], moved[1::2], strict=True)], axis=2
+    )
+
+
+def _steps(satellite: Satrec) -> np.ndarray:
+    return _UNITS * [satellite.no_kozai, 1.0, 1.0, 1.0, 1.0, 1.0]
+
+
+def _sums(values: np.ndarray) -> np.ndarray:
+    return np.concatenate([np.zeros((1, *values.shape[1:])), np.cumsum(values, axis=0)])
+
+
+def begin_at(
+    satellite: Satrec, epoch: str, *, set_epoch: float, known: float, ballistic: float, reflection: float
+) -> Beginning:
+    """Return where the orbit of a set is sought first: SGP4's own state.
+
+    set_epoch: of the set, known: as in `Beginning` [s since `epoch`]
+    """
+    t = EVERY * float(np.floor(set_epoch / EVERY))
+    state = mean_elements.states(satellite, epoch=epoch, t=np.array([t]))[0]
+    return Beginning(satellite, t, state, ballistic, reflection, known)
+
+
+def departing(
+    begins: Sequence[Beginning], forces: Forces, *, first: np.ndarray, last: np.ndarray
+) -> Departures:
+    """Return the departures of orbits, each under the weather as it was known; first, last: as of
+    `Departures`.
+    """
+    return Departures(
+        np.array([one.state for one in begins]),
+        first=first,
+        last=last,
+        ballistic=np.array([one.ballistic for one in begins]),
+        reflection=np.array([one.reflection for one in begins]),
+        outlook=forces.model.newest_outlook(np.array([one.known for one in begins])),
+    )
+
+
+HALF_SPANS = (
+    (3.0, 168.0),
+    (22.0, 120.0),
+    (50.0, 72.0),
+    (130.0, 60.0),
+    (300.0, 48.0),
+    (np.inf, 36.0),
+)
+"""Half of the span of sets [h] by the decay up to which it serves [m/d]: of 64 objects of 2026, 2018 and
+2024.
+"""
+
+
+def usual_half_span(satellite: Satrec) -> float:
+    """Return half of the span that a set was fitted over [s], by how fast its drag lets the orbit sink."""
+    sinking = decay(satellite)
+    return HOUR * next(hours for most, hours in HALF_SPANS if sinking <= most)

@@ -1,0 +1,196 @@
+"""The orbit that a set was fitted to is the orbit that is found inside it, whatever came later."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from support import EPOCH
+
+from opml.base.constants import DAY, HOUR
+from opml.element_sets import inside_forces, inside_now, inside_sizes, orbit_inside, past_orbits
+from opml.element_sets.orbit_inside import NoOrbitError
+from opml.element_sets.past_orbits import PastOrbits, centred
+from opml.interop.element_sets import element_fits, element_set, mean_elements
+from opml.interop.element_sets.burns_in_sets import KnownSet
+from opml.orbits.elements import bent_rsw, positions_beside
+
+HALF = 48.0 * HOUR
+BALLISTIC, SUNLIT = 0.02, 0.03
+DAYS = np.arange(0.0, 15.0, 1.5)  # epochs of the sets after EPOCH
+
+
+@pytest.fixture(scope="module")
+def forces():
+    return inside_forces.read("OBSERVED", first=57659.0, last=57676.0, degree=8)
+
+
+@pytest.fixture(scope="module")
+def truth(forces):
+    """An orbit under these forces at 700 km, with 18 days on both sides."""
+    motion = 2.0 * np.pi / 98.7
+    satellite = element_set.satellite(EPOCH, [motion, 1e-3, 1.7, 0.5, 1.0, 0.3, 1e-4])
+    begin = begun(forces, satellite, day=0.0, ballistic=BALLISTIC, reflection=SUNLIT)
+    [orbit] = orbit_inside.orbits_beside(
+        forces, [begin], back=np.array([3.0 * DAY]), ahead=np.array([24.0 * DAY])
+    )
+    return orbit
+
+
+def begun(forces, satellite, *, day, ballistic=0.01, reflection=SUNLIT):
+    t = forces.time(EPOCH) + DAY * day
+    known = t + 30.0 * DAY  # under the weather of the truth
+    return orbit_inside.begin_at(
+        satellite, forces.epoch, set_epoch=t, known=known, ballistic=ballistic, reflection=reflection
+    )
+
+
+def published(forces, truth, day):
+    """Return the set that a publisher makes of an orbit: SGP4 fitted to it over HALF on both sides."""
+    at = forces.time(EPOCH) + DAY * day
+    near = np.abs(truth.t - at) <= HALF
+    positions, velocities = element_fits.in_teme(truth.states[near], forces.epoch, truth.t[near])
+    centre = int(np.argmin(np.abs(truth.t[near] - at)))
+    known = np.concatenate([positions[centre], velocities[centre]])
+    return element_fits.fit(
+        truth.t[near], positions, at=truth.t[near][centre], known=known, epoch=forces.epoch
+    )
+
+
+@pytest.fixture(scope="module")
+def sets(forces, truth):
+    return [published(forces, truth, day) for day in DAYS]
+
+
+@pytest.fixture(scope="module")
+def past(forces, sets):
+    """The orbits of the sets, from a wrong Cd A/m and a wrong Cr A/m."""
+    begins = [
+        begun(forces, satellite, day=day, reflection=0.02) for day, satellite in zip(DAYS, sets, strict=True)
+    ]
+    reach = np.full(len(sets), 96.0 * HOUR)
+    orbits = orbit_inside.orbits_beside(
+        forces, begins, back=reach, ahead=reach + past_orbits.REACH, is_lit=True
+    )
+    equations = [
+        orbit.equations(orbit.displacements(satellite)) for orbit, satellite in zip(orbits, sets, strict=True)
+    ]
+    return PastOrbits(forces.time(EPOCH) + DAY * DAYS, orbits, equations)
+
+
+def off(truth, orbit, numbers):
+    """Return by how much an orbit is off the truth over its span (n, 3) [m]."""
+    near = np.abs(orbit.t - orbit.beginning.t) <= HALF
+    states = truth.states[np.searchsorted(truth.t, orbit.t[near])]
+    return bent_rsw(orbit.positions(numbers, near), states)
+
+
+def test_the_orbit_inside_is_the_one_that_the_set_was_made_of(forces, truth, sets):
+    """SGP4 is hundreds of metres off all over the span; the orbit inside is not."""
+    begin = begun(forces, sets[0], day=0.0)
+    reach = np.array([HALF])
+    for _ in range(2):
+        [orbit] = orbit_inside.orbits_beside(forces, [begin], back=reach, ahead=reach)
+        equations = orbit.equations(orbit.displacements(sets[0]))
+        numbers = orbit_inside.solve(orbit, [equations.over(begin.t - HALF, begin.t + HALF)])
+        begin = orbit.begin_again(numbers)
+    by_sgp4 = mean_elements.states(sets[0], epoch=forces.epoch, t=orbit.t)[:, :3]
+    errors = bent_rsw(by_sgp4, truth.states[np.searchsorted(truth.t, orbit.t)])
+    assert np.sqrt((errors**2).mean(axis=0)).min() > 50.0
+    # Four days hardly tell a drag of half a metre a day: what is left lies along the track, at the ends.
+    assert (np.abs(off(truth, orbit, numbers)).max(axis=0) < [6.0, 100.0, 1.0]).all()
+    assert begin.ballistic == pytest.approx(BALLISTIC, abs=1e-2)
+
+
+def test_sets_tell_the_span_over_which_they_were_fitted(past):
+    told = past_orbits.agreement(past, [centred(HOUR * hours) for hours in (24.0, 36.0, 48.0, 60.0, 72.0)])
+    assert told.span == centred(HALF)
+    assert told.r < 20.0
+    assert told.w < 3.0
+    assert past_orbits.agreement(PastOrbits(past.t[:2], past.orbits[:2], past.equations[:2])) is None
+
+
+def test_pairs_of_sets_tell_the_pressure_of_light(past):
+    step = past.sunlight(centred(HALF))
+    assert past.orbits[0].reflection(np.array([0.0] * 7 + [step])) == pytest.approx(SUNLIT, abs=2e-3)
+    dark, lit = (past.errors(past.numbers(centred(HALF), light))["r"].median() for light in (0.0, step))
+    assert lit < 0.5 * dark
+
+
+def test_no_later_set_and_no_later_weather_counts(forces, sets):
+    """The newest orbit is the same with sets and weather that were not there on the date."""
+    date = "2016-10-10T12:00:00"
+    now = forces.time(date)
+    known = [
+        KnownSet(DAY * day + forces.time(EPOCH) - now, DAY * day + forces.time(EPOCH) - now, satellite)
+        for day, satellite in zip(DAYS, sets, strict=True)
+    ]
+    public = [one for one in known if one.made <= 0.0]
+    assert 0 < len(public) < len(known)
+    found = inside_now.find(public, date=date, weather="OBSERVED", threads=1)
+    outlook = int(found.forces.model.newest_outlook(np.array(found.forces.time(date))))
+    assert found.forces.model.issued[outlook] <= found.forces.time(date)
+    t, states = found.predict(1.0)
+    assert (t[0], len(t)) == (0.0, len(states))
+    assert np.isfinite(states).all()
+
+
+def test_an_orbit_is_shifted_along_its_track_as_asked(past, forces):
+    """Energy, phase and drag change: the distance outwards goes with them."""
+    date = "2016-10-12T00:00:00"
+    sizes = inside_now.InsideNow(
+        forces, date, 0.3, centred(HALF), None, past.errors(past.numbers(centred(HALF))), past.orbits[8],
+        past.numbers(centred(HALF))[8],
+    )  # fmt: skip
+    shift = np.array([[0.0, 0.0, 10.0], [1.0, 500.0, 10.0], [3.0, 4500.0, 10.0]])
+    (t, plain), (_, shifted) = (sizes.predict(3.0, one) for one in (None, shift))
+    ahead = bent_rsw(shifted[:, :3], plain)
+    assert ahead[t == DAY, 1] == pytest.approx(500.0, abs=60.0)
+    assert ahead[t == 3.0 * DAY, 1] == pytest.approx(4500.0, abs=150.0)
+    assert ahead[t == 3.0 * DAY, 0] < -5.0
+
+
+def test_sizes_are_those_of_the_past_and_grow(past, forces):
+    numbers = past.numbers(centred(HALF))
+    now = inside_now.InsideNow(
+        forces,
+        "2016-10-12T00:00:00",
+        0.3,
+        centred(HALF),
+        None,
+        past.errors(numbers),
+        past.orbits[8],
+        numbers[8],
+    )
+    leads = np.array([0.0, 1.0, 3.0, 5.0, 7.0])
+    sizes = inside_sizes.sizes(now, leads)
+    assert (sizes.diff().iloc[1:] >= 0.0).all(axis=None)
+    worse = inside_sizes.sizes(replace(now, errors=now.errors.assign(w=400.0)), leads)
+    assert (worse["w"] > 200.0).all()
+    pd_equal = worse[["r", "s"]] == sizes[["r", "s"]]
+    assert pd_equal.all(axis=None)
+
+
+def test_what_no_orbit_fits_says_so(forces, sets):
+    begin = begun(forces, sets[0], day=0.0, ballistic=1e4)
+    reach = np.array([HALF])
+    [orbit] = orbit_inside.orbits_beside(forces, [begin], back=reach, ahead=reach)
+    equations = orbit.equations(orbit.displacements(sets[0])).over(begin.t - HALF, begin.t + HALF)
+    with pytest.raises(NoOrbitError, match="no orbit under full forces fits its sets"):
+        orbit_inside.solve(orbit, [equations])
+
+
+def test_bent_axes_go_both_ways():
+    states = np.array([[7e6, 1e5, 2e5, 100.0, 5e3, 5e3], [-6e6, 3e6, 1e6, 1e3, 2e3, -7e3]])
+    bent = np.array([[100.0, 2e5, -300.0], [-50.0, -4e5, 80.0]])
+    np.testing.assert_allclose(bent_rsw(positions_beside(states, bent), states), bent, atol=1e-6)
+
+
+def test_a_set_without_drag_does_not_sink():
+    still, sinking = (
+        element_set.satellite(EPOCH, [2.0 * np.pi / 94.0, 1e-3, 1.2, 0.5, 1.0, 0.3, bstar])
+        for bstar in (0.0, 1e-3)
+    )
+    assert element_set.decay(still) == pytest.approx(0.0, abs=0.1)
+    assert element_set.decay(sinking) > 50.0
+    assert orbit_inside.usual_half_span(still) == 168.0 * HOUR
+    assert orbit_inside.usual_half_span(sinking) < 72.0 * HOUR
