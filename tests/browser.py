@@ -9,7 +9,8 @@ import subprocess
 import pytest
 from project import HUNG
 
-BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+_NAMES = ("chromium", "chromium-browser", "google-chrome", "chrome")
+_BROWSER = next(filter(None, map(shutil.which, _NAMES)), None)
 
 _MEASURE = """
 <body><iframe style="width:{width}px;height:900px;border:0" srcdoc="{page}"></iframe><pre></pre><script>
@@ -32,13 +33,17 @@ onload = () => {{
 
 def laid_out(page, folder, *, width):
     """Return what a browser says of a page at a width [px]: how far all on it reaches."""
-    if BROWSER is None:
-        pytest.skip("no Chromium or Chrome is installed")
     framed = folder / "framed.html"
     framed.write_text(_MEASURE.format(width=width, page=html.escape(page, quote=True)), encoding="utf-8")
-    options = ["--headless=new", "--no-sandbox", "--disable-gpu", f"--user-data-dir={folder}/browser"]
-    options += [f"--window-size={width + 100},1000", "--virtual-time-budget=5000", "--dump-dom"]
-    run = [BROWSER, *options, framed.as_uri()]
-    found = subprocess.run(run, capture_output=True, text=True, check=True, timeout=HUNG).stdout
-    (told,) = re.findall(r"<pre>(.*)</pre>", found)
-    return json.loads(html.unescape(told))
+    (measures,) = re.findall(r"<pre>(.*)</pre>", opened(framed, f"--window-size={width + 100},1000"))
+    return json.loads(html.unescape(measures))
+
+
+def opened(page, *options):
+    """Return the document that a browser makes of the file of a page; its own files are beside that."""
+    if _BROWSER is None:
+        pytest.skip(f"expected one of {', '.join(_NAMES)}, got none: `apt-get install chromium` brings one")
+    options = ["--headless=new", "--no-sandbox", "--disable-gpu", "--enable-unsafe-swiftshader", *options]
+    options += [f"--user-data-dir={page.parent}/browser", "--virtual-time-budget=10000", "--dump-dom"]
+    run = [_BROWSER, *options, page.as_uri()]
+    return subprocess.run(run, capture_output=True, text=True, check=True, timeout=HUNG).stdout

@@ -9,6 +9,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import warnings
 from collections import Counter
 from multiprocessing.process import BaseProcess
 from pathlib import Path
@@ -51,6 +52,8 @@ def _start(folder: Path, environment: dict[str, str], command: list[str], output
         for stream in (1, 2):
             os.dup2(file.fileno(), stream)
     sys.argv = command
+    warnings.simplefilter("error")  # in the jobs, too, which are forks of it
+    warnings.simplefilter("ignore", ResourceWarning)  # Snakemake leaves folders to their finalizers
     import job_forks
 
     job_forks.fork_snakemake()
@@ -114,7 +117,7 @@ def started(arguments: list[str], *, cwd: Path, env: dict[str, str]) -> tuple[in
 
 
 def jobs(output):
-    """Rule -> number of jobs, from Snakemake's table; each flight of truths is a rule, numbered."""
+    """Rule -> number of jobs, from Snakemake's table; each group of truths is a rule, numbered."""
     table = output.split("Job stats:")[1].split("total")[0]
     found = Counter()
     for name, count in re.findall(r"^(\w+?)(?:_\d+)? +(\d+)$", table, re.MULTILINE):

@@ -22,12 +22,15 @@ def test_every_rule_is_grouped_or_stays_here():
     assert set(groups.values()) == {entry.split("=")[0] for entry in profile["group-components"]}
 
 
+def profile(name):
+    """The settings of a profile, as Snakemake reads them."""
+    with (ROOT / "profiles" / name / "config.yaml").open(encoding="utf-8") as file:
+        return ProfileConfigFileParser().parse(file)
+
+
 def test_other_queues_have_the_groups_of_slurm(monkeypatch):
     monkeypatch.chdir(ROOT)
-    slurm, pbs = (
-        ProfileConfigFileParser().parse((ROOT / "profiles" / name / "config.yaml").open(encoding="utf-8"))
-        for name in ("slurm", "pbs")
-    )
+    slurm, pbs = map(profile, ("slurm", "pbs"))
     for key in ("groups", "group-components", "jobs", "cores"):
         assert pbs[key] == slurm[key]
     assert pbs["executor"] == "cluster-generic"

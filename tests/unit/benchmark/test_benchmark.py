@@ -77,17 +77,17 @@ def any_truth(any_task):
 # Scores
 
 
+def lines_of(path):
+    """The lines of a CSV, by column."""
+    return list(csv.DictReader(path.read_text().splitlines()))
+
+
 def by_hand(path):
     """Scores by lead and axis from the files alone, in plain Python but for the quantiles."""
-    truth = {
-        (r["object"], r["t"], r["lead"]): r
-        for r in csv.DictReader((SAMPLE.parent / "sample-truth/truth.csv").open())
-    }
-    asked = {
-        (r["object"], r["t"], r["time"]): r["lead"] for r in csv.DictReader((SAMPLE / "questions.csv").open())
-    }
+    truth = {(r["object"], r["t"], r["lead"]): r for r in lines_of(SAMPLE.parent / "sample-truth/truth.csv")}
+    asked = {(r["object"], r["t"], r["time"]): r["lead"] for r in lines_of(SAMPLE / "questions.csv")}
     found = {}
-    for row in csv.DictReader(path.open()):
+    for row in lines_of(path):
         lead = asked[row["object"], row["t"], row["time"]]
         true = truth[row["object"], row["t"], lead]
         p, v = ([float(true[name]) for name in names] for names in (("x", "y", "z"), ("vx", "vy", "vz")))
