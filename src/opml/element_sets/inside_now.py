@@ -182,7 +182,8 @@ def find(
     little = decay(newest.satellite) < LITTLE_DRAG
     longest = LONGEST if little else _SHORT
     past = _past(daily, forces, now, longest=longest, is_lit=little)
-    told = past_orbits.agreement(past, [one for one in SPANS if max(one.before, one.after) <= longest])
+    spans = [one for one in SPANS if max(one.before, one.after) <= longest]
+    told = past_orbits.agreement(past, spans, axes=("r", "w") if little else ("w",))
     span = told.span if told else centred(usual_half_span(newest.satellite))
     numbers = past.numbers(span, past.sunlight(span) if little else 0.0)
     counted = [one for one in public if newest.t - one.t <= (DAY * BEFORE if little else 0.0)]

@@ -158,10 +158,13 @@ class Agreement:
     w: float
 
 
-def agreement(past: PastOrbits, spans: Sequence[FitSpan] = SPANS) -> Agreement | None:
-    """Return the best span of an object's sets; None where there are too few to tell.
+def agreement(
+    past: PastOrbits, spans: Sequence[FitSpan] = SPANS, *, axes: Sequence[str] = ("r", "w")
+) -> Agreement | None:
+    """Return the span over which an object's sets agree best; None where there are too few to tell.
 
-    Where two spans are as good the earlier one is taken.
+    axes: along which they are to agree; outwards drag parts them, too. Where two spans are as good the
+    earlier one is taken.
     """
     tried = []
     for span in spans:
@@ -170,4 +173,4 @@ def agreement(past: PastOrbits, spans: Sequence[FitSpan] = SPANS) -> Agreement |
         if len(told) >= _FEWEST:
             r, w = np.sqrt((told**2).median())
             tried.append(Agreement(span, float(r), float(w)))
-    return min(tried, key=lambda one: one.r**2 + one.w**2) if tried else None
+    return min(tried, key=lambda one: sum(getattr(one, axis) ** 2 for axis in axes)) if tried else None

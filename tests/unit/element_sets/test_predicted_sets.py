@@ -4,6 +4,7 @@ import json
 import re
 from dataclasses import replace
 from datetime import UTC, datetime
+from functools import partial
 
 import numpy as np
 import pandas as pd
@@ -18,7 +19,7 @@ from opml import cli
 from opml.base import epochs
 from opml.base.constants import DAY
 from opml.base.errors import InputError
-from opml.element_sets import catalogue, corrector, prediction, station_passes, weighting
+from opml.element_sets import catalogue, corrector, inside_forces, prediction, station_passes, weighting
 from opml.interop import orbit_segments
 from opml.interop.element_sets import element_set, mean_elements, sgp4_errors, tle
 from opml.report.results import with_unit
@@ -26,6 +27,14 @@ from opml.workflow import prediction_files
 
 DATE = "2026-01-08T06:00:00"
 NUMBER = 101
+
+
+@pytest.fixture(scope="module", autouse=True)
+def coarse_field():
+    """Orbits inside sets under a field of degree 16, in less than half of the time."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(inside_forces, "read", partial(inside_forces.read, degree=16))
+        yield
 
 
 @pytest.fixture(scope="module")
