@@ -17,7 +17,8 @@ FLOOR = {"r": 5.0, "s": 30.0, "w": 12.0}
 
 _TYPICAL = 4.0  # errors of the typical size that count with an object's own
 _REACH = 0.75  # an error counts for a time that is at most so far from its own [d]
-_ROUND = {"r": 10.0, "w": 15.0}  # typical errors at any height [m]
+_ROUND = {"r": 10.0, "w": 15.0}  # typical errors without drag [m]
+_ACROSS = 0.1, 30.0  # with it: a metre of decay a day makes so many across the track, and at most [m]
 _FREE = 25.0, 15.0  # typical error along the track without drag [m], and its growth [m/d]
 _DRAG = (
     12.0,
@@ -36,9 +37,10 @@ def typical(sinking: float, days: np.ndarray, motion: float) -> pd.DataFrame:
     along = np.hypot(free, dragged)
     gained = (free * rate + dragged**2 * power / np.maximum(days, 0.1)) / along
     lower = gained / DAY / (1.5 * motion)  # an orbit that is too low by x gains 3/2 of its rate times x
-    return pd.DataFrame(
-        {"r": np.hypot(_ROUND["r"], lower), "s": along, "w": np.full(len(days), _ROUND["w"])}, index=days
-    )
+    part, most = _ACROSS
+    across = _ROUND["w"] + min(part * max(sinking, 0.0), most)
+    columns = {"r": np.hypot(_ROUND["r"], lower), "s": along, "w": np.full(len(days), across)}
+    return pd.DataFrame(columns, index=days)
 
 
 def sizes(now: InsideNow, leads: np.ndarray) -> pd.DataFrame:
