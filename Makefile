@@ -7,7 +7,6 @@
 # make docs   the documentation as a site, in build/site
 # make pictures   the paper's figures in the documentation, from a full run (half an hour): docs/images/paper
 # make wheel  the package as others install it, and its source, in build/wheel
-# make crate [CONFIGFILE=mine.yaml]   a finished run as one archive that tells its making (RO-Crate)
 # make validate OREKIT_DATA=<folder>   the dynamics against Orekit's (half an hour): docs/tables/orekit.md
 # make weather   the skill of forecasts of the space weather (some minutes): the table in docs/weather.md
 # make bench [OREKIT_DATA=<folder>]    opml's speed beside its peers' (25 minutes): benchmarks/results.md
@@ -28,7 +27,7 @@ MAKE_VENV := $(UV) venv --quiet --seed --allow-existing --python $(PYTHON)
 INSTALL := $(UV) pip install --quiet --python $(BIN)/python
 endif
 
-.PHONY: all check test coverage faults draws lint docs pictures wheel crate validate weather bench clean
+.PHONY: all check test coverage faults draws lint docs pictures wheel validate weather bench clean
 
 all: $(INSTALLED)
 	$(BIN)/snakemake -j2 --set-threads estimation=2 prediction=2 -- results/figs/partition_curve.pdf
@@ -79,9 +78,6 @@ wheel: $(INSTALLED)
 	rm -rf build/wheel && mkdir -p build/wheel
 	$(BIN)/python -c "from setuptools.build_meta import build_sdist as make; make('build/wheel')" > build/sdist.log
 	$(BIN)/python -m pip wheel --quiet --no-deps --no-build-isolation --wheel-dir build/wheel build/wheel/*.tar.gz
-
-crate: $(INSTALLED)
-	$(BIN)/opml pack $(if $(CONFIGFILE),--configfile $(CONFIGFILE))
 
 validate: $(VENV)/.verify
 	@test -n "$(OREKIT_DATA)" || { echo "make validate: expected OREKIT_DATA=<folder with Orekit's data>, got none" >&2; exit 2; }

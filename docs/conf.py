@@ -32,7 +32,6 @@ INCLUDED = {
     "config/keys.md": "settings.md",
     "src/opml/data/README.md": "sources.md",
 }
-PLOTLY = Path(find_spec("plotly").origin).with_name("package_data") / "plotly.min.js"
 FONTS = Path(find_spec("ziamath").origin).with_name("fonts")  # a wheel with STIX Two Math
 LINKS = [line.split(", ") for line in metadata("opml-orbits").get_all("Project-URL") or ()]
 SAMPLE = Path(opml.__file__).parent / "data" / "benchmark" / "sample" / "inputs" / "2026-01-13T060000"
@@ -70,7 +69,7 @@ exclude_patterns = ["tables"]  # what programs write, for pages to include
 html_theme = "furo"
 html_title = f"opml {version}"
 html_theme_options = {"footer_icons": [{"name": name, "url": url, "html": name} for name, url in LINKS]}
-html_static_path = ["static", str(FONTS), str(PLOTLY)]
+html_static_path = ["static", str(FONTS)]
 html_css_files = ["opml.css"]
 html_math_renderer = "mathml"
 html_copy_source = False

@@ -10,12 +10,12 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
+from scoringrules import crps_ensemble
 
 from opml.base import epochs
 from opml.base.constants import DAY
 from opml.base.files import FilePath, replacing
 from opml.base.yaml_files import read_yaml
-from opml.catalog.predict import weather_futures
 from opml.environment import known_weather, solar_activity
 from opml.environment.forecasts import methods
 from opml.environment.forecasts.method import ForecastSettings, Future
@@ -135,9 +135,9 @@ def _drag(figures: np.ndarray) -> np.ndarray:
 
 def _score(futures: np.ndarray) -> tuple[float, float]:
     """Return the CRPS [%] and the share inside [%] of futures (members, days) of a truth of 0."""
-    low, _, high = weather_futures.band(futures, _LEVEL)
+    low, high = np.quantile(futures, [0.5 - 0.5 * _LEVEL, 0.5 + 0.5 * _LEVEL], axis=0, method="weibull")
     inside = (low <= 0.0) & (high >= 0.0)
-    score = weather_futures.crps(futures, np.zeros(futures.shape[1]))
+    score = crps_ensemble(np.zeros(futures.shape[1]), futures, m_axis=0)
     return 100.0 * float(score.mean()), 100.0 * float(inside.mean())
 
 

@@ -8,7 +8,6 @@ import re
 import sys
 from collections.abc import Callable, Sequence
 from datetime import UTC, date, datetime
-from importlib.util import find_spec
 from itertools import chain
 from typing import TYPE_CHECKING
 
@@ -400,37 +399,6 @@ def _docs(options: argparse.Namespace) -> None:
     print(manual.page(options.page) if options.page else manual.contents())
 
 
-def _add_completion(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("shell", choices=("bash", "zsh", "fish"))
-
-
-def _completion(options: argparse.Namespace) -> None:
-    import shtab
-
-    parser = argparse.ArgumentParser(prog="opml")
-    subparsers = parser.add_subparsers()
-    for command in COMMANDS:
-        subparser = subparsers.add_parser(command.name, help=command.help, formatter_class=_Help)
-        command.add_arguments(subparser)
-        for action in subparser._actions:
-            if action.nargs != 0 and action.choices is None and action.type is None:
-                action.complete = shtab.FILE  # type: ignore[attr-defined]
-    print(shtab.complete(parser, options.shell))
-
-
-def _add_pack(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--configfile", nargs="*", default=[], help="files of settings that the run had")
-    parser.add_argument("--config", nargs="*", default=[], metavar="KEY=VALUE", help="further settings")
-
-
-def _pack(options: argparse.Namespace) -> None:
-    if find_spec("rocrate") is None:
-        raise InputError("pack: expected the package rocrate, got none: pip install 'opml-orbits[crate]'")
-    from opml.workflow import crate
-
-    print(crate.pack(options.configfile, crate.settings_of(options.config)))
-
-
 GROUPS = {
     "orbits": (
         Command("fetch", "fetch space weather, Earth orientation and element sets", _add_fetch, _fetch),
@@ -461,12 +429,8 @@ GROUPS = {
         Command("rso", "print the line of the RSO sheet for an element set", _add_rso, _rso),
         Command("train", "train a model that improves element sets", _add_train, _train),
         Command("table", "describe a table, or print it as CSV", _add_table, _table),
-        Command("pack", "pack a finished run into one archive (RO-Crate)", _add_pack, _pack),
     ),
-    "help": (
-        Command("docs", "list the pages of the documentation, or print one", _add_docs, _docs),
-        Command("completion", "print the completion script of a shell", _add_completion, _completion),
-    ),
+    "help": (Command("docs", "list the pages of the documentation, or print one", _add_docs, _docs),),
 }
 """The subcommands, in the order of the help, by what they are for."""
 

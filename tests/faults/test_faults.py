@@ -34,7 +34,6 @@ RUNS = {
     ),
     "orbit": (HERE / "orbit.yaml", ["study"]),
     "tracks": (HERE / "tracks.yaml", [f"results/tracks/corrected/{STEM}_later/days-0-2/fit24.oem"]),
-    "ensemble": (HERE / "tracks.yaml", [f"results/tracks/forecasts/{STEM}_n4/days-0-2.oem"]),
 }
 """Settings and targets of the runs that are disturbed: each kind of study in a small case."""
 

@@ -9,7 +9,6 @@ from PIL import Image
 from support import REPOSITORY
 
 from opml.base.errors import InputError
-from opml.figures import orbit_explorer
 from validation.pictures import drawing_code, shrunk
 from validation.pictures.__main__ import main
 
@@ -61,17 +60,6 @@ def test_each_picture_is_what_the_code_draws_today(image):
     assert callable(getattr(importlib.import_module(module), name))
     drawn = shrunk.stated_digest(shrunk.IMAGES / image) == drawing_code.digest(function)
     assert drawn, f"{function} has changed since docs/images/{image} was drawn: {command(image)}"
-
-
-def test_the_page_to_explore_is_linked_and_needs_only_plotly_beside_it():
-    page = (REPOSITORY / "docs" / "static" / "explore.html").read_text(encoding="utf-8")
-    assert re.findall(r'<(?:script|link)[^>]+(?:src|href)="([^"]+)"', page) == ["plotly.min.js"]
-    assert len(page) < 3e6
-    assert orbit_explorer.HEAD.split("{")[0] in page
-    assert "Turn the orbit" in page
-    assert '<a href="_static/explore.html">' in (REPOSITORY / "docs" / "figures.md").read_text(
-        encoding="utf-8"
-    )
 
 
 def test_pictures_are_small():

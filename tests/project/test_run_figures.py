@@ -50,5 +50,5 @@ def test_the_table_names_the_files_that_are_shown():
     named = set(re.findall(r"`(\w+)`", PAGE.split("## The paper's figures and ours")[1].split("## ")[0]))
     shown = {figure for figure, *_ in LISTED}
     signed = {name.removesuffix("_absolute") + "_signed" for name in named}
-    beyond = {"beyond", "beyond_transfers", "beyond_intervals"}
+    beyond = {"beyond", "beyond_transfers"}
     assert shown - named - signed - beyond == {"error_distribution_velocity"}

@@ -9,7 +9,7 @@ from opml.base.errors import InputError
 from opml.conjunctions import cdm
 from opml.conjunctions.probability import chance
 from opml.ephemerides.along_track_shift import corrected
-from opml.interop import ocm, oem, orbit_segments, tdm
+from opml.interop import oem, orbit_segments, tdm
 from opml.interop.element_sets import element_fits, mean_elements, omm, tle
 from opml.interop.object_ids import ObjectId
 from opml.orbits.elements import cartesian_from_coe, true_from_mean_anomaly
@@ -108,9 +108,8 @@ def ephemeris():
     )
 
 
-@pytest.mark.parametrize("segments", [oem.SEGMENTS["corrected"], oem.SEGMENTS["forecast"]])
-def test_orekit_reads_an_ephemeris_with_covariances_in_rsw(org, ephemeris, tmp_path, segments):
-    oem.write(tmp_path / "c.oem", segments(ephemeris, rso="iss"), epoch=EPOCH)
+def test_orekit_reads_an_ephemeris_with_covariances_in_rsw(org, ephemeris, tmp_path):
+    oem.write(tmp_path / "c.oem", oem.SEGMENTS["corrected"](ephemeris, rso="iss"), epoch=EPOCH)
     (segment,) = parsed(org, "Oem", tmp_path / "c.oem").getSegments()
     read = [state(one) for one in segment.getCoordinates()]
     np.testing.assert_allclose(read, ephemeris[list(STATE)], rtol=1e-15)
@@ -122,23 +121,6 @@ def test_orekit_reads_an_ephemeris_with_covariances_in_rsw(org, ephemeris, tmp_p
         [one.getCovarianceMatrix().getEntry(k, m) for k in range(6) for m in range(k + 1)] for one in found
     ]
     np.testing.assert_allclose(lower, told[STATE_COVARIANCES], rtol=1e-14)
-
-
-def test_orekit_reads_an_ephemeris_as_ocm(org, ephemeris, tmp_path):
-    (segment,) = oem.corrected_segments(ephemeris, rso="iss")
-    ocm.write(tmp_path / "c.ocm", segment, epoch=EPOCH, comment="covariances from some mornings")
-    data = parsed(org, "Ocm", tmp_path / "c.ocm").getData()
-    (trajectory,) = data.getTrajectoryBlocks()
-    assert str(trajectory.getMetadata().getTrajReferenceFrame().asFrame()) == "GCRF"
-    read = list(trajectory.getTrajectoryStates())
-    assert [seconds(org, one.getDate()) for one in read] == ephemeris["t"].tolist()
-    found = [[float(value) for value in one.getElements()] for one in read]
-    np.testing.assert_allclose(found, ephemeris[list(STATE)], rtol=1e-15)
-    (history,) = data.getCovarianceBlocks()
-    assert str(history.getMetadata().getCovReferenceFrame().asOrbitRelativeFrame()) == "RSW_INERTIAL"
-    for one, expected in zip(history.getCovariances(), segment.covariances, strict=True):
-        matrix = [[one.getMatrix().getEntry(k, m) for m in range(6)] for k in range(6)]
-        np.testing.assert_allclose(matrix, expected, rtol=1e-14)
 
 
 def test_orekit_flies_the_mean_elements_of_an_ephemeris(org, ephemeris, tmp_path):

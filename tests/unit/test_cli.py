@@ -19,7 +19,7 @@ from support import REPOSITORY, refusals
 from opml import __main__ as started
 from opml import __version__, cli
 from opml.study.settings import editor_schema
-from opml.tables import STATE, write_table
+from opml.tables import write_table
 from opml.workflow import manual
 
 
@@ -68,15 +68,7 @@ def test_the_help_names_every_command(capsys):
         assert any(line.split() == [command.name, *command.help.split()] for line in lines)
     first, _, last = told.partition("a project:")
     assert "  predict " in first
-    assert "  pack " in last
-
-
-@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
-def test_each_shell_completes_commands_and_their_options(shell, capsys):
-    assert cli.main(["completion", shell]) == 0
-    told = capsys.readouterr().out
-    assert all(command.name in told for command in cli.COMMANDS)
-    assert "catalogue" in told
+    assert "  table " in last
 
 
 def test_a_terminal_without_the_letters_of_a_name_shows_others(table, monkeypatch):
@@ -85,7 +77,7 @@ def test_a_terminal_without_the_letters_of_a_name_shows_others(table, monkeypatc
     written = io.BytesIO()
     monkeypatch.setattr(sys, "stdout", io.TextIOWrapper(written, "ascii"))
     assert cli.main(["table", str(path)]) == 0
-    assert b"m\\xfcll.parquet: oracle" in written.getvalue()
+    assert b"m\\xfcll.parquet: cd_past" in written.getvalue()
 
 
 def test_every_page_of_the_documentation_is_listed_and_printed(capsys):
@@ -160,18 +152,17 @@ def test_the_page_of_a_command_is_told_by_its_name(capsys):
 @pytest.fixture
 def table(tmp_path):
     """A file of a table, and the table."""
-    frame = pd.DataFrame({"i": range(9), "j": 7, "drift": np.linspace(0.1, 1.0, 9)})
-    frame = frame.assign(**{f"floor_{name}": 1.0 / 3.0 for name in STATE})
-    write_table(tmp_path / "oracle.parquet", frame, "oracle", metadata={"seed": 42})
-    return tmp_path / "oracle.parquet", frame
+    frame = pd.DataFrame({"i": range(9), "j": 7, "cd_past": 1.0 / np.arange(1.0, 10.0)})
+    write_table(tmp_path / "past.parquet", frame, "cd_past", metadata={"seed": 42})
+    return tmp_path / "past.parquet", frame
 
 
 def test_a_table_is_printed_with_units_and_metadata(table, capsys):
     assert cli.main(["table", str(table[0])]) == 0
     first, seed, _, names, *columns = capsys.readouterr().out.splitlines()
-    assert (first, seed) == (f"{table[0]}: oracle, 9 rows", "seed: 42")
+    assert (first, seed) == (f"{table[0]}: cd_past, 9 rows", "seed: 42")
     assert names.split() == ["column", "unit", "row", "0", "row", "1", "row", "2", "meaning"]
-    assert columns[2].startswith("drift     m     0.1       0.2125    0.325     along-track error")
+    assert columns[2].split()[:6] == ["cd_past", "1", "1", "0.5", "0.333333", "mean"]
     assert len(columns) == table[1].shape[1]
 
 
@@ -204,13 +195,6 @@ def test_a_reader_that_has_enough_ends_the_command_quietly(table, monkeypatch, c
         monkeypatch.setattr(sys, "stdout", output)
         assert cli.main(["table", str(table[0]), "--csv"]) == 0
     assert capfd.readouterr().err == ""
-
-
-def test_a_package_that_is_not_there_is_told_in_one_line(monkeypatch, capsys):
-    monkeypatch.setattr(cli, "find_spec", lambda name: None)
-    assert cli.main(["pack"]) == 1
-    expected = "opml: pack: expected the package rocrate, got none: pip install 'opml-orbits[crate]'\n"
-    assert capsys.readouterr().err == expected
 
 
 def test_one_version_everywhere():

@@ -1,4 +1,4 @@
-"""Beyond the paper, on the trimmed case: models against splits, pools, intervals, a harder truth."""
+"""Beyond the paper, on the trimmed case: models against splits, pools, a harder truth."""
 
 import re
 import shutil
@@ -11,7 +11,7 @@ from opml.tables import read_metadata, read_table
 
 pytestmark = pytest.mark.dag
 CI = "--configfile=config/ci.yaml"
-FIGURES = ("beyond", "beyond_transfers", "beyond_intervals")
+FIGURES = ("beyond", "beyond_transfers")
 
 
 @pytest.fixture(scope="module")
@@ -30,16 +30,7 @@ def results(project, name):
 
 def test_every_model_is_in_the_table(beyond):
     text = results(beyond, "beyond.md").read_text()
-    for model in (
-        "none",
-        "durationmean",
-        "repredicted",
-        "boosting",
-        "svr",
-        "covariance",
-        "mechanism",
-        "stacked",
-    ):
+    for model in ("none", "boosting", "svr", "covariance", "mechanism"):
         assert len(re.findall(rf"^\| `{model}` \| [\d.]+ \([\d.]+ to [\d.]+\)", text, re.MULTILINE)) == 1
     assert re.search(r"^\| `none` \| 100\.0 \(100\.0 to 100\.0\)", text, re.MULTILINE)
     assert not re.search(r"\bnan\b", text)
@@ -64,8 +55,7 @@ def test_without_a_truth_labels_are_learned_from_and_the_truth_judges(beyond):
         label: f"metrics/iss/eglin-clear-kaena{label}/days-0-2/boosting/e_y/iss/days-2-3.parquet"
         for label in ("", "_later", "_smoothed")
     }
-    rolling = "rolling/iss/eglin-clear-kaena_later/boosting/e_y.parquet"
-    beyond.snakemake("-j2", CI, *(f"results/ci/{name}" for name in (*names.values(), rolling)))
+    beyond.snakemake("-j2", CI, *(f"results/ci/{name}" for name in names.values()))
     found = {label: read_table(results(beyond, name), "metrics").iloc[0] for label, name in names.items()}
     assert len({one["rows"] for one in found.values()}) == 1
     assert [label for label, one in found.items() if np.isnan(one["p_ml_later"])] == [""]
@@ -74,9 +64,6 @@ def test_without_a_truth_labels_are_learned_from_and_the_truth_judges(beyond):
         assert found[label]["p_ml_later"] == pytest.approx(found[label]["p_ml"], rel=0.1)
     # Half a day of two is not known yet where labels are smoothed.
     assert found["_later"]["p_ml"] == pytest.approx(found[""]["p_ml"], rel=0.3)
-    anew = read_table(results(beyond, rolling), "rolling")
-    np.testing.assert_array_equal(anew["predicted"], anew["predicted_once"])  # one day, one training
-    assert anew["day"].unique().tolist() == [2.0]
 
 
 def test_readings_of_fits_are_names(beyond):

@@ -117,10 +117,6 @@ PLANNED = [  # products and settings, and what has to run but for the tables of 
         ["metrics/iss/eglin_smoothed/days-0-30/svr/e_y/iss/days-30-40.parquet"],
         {**dict.fromkeys([*CHAIN, *LABELLED], 1), "estimation": 2, "train": 1, "evaluate": 1},
     ),
-    (
-        ["rolling/iss/eglin_later/svr/e_y.parquet"],
-        {**dict.fromkeys([*CHAIN, *LABELLED], 1), "rolling": 1},
-    ),
     (["replays/iss/eglin/days-0-30/svr.parquet"], dict.fromkeys([*CHAIN, "spread", "replay"], 1)),
     (
         ["metrics/iss/eglin_cd1_light/days-0-30/svr/e_y/iss_i50/days-30-40-zscore.parquet"],
@@ -130,9 +126,8 @@ PLANNED = [  # products and settings, and what has to run but for the tables of 
     (["predictions/iss/eglin_filter.parquet"], dict.fromkeys([*CHAIN[:-1], "filter"], 1)),
     # Outlooks of every three hours for the fit, of every day for the prediction; the truth has neither.
     (
-        ["scores/iss/eglin_w24_n30.parquet", "forecasts/iss/eglin_w24_n30/days-0-30.oem", OBSERVED],
-        dict.fromkeys(["hindcast", "futures", *CHAIN[:-1], "ensemble", "forecast", "export_forecast"], 1)
-        | {"outlooks": 2},
+        ["predictions/iss/eglin_w24.parquet", OBSERVED],
+        dict.fromkeys(["hindcast", *CHAIN[:-1]], 1) | {"outlooks": 2},
     ),
     (
         ["corrected/iss/eglin/days-0-20/running_oem", "ephemeris={from: each}"],
@@ -207,9 +202,7 @@ def test_tracks_that_were_measured_need_no_truth(project):
         "export_predictions": 1,
     }
     # A truth is not simulated in its place: what needs one is refused.
-    done = project.snakemake(
-        "-n", "results/oracle/mine/eglin.parquet", "--configfile", "mine.yaml", check=False
-    )
+    done = project.snakemake("-n", "results/truth/mine.parquet", "--configfile", "mine.yaml", check=False)
     assert "opml: truth of 'mine': expected an RSO without own measurements" in done.stdout
 
 

@@ -14,10 +14,10 @@ from matplotlib.ticker import FuncFormatter
 
 import opml
 from opml.base.constants import DAY
-from opml.catalog.simulate.oracle import perfect
 from opml.figures import style
 from opml.figures.line_ends import name_ends
 from opml.figures.ticks import metres, rounded
+from opml.tables import STATE
 from validation.pictures import shrunk
 
 EPOCH, DAYS, FIRST = "2016-09-28T12:09:45", 12.0, 4.0
@@ -48,7 +48,8 @@ def parts() -> pd.DataFrame:
     propagator = opml.Propagator(opml.force_model(monthly, **opml.ASSUMED), iss)
     fits = opml.estimate(propagator, truth, tracks, monthly, stations)
     fits = fits[fits["converged"]]
-    exact = perfect(fits, truth, cd=iss.cd)
+    states = truth.set_index("t").loc[fits["t"], STATE].to_numpy()
+    exact = fits.assign(**dict(zip(STATE, states.T, strict=True)), cd=iss.cd)
     informed = opml.Propagator(opml.force_model(observed, **opml.ASSUMED), iss)
     steps = [
         opml.predict_tracks(model, truth, estimates)

@@ -1,24 +1,13 @@
-# Beyond the paper: models against splits without leaks, other RSOs, intervals, and an error budget.
+# Beyond the paper: models against splits without leaks, and other RSOs.
 BEYOND_REPORT = product("beyond")
 BEYOND_SPLITS = product("figs/beyond")
 BEYOND_TRANSFERS = product("figs/beyond_transfers")
-BEYOND_INTERVALS = product("figs/beyond_intervals")
 
 if "beyond" in STUDY:
-    DEFAULT_RSO, STATION_SETS = STUDY.defaults["rso"], BEYOND.entry["station_sets"]
 
     use rule errors as beyond_report with:
         input:
             metrics=paths_of(rules.evaluate.output.metrics, *BEYOND.every),
-            coverage=paths_of(rules.intervals.output.coverage, *BEYOND.intervals.values()),
-            datasets=[
-                path_of(rules.dataset.output[0], rso=DEFAULT_RSO, stations=stations, window="", reading="")
-                for stations in STATION_SETS
-            ],
-            oracles=[
-                path_of(rules.oracle.output[0], rso=DEFAULT_RSO, stations=stations)
-                for stations in STATION_SETS
-            ],
         output:
             **documents(BEYOND_REPORT, section=SECTIONS["beyond"]),
         log:
@@ -31,7 +20,7 @@ if "beyond" in STUDY:
         params:
             **drawing("beyond_report", config),
         message:
-            "Beyond the paper: models against splits, with baselines and intervals"
+            "Beyond the paper: models against splits, with baselines"
 
     use rule errors as beyond_splits with:
         input:
@@ -84,26 +73,3 @@ if "beyond" in STUDY:
             ),
         message:
             "Figure: performance metric P_ML of models on nearby RSOs"
-
-    use rule errors as beyond_intervals with:
-        input:
-            paths_of(rules.intervals.output.intervals, *BEYOND.shown_intervals.values()),
-        output:
-            **figures(BEYOND_INTERVALS, section=SECTIONS["beyond"]),
-        log:
-            BEYOND_INTERVALS.log,
-        benchmark:
-            BEYOND_INTERVALS.benchmark
-        params:
-            **drawing(
-                "beyond_intervals",
-                {
-                    "epoch": config["epoch"],
-                    "level": config["intervals"]["level"],
-                    "learners": list(BEYOND.shown_intervals),
-                    "experiment": next(iter(BEYOND.shown_intervals.values())).names()
-                    | {"learner": "models"},
-                },
-            ),
-        message:
-            "Figure: prediction intervals"

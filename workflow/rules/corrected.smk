@@ -1,14 +1,10 @@
-# Ephemerides for operators: corrected by a learner or under a forecast, each epoch with a covariance.
+# Ephemerides for operators: corrected by a learner, each epoch with a covariance.
 # None needs a truth.
-# No learner; {train} is the time up to which the catalogue has estimates.
-FORECAST = "{rso}/{stations}{window}{reading}_n{members}/{train}"
 CORRECTED = product(f"corrected/{EPHEMERIS}")
 # The exports are jobs beside those of the tables, with logs of their own.
-CORRECTED_OEM, FORECASTS_OEM = product(f"corrected/{EPHEMERIS}_oem"), product(f"forecasts/{FORECAST}_oem")
-CORRECTED_OCM = product(f"corrected/{EPHEMERIS}_ocm")
+CORRECTED_OEM = product(f"corrected/{EPHEMERIS}_oem")
 CORRECTED_OMM, CORRECTED_TLE = product(f"corrected/{EPHEMERIS}_omm"), product(f"corrected/{EPHEMERIS}_tle")
 CORRECTED_FIGURE = product(f"figs/corrected/{EPHEMERIS}")
-FORECASTS = product(f"forecasts/{FORECAST}")
 
 
 rule corrected:
@@ -26,7 +22,7 @@ rule corrected:
         beside=INPUTS.learner_tables("rso"),
         replay=rules.replay.output[0],
         futures=INPUTS.futures(rules.futures.output[0]),
-        check=checks(PARAMS.split, PARAMS.train_days, PARAMS.check_without_truth),
+        check=checks(PARAMS.split, PARAMS.train_days),
     output:
         CORRECTED.table,
     log:
@@ -67,30 +63,6 @@ use rule export_truth as export_corrected with:
         code=code("export_oem.py"),
     message:
         "Export: corrected ephemeris of {wildcards.rso} by {wildcards.stations}, with covariances, as CCSDS OEM"
-
-
-rule export_corrected_ocm:
-    input:
-        rules.corrected.output[0],
-        source=INPUTS.source,
-        check=checks(PARAMS.check_from_newest),
-    output:
-        CORRECTED.file("ocm"),
-    log:
-        CORRECTED_OCM.log,
-    benchmark:
-        CORRECTED_OCM.benchmark
-    wildcard_constraints:
-        window=PLAN.window_pattern,
-    conda:
-        "../envs/opml.yaml"
-    params:
-        settings=lambda wildcards: {"epoch": config["epoch"], "table": "corrected", "rso": wildcards.rso},
-        code=code("export_ocm.py"),
-    message:
-        "Export: corrected ephemeris of {wildcards.rso} by {wildcards.stations}, with covariances, as CCSDS OCM"
-    script:
-        "../scripts/export_ocm.py"
 
 
 rule export_corrected_omm:
@@ -183,84 +155,8 @@ use rule errors as corrected_figure with:
             "corrected_figure",
             lambda wildcards: {
                 "epoch": config["epoch"],
-                "level": config["intervals"]["level"],
                 **dict(wildcards.items()),
             },
         ),
     message:
         "Figure: {wildcards.rso} by {wildcards.stations} as predicted, as corrected, and as measured later"
-
-
-if ENVIRONMENT.is_forecast:
-
-    rule forecast:
-        input:
-            **ENVIRONMENT.predictions,
-            futures=rules.futures.output[0],
-            estimates=rules.estimation.output[0],
-            predictions=rules.prediction.output[0],
-            tracking=rules.tracking.output[0],
-            long_estimates=[],
-            arc_estimates=[],
-            manoeuvres=INPUTS.user_manoeuvres(rules.truth.output[0], rules.tracking.output[0]),
-            check=checks(PARAMS.split),
-        output:
-            FORECASTS.table,
-        log:
-            FORECASTS.log,
-        benchmark:
-            FORECASTS.benchmark
-        wildcard_constraints:
-            members=naming.MEMBERS,
-        conda:
-            "../envs/opml.yaml"
-        resources:
-            mem_mb=1750,
-            runtime=8,
-        params:
-            settings=lambda wildcards: PARAMS.departures(wildcards)
-            | PARAMS.ephemeris(wildcards)
-            | {"seed": PARAMS.noise_seed(wildcards)},
-            code=code("forecast.py"),
-        message:
-            "Forecast ephemeris: {wildcards.rso} by {wildcards.stations} under {wildcards.members} futures of the space weather"
-        script:
-            "../scripts/forecast.py"
-
-    use rule export_truth as export_forecast with:
-        input:
-            rules.forecast.output[0],
-            source=INPUTS.source,
-            check=checks(PARAMS.check_from_newest),
-        output:
-            FORECASTS.file("oem"),
-        log:
-            FORECASTS_OEM.log,
-        benchmark:
-            FORECASTS_OEM.benchmark
-        wildcard_constraints:
-            members=naming.MEMBERS,
-        params:
-            settings=lambda wildcards: {"epoch": config["epoch"], "table": "forecast", "rso": wildcards.rso},
-            code=code("export_oem.py"),
-        message:
-            "Export: forecast ephemeris of {wildcards.rso} by {wildcards.stations}, with covariances, as CCSDS OEM"
-
-    use rule export_each_corrected as export_each_forecast with:
-        input:
-            rules.forecast.output[0],
-            source=INPUTS.source,
-            check=checks(PARAMS.check_from_each),
-        output:
-            directory(FORECASTS_OEM.folder),
-        log:
-            FORECASTS_OEM.log,
-        benchmark:
-            FORECASTS_OEM.benchmark
-        wildcard_constraints:
-            members=naming.MEMBERS,
-        params:
-            settings=lambda wildcards: {"epoch": config["epoch"], "table": "forecast", "rso": wildcards.rso},
-            code=code("export_each_oem.py"),
-        message:
-            "Export: forecast ephemerides of {wildcards.rso} by {wildcards.stations}, one CCSDS OEM per estimate"

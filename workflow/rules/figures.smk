@@ -13,7 +13,6 @@ RSO_GRID = product("figs/{grid}_grid")
 RSO = product("figs/{grid}_{rso}")
 TRANSFER_CURVE = product("figs/{curve}_curve")
 KERNEL_SCALE_SENSITIVITY = product("figs/kernel_scale_sensitivity")
-FAN = product("figs/fans/{rso}/{stations}{window}_n{members}/{track}")
 
 ERROR_TABLES = {
     "evaluation": rules.evaluate.output.evaluation,
@@ -361,32 +360,3 @@ if "kernel_scale" in STUDY:
             ),
         message:
             "Figure: performance metric P_ML against the kernel scale"
-
-
-if ENVIRONMENT.is_forecast:
-
-    use rule errors as fan with:
-        input:
-            fan=rules.ensemble.output.fan,
-            sample=rules.ensemble.output.sample,
-        output:
-            pdf=FAN.file("pdf"),
-            png=FAN.file("png"),
-        log:
-            FAN.log,
-        benchmark:
-            FAN.benchmark
-        wildcard_constraints:
-            members=naming.MEMBERS,
-            track=naming.TRACK,
-        params:
-            **drawing(
-                "fan",
-                lambda wildcards: {
-                    "epoch": config["epoch"],
-                    "level": config["intervals"]["level"],
-                    **dict(wildcards.items()) | {"track": int(wildcards.track)},
-                },
-            ),
-        message:
-            "Figure: the prediction of {wildcards.rso} from track {wildcards.track} under {wildcards.members} futures"

@@ -6,8 +6,6 @@ CD_PAST = product("cd_past/{rso}/{stations}{window}{arc}{memory}")
 HELD = product("held/{rso}/{stations}{window}{arc}{memory}")
 SGP4 = product("sgp4/{rso}/{stations}{window}")
 IMPROVED = product("improved/{rso}/{stations}{window}")
-PERFECT_ESTIMATES = product(f"estimates/{{rso}}/{{stations}}{naming.PERFECT}")
-ORACLE = product("oracle/{rso}/{stations}")
 POOL = product("{table}/{pool}/{rest}")
 LONG = PLAN.window(config["mechanism"]["long_window_hours"])
 
@@ -196,51 +194,6 @@ rule improved:
         "SGP4: predictions of {wildcards.rso} from the newest set of mean elements, improved"
     script:
         "../scripts/improved.py"
-
-
-rule perfect_estimates:
-    input:
-        truth=rules.truth.output[0],
-        estimates=at_window("", rules.estimation.output[0]),
-    output:
-        PERFECT_ESTIMATES.table,
-    log:
-        PERFECT_ESTIMATES.log,
-    benchmark:
-        PERFECT_ESTIMATES.benchmark
-    conda:
-        "../envs/opml.yaml"
-    params:
-        settings=lambda wildcards: {"epoch": config["epoch"], "cd": PARAMS.rso(wildcards)["cd"]},
-        code=code("perfect_estimates.py"),
-    message:
-        "Perfect estimates: the true states of {wildcards.rso} in the place of those by {wildcards.stations}"
-    script:
-        "../scripts/perfect_estimates.py"
-
-
-rule oracle:
-    input:
-        estimates=at_window("", rules.estimation.output[0]),
-        predictions=at_window("", rules.prediction.output[0]),
-        perfect=rules.perfect_estimates.output[0],
-        perfect_predictions=at_window(naming.PERFECT, rules.prediction.output[0]),
-        gravity_field=GRAVITY_FIELD.table,
-    output:
-        ORACLE.table,
-    log:
-        ORACLE.log,
-    benchmark:
-        ORACLE.benchmark
-    conda:
-        "../envs/opml.yaml"
-    params:
-        settings={"epoch": config["epoch"]},
-        code=code("oracle.py"),
-    message:
-        "Oracle: what the prediction errors of {wildcards.rso} by {wildcards.stations} are made of"
-    script:
-        "../scripts/oracle.py"
 
 
 rule pool:

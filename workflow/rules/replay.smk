@@ -51,7 +51,7 @@ rule replay:
         beside=INPUTS.learner_tables("rso"),
         later=INPUTS.later_estimates(rules.estimation.output[0]),
         spread=rules.spread.output[0],
-        check=checks(PARAMS.split, PARAMS.train_days, PARAMS.check_without_truth),
+        check=checks(PARAMS.split, PARAMS.train_days),
     output:
         REPLAY.table,
     log:

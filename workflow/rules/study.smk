@@ -1,18 +1,14 @@
 # A study of any RSO: its report, errors before and after correction, models against splits, rows used.
 from snakemake.logging import logger
 
-from opml.workflow import extras
-
 STUDY_REPORT = product("study")
 STUDY_ERRORS = product("figs/study/{rso}/{stations}_errors")
 STUDY_RESIDUALS = product("figs/study/{rso}/{stations}_residuals")
-EXPLORE = product("figs/study/{rso}/{stations}_explore")
 STUDY_CALIBRATION = product("figs/study/{rso}/{stations}_calibration")
 CONJUNCTIONS = product("conjunctions/{rso}/{stations}")
 STUDY_CONJUNCTIONS = product("figs/study/{rso}/{stations}_conjunctions")
 STUDY_DRAG = product("figs/study/{rso}/{stations}_drag")
 STUDY_MODELS = product("figs/study/{rso}/models")
-STUDY_ROLLING = product("figs/study/{rso}/{stations}_rolling")
 
 if OWN.is_asked:
 
@@ -86,7 +82,6 @@ if OWN.is_asked:
                 path_of(rules.estimation.output[0], rso=rso, stations=stations, window="")
                 for rso, stations in OWN.datasets
             ],
-            rolling=paths_of(rules.rolling.output[0], *OWN.rolling.values()),
             replays=[path_of(rules.replay.output[0], **parts) for parts in OWN.replayed.values()],
             fits=paths_of(rules.fit_calibration.output[0], *OWN.fits.values()),
             conjunctions=[
@@ -127,32 +122,6 @@ if OWN.is_asked:
             ),
         message:
             "Figure: errors of {wildcards.rso} by {wildcards.stations} before and after correction"
-
-    use rule errors as explore with:
-        input:
-            evaluations=rules.study_errors.input[0],
-            dataset=lambda wildcards: true_errors(wildcards.rso, wildcards.stations),
-            truth=rules.truth.output[0],
-            earth_orientation=EARTH_ORIENTATION.table,
-        output:
-            in_report(EXPLORE, "html", SECTIONS["study"], "explore"),
-        log:
-            EXPLORE.log,
-        benchmark:
-            EXPLORE.benchmark
-        params:
-            **drawing(
-                "explore",
-                lambda wildcards: {
-                    **PARAMS.comparison(OWN.corrections(wildcards.rso, wildcards.stations)),
-                    "radars": PARAMS.stations(wildcards),
-                },
-            ),
-        message:
-            "Page: turn the orbit of {wildcards.rso}, pick an estimate of {wildcards.stations}"
-
-    if workflow.is_main_process and not extras.can_explore():
-        logger.warning(extras.NO_EXPLORE)
 
     use rule errors as study_calibration with:
         input:
@@ -235,33 +204,3 @@ if OWN.is_asked:
             ),
         message:
             "Figure: performance metric P_ML of models against splits, {wildcards.rso}"
-
-    use rule errors as study_rolling with:
-        input:
-            lambda wildcards: paths_of(
-                rules.rolling.output[0],
-                *(
-                    experiment
-                    for (rso, stations, _), experiment in OWN.rolling.items()
-                    if (rso, stations) == (wildcards.rso, wildcards.stations)
-                ),
-            ),
-        output:
-            **figures(STUDY_ROLLING, caption="study_rolling", section=SECTIONS["study"]),
-        log:
-            STUDY_ROLLING.log,
-        benchmark:
-            STUDY_ROLLING.benchmark
-        params:
-            **drawing(
-                "study_rolling",
-                lambda wildcards: {
-                    "epoch": config["epoch"],
-                    "learners": list(STUDY.entry("rolling").get("learners", [])),
-                    "weather": PLAN.weather,
-                    **STUDY.rolling,
-                    **dict(wildcards.items()),
-                },
-            ),
-        message:
-            "Figure: P_ML of {wildcards.rso} by {wildcards.stations} day by day, learners retrained and trained once"

@@ -44,7 +44,6 @@ BEYOND_FILES = (
         *rules.beyond_report.output,
         *rules.beyond_splits.output,
         *rules.beyond_transfers.output,
-        *rules.beyond_intervals.output,
     ]
     if "beyond" in STUDY
     else []
@@ -73,14 +72,13 @@ STUDY_FILES = (
             for file in [
                 *rules.study_errors.output,
                 *rules.study_drag.output,
-                *(rules.study_rolling.output if OWN.rolling else []),
             ]
         ),
         *(
             path_of(file, rso=rso, stations=stations)
             for rso, stations in OWN.datasets
             if not STUDY.is_measured(rso)
-            for file in [*rules.world.output, *(rules.explore.output if extras.can_explore() else [])]
+            for file in rules.world.output
         ),
         *(
             path_of(file, rso=rso, stations=stations)

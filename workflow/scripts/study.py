@@ -16,7 +16,6 @@ with job(snakemake):
         datasets=read_by_key(study.datasets, files.datasets, "dataset"),
         estimates=read_by_key(study.datasets, files.estimates, "estimates"),
         noise=dict(zip(study.datasets, map(read_noise, files.estimates), strict=True)),
-        rolling=read_by_key(study.rolling, files.rolling, "rolling"),
         replays=read_by_key(study.replayed, files.replays, "replay"),
         truths=read_by_key(study.datasets_with_truth, files.truths, "dataset"),
         calibration=read_by_key(study.fits, files.fits, "calibration"),

@@ -28,9 +28,9 @@ class EnvironmentSettings(Section):
         see="weather.md",
     )
     forecast: Absent[str] = absent(
-        "forecast of `knowledge: forecast`, about which the futures of an ensemble lie",
+        "forecast of `knowledge: forecast`, about which its futures lie",
         unit="name under `forecasts`",
-        see="weather.md#ensembles",
+        see="weather.md#futures",
     )
     issue_hours: Absent[Literal[1, 3, 6, 12, 24]] = absent(
         "time between the issues of forecasts, counted from 00:00 UTC; predictions use the newest one",

@@ -1,4 +1,4 @@
-"""Figures beyond the paper: models against splits, one model on many RSOs, prediction intervals."""
+"""Figures beyond the paper: models against splits, one model on many RSOs."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -10,19 +10,15 @@ from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from opml.base.constants import DAY
-from opml.figures.axis_labels import P_ML, PAPER, VARIED, clauses, in_words, symbol, unit
+from opml.figures.axis_labels import P_ML, PAPER, VARIED, clauses, in_words, symbol
 from opml.figures.display_names import display_learner, display_rso, display_stations
 from opml.figures.p_ml_curves import INTERVAL, NO_CORRECTION
 from opml.figures.style import (
     MARKERS,
     MUTED,
     NOTE_SIZE,
-    PREDICTED_COLOR,
     PUBLISHED,
-    RESIDUAL,
     SERIES,
-    TRUE_COLOR,
     add_head_and_legend,
     page_figure,
 )
@@ -154,42 +150,4 @@ def transfers(
     trained_on = f"trained on {display_rso(metrics['rso'].iloc[0])} alone; RSOs differ in one element"
     note = f"{trained_on}; bands: 5th to 95th percentile over resampled estimates"
     add_head_and_legend(figure, f"Other RSOs: {', '.join(remains)}", note, columns=5)
-    return figure
-
-
-def intervals(tables: Mapping[str, pd.DataFrame], *, level: float, component: str, note: str = "") -> Figure:
-    """Draw true errors and corrected ones, in the band of the prediction interval; one panel per table.
-
-    tables: `intervals` tables by title, each drawn on its own scale
-    """
-    name, scale = unit(component)
-    figure = page_figure(height_mm=68.0)
-    inside = []
-    for axes, (title, table) in zip(
-        figure.subplots(1, len(tables), sharex=True, squeeze=False)[0], tables.items(), strict=True
-    ):
-        table = table.sort_values("duration", kind="stable")
-        days, half = table["duration"] / DAY, scale * table["half_width"]
-        inside.append(100.0 * (table["residual"].abs() <= table["half_width"]).mean())
-        look = {"ls": "", "marker": ".", "ms": 1.6, "mew": 0.0, "rasterized": True}
-        axes.plot(days, scale * table["true"], color=TRUE_COLOR, alpha=0.3, label="true error", **look)
-        axes.plot(days, scale * table["residual"], color=RESIDUAL, label="corrected error", **look)
-        axes.fill_between(
-            days,
-            -half,
-            half,
-            color=PREDICTED_COLOR,
-            alpha=0.25,
-            lw=0.0,
-            zorder=1,
-            label=f"{100.0 * level:g} % interval",
-        )
-        reach = 1.6 * max(half.max(), np.percentile((scale * table["residual"]).abs(), 99.0))
-        axes.set_ylim(-reach, reach)
-        axes.set_title(f"{display_learner(title)}: {inside[-1]:.0f} % inside", fontsize=8.0, loc="left")
-        axes.set_xlabel("prediction duration [d]")
-    figure.axes[0].set_ylabel(f"{in_words(component)} {symbol(component)} [{name}]")
-    reach = f"{min(inside):.0f} to {max(inside):.0f} % of the corrected errors"
-    headline = f"Intervals of {100.0 * level:g} % contain {reach}"
-    add_head_and_legend(figure, headline, clauses(note, "different scales"), columns=3)
     return figure

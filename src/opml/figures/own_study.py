@@ -11,7 +11,7 @@ from matplotlib.ticker import FuncFormatter
 
 from opml.base.constants import DAY
 from opml.base.errors import InputError
-from opml.figures.axis_labels import P_ML, lines, si_unit, size_label
+from opml.figures.axis_labels import lines, si_unit, size_label
 from opml.figures.display_names import display_learner
 from opml.figures.line_ends import name_ends
 from opml.figures.prediction_errors import DURATION_LABEL
@@ -263,27 +263,3 @@ def _draw_daily(axes: Axes, errors: pd.DataFrame) -> None:
     axes.set_yscale("log")
     axes.yaxis.set_major_formatter(FuncFormatter(metres))
     axes.set_ylabel("size of the\nerror")
-
-
-def rolling(days: Mapping[str, pd.DataFrame], *, every_days: float, epoch: str, note: str = "") -> Figure:
-    """Draw P_ML [%] by day of learners trained anew beside the same learners trained once, a panel for each.
-
-    Raises InputError without a learner.
-
-    days: as `rolling_origins.by_day` returns, by learner
-    every_days: between two trainings
-    """
-    if not days:
-        raise InputError("rolling of a study: expected at least one learner, got none")
-    figure = page_figure(height_mm=16.0 + 42.0 * len(days))
-    panels = figure.subplots(len(days), 1, squeeze=False, sharex=True).ravel()
-    for axes, (name, table) in zip(panels, days.items(), strict=True):
-        middle = table["day"] + 0.5 * every_days
-        axes.plot(middle, table["once"], "o--", color=MUTED, ms=3.0, label="trained once")
-        axes.plot(middle, table["anew"], "^-", color=RESIDUAL, ms=3.0, label="retrained")
-        axes.set_ylim(bottom=0.0)
-        axes.set_title(display_learner(name), fontsize=8.0, loc="left")
-    mark_dates(panels[-1], epoch, what="start of the prediction")
-    figure.supylabel(f"{P_ML} [%]", fontsize=8.0)
-    legend(figure, columns=2, note=note)
-    return figure

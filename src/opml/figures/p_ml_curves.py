@@ -35,9 +35,7 @@ _PARTS = {"rest": "test part", "seen": "training part"}
 INTERVAL = "bars: 5th to 95th percentile over resampled estimates"  # note on the bars of P_ML
 
 RULE_STYLES = (":", "-.", (0, (3, 1, 1, 1, 1, 1)), (0, (1, 3)))
-_RULES = (
-    "scales by quantiles of the distances (sigest), their median, cross-validation on held-out estimates (cv)"
-)
+_RULES = "scales by quantiles of the distances (sigest), their median"
 """Note on the public rules of the kernel scale."""
 
 _APART = 0.02  # of two series of a curve, in parts of its length, so that equal points are seen

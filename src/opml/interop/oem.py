@@ -10,7 +10,6 @@ import logging
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
 from itertools import islice
 from typing import NamedTuple
 
@@ -124,13 +123,8 @@ def prediction_segments(predictions: pd.DataFrame, *, rso: str) -> list[Segment]
     ]
 
 
-def corrected_segments(
-    corrected: pd.DataFrame, *, rso: str, content: str = "corrected prediction"
-) -> list[Segment]:
-    """Return the segments of a table `corrected`, one per estimate, with a covariance every ten minutes.
-
-    content: what its remark begins with
-    """
+def corrected_segments(corrected: pd.DataFrame, *, rso: str) -> list[Segment]:
+    """Return the segments of a table `corrected`, one per estimate, with a covariance every ten minutes."""
     segments = []
     for i, rows in corrected.groupby("i", sort=True):
         t = rows["t"].to_numpy()
@@ -144,7 +138,7 @@ def corrected_segments(
                 t[sparse],
                 symmetric_matrices(rows.iloc[sparse], STATE_COVARIANCES),
                 covariance_frame=_RSW,
-                remark=f"{content} from the estimate of track {i}",
+                remark=f"corrected prediction from the estimate of track {i}",
                 degree=_DEGREE,
             )
         )
@@ -156,7 +150,6 @@ SEGMENTS: dict[str, Callable[..., list[Segment]]] = {
     "estimates": estimate_segments,
     "predictions": prediction_segments,
     "corrected": corrected_segments,
-    "forecast": partial(corrected_segments, content="prediction, with the weather's covariances,"),
 }
 """Makers of the segments of a message, by the table."""
 

@@ -14,7 +14,6 @@ LABELS = {"truth": "", "later": "_later", "smoothed": "_smoothed"}
 """Suffix for the reference of the errors in training, by the study's `label`."""
 
 MEMBERS = r"[2-9]|[1-9][0-9]{1,2}"  # regular expression of the number of futures of an ensemble
-TRACK = r"0|[1-9][0-9]*"  # regular expression of the number of a track
 
 ARC_PATTERN = f"_l(?:{POSITIVE}|filter)"
 """Regular expression of the suffix of arcs; a filter's window is all that came before."""
@@ -24,7 +23,6 @@ MEMORY_PATTERN = f"_m{POSITIVE}"  # regular expression of the suffix of a memory
 BOTH_SIDES = f"_b{POSITIVE}"
 """Regular expression of the suffix of estimates from tracks on both sides; nothing is predicted from them."""
 
-PERFECT = "_true"  # suffix of estimates that are the truth itself
 FILTERED = "_filter"  # suffix of estimates by a sequential filter, which has no window
 
 
@@ -49,9 +47,7 @@ def window_suffix(hours: float, *, default: float) -> str:
 
 
 def parse_window(suffix: str, *, default: float) -> float:
-    """Return the estimation window [h] of a suffix: 0 for true states, `default` without a suffix."""
-    if suffix == PERFECT:
-        return 0.0
+    """Return the estimation window [h] of a suffix; `default` without a suffix."""
     if suffix.startswith("_b"):
         return parse_both_sides(suffix)
     window = re.match(rf"_w({POSITIVE})", suffix)

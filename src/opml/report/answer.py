@@ -21,9 +21,6 @@ TITLE = "Which model to use"
 
 ALL_MODELS = "all models"  # what the figure shows that an answer holds
 
-TURNED = "the orbit to turn, where the extra `explore` is installed"
-"""What a page shows that is made with plotly alone."""
-
 FEWEST = 10  # predictions of a duration below which neither their median nor a share of them is told
 MORNINGS = 14  # mornings below which the selection is poor: `opml docs operations`
 

@@ -5,7 +5,6 @@ P_ML stands with its 5th and 95th percentile over resampled estimates.
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import pandas as pd
 
@@ -28,32 +27,18 @@ class BeyondReport:
     pairs: Mapping[str, Pair]  # training and test rows, by split
     transfers: Mapping[_Key, Experiment]  # by curve, learner and target
     left_out: Mapping[_Key, Experiment]  # by pool, learner and the RSO left out
-    budget: Mapping[Pair, Experiment]  # by station set and learner
-    budget_split: Pair
     published: Mapping[_Key, float]  # the paper's P_ML [%] by a key of splits or transfers
     learners: Mapping[str, LearnerSettings]  # settings by name
-    level: float  # of the prediction intervals
 
 
-def document(
-    report: BeyondReport, metrics: pd.DataFrame, coverage: pd.DataFrame, floors: Mapping[str, float]
-) -> list[Block]:
-    """Return the whole document.
-
-    metrics: rows of that table for every experiment
-    coverage: rows of that table for every experiment with intervals
-    floors: size of the assumed model's own error [%], by station set
-    """
+def document(report: BeyondReport, metrics: pd.DataFrame) -> list[Block]:
+    """Return the whole document; metrics: rows of that table for every experiment."""
     results = Results(metrics)
-    names = {pair: split for split, pair in report.pairs.items()}
-    intervals = [_interval_row(row, names) for row in coverage.to_dict("records")]
     return [
         *texts.blocks("beyond.head"),
         *_splits(report, results),
         *_transfers(report, results),
         *_left_out(report.left_out, results),
-        *texts.blocks("beyond.intervals", intervals, level=report.level),
-        *_budget(report, results, floors),
         *model_table({learner: report.learners[learner] for _, learner, _ in report.splits}),
     ]
 
@@ -102,32 +87,6 @@ def _left_out(experiments: Mapping[_Key, Experiment], results: Results) -> Itera
     ]
     told = {"train": first.train, "test": first.test, "names": _codes(names)}
     yield from texts.blocks("beyond.left_out", rows, **told)
-
-
-def _interval_row(row: Mapping[str, Any], names: Mapping[Pair, str]) -> list[str]:
-    lengths = (row[length] for length in ("half_width", "half_width_last_day", "error_last_day"))
-    return [
-        row["stations"],
-        f"`{row['learner']}`",
-        names[row["train"], row["test"]],
-        percent(100.0 * row["rows_inside"]),
-        percent(100.0 * row["estimates_inside"]),
-        *(f"{1e-3 * length:.2f}" for length in lengths),
-    ]
-
-
-def _budget(report: BeyondReport, results: Results, floors: Mapping[str, float]) -> Iterator[Block]:
-    names = list(dict.fromkeys(learner for _, learner in report.budget))
-    rows = [
-        [
-            stations,
-            *(results.p_ml_cell(report.budget[stations, name]) for name in names),
-            percent(floors[stations]),
-        ]
-        for stations in dict.fromkeys(stations for stations, _ in report.budget)
-    ]
-    header = texts.across(f"`{name}`: {' '.join(_terms(report.learners[name]))}" for name in names)
-    return texts.blocks("beyond.budget", rows, split=", ".join(report.budget_split), names=header)
 
 
 def _codes(names: Iterable[str]) -> str:

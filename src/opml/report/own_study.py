@@ -16,7 +16,6 @@ from opml.learning.data.dataset import survives
 from opml.learning.judge.errors_by_duration import at_days
 from opml.learning.judge.metrics import p_ml
 from opml.learning.judge.model_choice import Mornings
-from opml.learning.judge.rolling_origins import by_day
 from opml.learning.models.contract import LearnerSettings
 from opml.learning.models.learners import learns
 from opml.naming import SPLIT, Experiment, parse_test, parse_train, strip_seed
@@ -59,8 +58,6 @@ class OwnStudyReport:
     truths: Sequence[str]  # of each RSO: simulated, from files, or none where its tracks were measured
     laws: Sequence[str]  # the models that learn, among those whose mornings are replayed
     seed: int  # of the resampled days on which a law has to prove its worth
-    rolling: Sequence[ModelKey]  # learners that are trained anew
-    trained_anew: Mapping[str, Any]  # on which days, how often, on how many days' labels [days]
     marks: Sequence[float]  # prediction durations that errors are stated at [days]
     durations: Sequence[float]  # prediction durations that coverage is stated at [days]
     screening: Mapping[str, Any]  # radius and threshold of conjunctions
@@ -77,7 +74,6 @@ class OwnStudyTables:
     datasets: Mapping[Dataset, pd.DataFrame]
     estimates: Mapping[Dataset, pd.DataFrame]
     noise: Mapping[Dataset, pd.DataFrame]  # what residuals tell of instruments, of what was measured
-    rolling: Mapping[ModelKey, pd.DataFrame]  # of the learners that are trained anew
     replays: Mapping[ModelKey, pd.DataFrame]
     truths: Mapping[Dataset, pd.DataFrame]  # datasets with true errors, where others hold labels
     calibration: Mapping[Dataset, pd.DataFrame]  # of the fits' own covariances
@@ -120,7 +116,6 @@ def document(report: OwnStudyReport, tables: OwnStudyTables) -> list[Block]:
         *uncertainty.section(replays, tables.calibration, report.durations),
         *conjunctions.section(tables.conjunctions, report.screening),
         *_splits(report, Results(tables.metrics), tables.evaluations, papers),
-        *_rolling(report, tables.rolling),
         *_rows(report, tables, papers),
         *measurement_residuals.section(tables.noise, tables.estimates, epoch=report.settings.epoch),
         *model_table(report.learners),
@@ -249,20 +244,6 @@ def _reference(
 
 def _summed(errors: pd.Series) -> float:
     return float(errors.abs().sum())
-
-
-def _rolling(report: OwnStudyReport, tables: Mapping[ModelKey, pd.DataFrame]) -> Iterator[Block]:
-    if not tables:
-        return
-    rows = []
-    for rso, stations, learner in report.rolling:
-        table = tables[rso, stations, learner]
-        days, once = by_day(table), table.assign(predicted=table["predicted_once"])
-        worst = [percent(days[name].max()) for name in ("anew", "once")]
-        rows.append([rso, stations, f"`{learner}`", _p_ml_cell(table), _p_ml_cell(once), *worst])
-    (first, last), every, memory = (report.trained_anew[key] for key in ("days", "every_days", "last_days"))
-    told = {"first": first, "last": last, "every": every, "memory": memory}
-    yield from texts.blocks("own_study.retrained", rows, **told)
 
 
 def _p_ml_cell(evaluation: pd.DataFrame) -> str:

@@ -1,4 +1,4 @@
-"""The experiments beyond the paper: models against splits, other RSOs, RSOs left out, intervals, a budget."""
+"""The experiments beyond the paper: models against splits, other RSOs, RSOs left out."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -71,33 +71,9 @@ class Beyond:
         return self.study.experiment({}, learner=learner, train=entry["train"], test=entry["test"], **parts)
 
     @cached_property
-    def intervals(self) -> dict[tuple[str, str, str], Experiment]:
-        """Experiments with prediction intervals, by station set, learner and split."""
-        entry = self.entry["intervals"]
-        splits = {split: self.entry["splits"][split] for split in entry["splits"]}
-        return self._against_splits(entry["learners"], splits)
-
-    @cached_property
-    def shown_intervals(self) -> dict[str, Experiment]:
-        """Experiments whose intervals are drawn, by learner: the last station set, the first split."""
-        split = self.entry["intervals"]["splits"][0]
-        stations = self.entry["station_sets"][-1]
-        return {
-            learner: self.intervals[stations, learner, split]
-            for learner in self.entry["intervals"]["learners"]
-        }
-
-    @cached_property
-    def budget(self) -> dict[tuple[str, str], Experiment]:
-        """Experiments that take the error apart, by station set and learner; their laws need the truth."""
-        entry = self.entry["budget"]
-        experiments = self._against_splits(entry["learners"], {"budget": entry["split"]})
-        return {(stations, learner): law for (stations, learner, _), law in experiments.items()}
-
-    @cached_property
     def every(self) -> list[Experiment]:
         """Every experiment whose P_ML stands in the document, each once."""
-        parts = (self.splits, self.transfers, self.left_out, self.budget)
+        parts = (self.splits, self.transfers, self.left_out)
         return list(dict.fromkeys(experiment for part in parts for experiment in part.values()))
 
     def published_p_ml(self, experiments: Mapping[Any, Experiment]) -> dict[Any, float]:
@@ -113,12 +89,8 @@ class Beyond:
             pairs={split: tuple(pair) for split, pair in self.entry["splits"].items()},
             transfers=self.transfers,
             left_out=self.left_out,
-            budget=self.budget,
-            budget_split=tuple(self.entry["budget"]["split"]),
             published=self.published_p_ml(self.splits) | self.published_p_ml(self.transfers),
             learners={
-                name: naming.parse_learner(name, self.study.learners)
-                for name in [*self.entry["learners"], *self.entry["budget"]["learners"]]
+                name: naming.parse_learner(name, self.study.learners) for name in self.entry["learners"]
             },
-            level=self.study.settings.run.intervals.level,
         )

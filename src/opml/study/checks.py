@@ -173,10 +173,7 @@ def _check_order(source: Source) -> None:
     if sources.get("knowledge") == known_weather.FORECAST and "issue_hours" not in sources:
         raise source.wrong(("environment", "issue_hours"), "expected a value, got none")
     _both(source, ("study", "cleaning", "fence"), ("study", "cleaning", "fence_days"))
-    for key in (
-        *(("cleaning", "fence_days"), ("span_days",), ("days", "train"), ("days", "test")),
-        ("rolling", "days"),
-    ):
+    for key in (("cleaning", "fence_days"), ("span_days",), ("days", "train"), ("days", "test")):
         days = value_at(source.values, ("study", *key))
         if days is not MISSING and days[0] >= days[1]:
             message = f"expected the first day before the last, got {days[0]} and {days[1]}"
@@ -291,7 +288,6 @@ def _check_references(source: Source, settings: Settings) -> None:
         (("individual", "evaluation"), asked.get("evaluations", {})),
         (("components",), asked.get("evaluations", {})),
         (("partition", "shown"), asked.get("partition", {}).get("ratios", [])),
-        (("beyond", "intervals", "splits"), asked.get("beyond", {}).get("splits", {})),
         (("reproduction", "calibrated"), asked.get("evaluations", {})),
         (("reproduction", "fixed"), settings.run.learners),
     ):
@@ -307,8 +303,7 @@ def _check_references(source: Source, settings: Settings) -> None:
 
 _ENTRIES = (
     *((), ("defaults",), ("orbit",), ("distribution",), ("partition",), ("kernel_scale",)),
-    *(("beyond",), ("beyond", "transfers"), ("beyond", "budget")),
-    ("rolling",),
+    *(("beyond",), ("beyond", "transfers")),
 )
 _MAPPINGS_OF_ENTRIES = (("evaluations",), ("grids",), ("curves",), ("reproduction", "readings"))
 
@@ -325,9 +320,6 @@ def _parts(asked: Mapping[str, Any]) -> Iterator[tuple[Key, str, Any]]:
             yield (*key, part), part, (entry.get("rso"), value) if varies else value
     for name, rsos in _mapping(asked, ("pools",)).items():
         yield ("pools", name), "rsos", rsos
-    for part, value in _mapping(asked, ("beyond", "intervals")).items():
-        if part == "learners":
-            yield ("beyond", "intervals", part), part, value
 
 
 def _mapping(values: Mapping[str, Any], key: Key) -> Mapping[str, Any]:

@@ -40,4 +40,3 @@ def check_learners(source: Source, study: Study) -> None:
 def _learners_named(asked: Mapping[str, Any]) -> Iterator[tuple[Key, Sequence[str]]]:
     yield ("study", "learners"), asked.get("learners", [])
     yield ("study", "replayed"), asked.get("replayed", [])
-    yield ("study", "rolling", "learners"), asked.get("rolling", {}).get("learners", [])

@@ -17,7 +17,6 @@ from opml.study.settings.merging import Settings, with_sheets
 SIMULATED, FILES, MEASURED = "simulated", "files", "measured"  # where an RSO's orbit comes from
 FILTERS = ("filtered", "filtered_mean")  # kinds of learners that are sequential filters
 
-ROLLING = {"every_days": 1, "last_days": 30}
 """How often learners are trained anew, and on how many days' labels, where a study does not say [days]."""
 
 
@@ -128,14 +127,6 @@ class Study:
         """Window of t_j that random splits draw from [days]: by default the training days, else the run."""
         days = self.entry("days").get("train") or [0, self.settings.run.duration_days]
         return self.settings.asked.get("span_days") or days
-
-    @property
-    def rolling(self) -> dict[str, Any]:
-        """When learners are trained anew: on the days to test on, else on those that follow the span."""
-        entry = self.entry("rolling")
-        rest = [self.span_days[1], self.settings.run.duration_days]
-        days = entry.get("days") or self.entry("days").get("test") or rest
-        return {"days": list(days), **{key: entry.get(key, ROLLING[key]) for key in ROLLING}}
 
     def experiment(self, entry: Mapping[str, Any], **parts: str) -> Experiment:
         """Return the experiment of an entry with `parts` over it; the target is its RSO by default."""

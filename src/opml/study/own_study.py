@@ -12,7 +12,7 @@ from opml.learning.judge.calibration import marks
 from opml.learning.models.contract import hours_to_fill
 from opml.learning.models.learners import arc_of, learns, resolved
 from opml.naming import Experiment
-from opml.report.answer import ALL_MODELS, TURNED, Sources
+from opml.report.answer import ALL_MODELS, Sources
 from opml.report.own_study import OwnStudyReport, RunFacts
 from opml.study.experiments import FILES, FILTERS, MEASURED, SIMULATED, Study
 from opml.study.settings.model.run import HistorySettings
@@ -21,7 +21,7 @@ from opml.tables import IMPROVED_MODELS
 RUNNING = ("running24m3", "running24", "running48m3", "running", "running96m3", "running96")
 """Laws on the running mean of Cd. Those of one window share their arcs: another memory costs nothing."""
 
-BASELINES = ("none", "repredicted", "fit24", "fit48", "fit96", "held", *RUNNING, "filter", "filtermean")
+BASELINES = ("none", "fit24", "fit48", "fit96", "held", *RUNNING, "filter", "filtermean")
 """Models of what a good engineer would do without learning."""
 
 MODELS = (*BASELINES, "svr", "covariance", "mechanism", "twoarcs")
@@ -37,7 +37,7 @@ REPLAYED = (
 
 MODELS_OF_ELEMENTS = (
     *("none", "sgp4", *IMPROVED_MODELS),
-    *("repredicted", "fit144", "held96", "held144", "running96m3", "running96"),
+    *("fit144", "held96", "held144", "running96m3", "running96"),
     *("covariance", "mechanism"),
 )
 """The models of a study of mean elements: SGP4, also of improved sets, longer fits, and laws on these."""
@@ -139,18 +139,6 @@ class OwnStudy:
             (rso, stations, learner): experiment
             for rso, stations in self.datasets
             for learner, experiment in self.corrections(rso, stations).items()
-        }
-
-    @cached_property
-    def rolling(self) -> dict[tuple[str, str, str], Experiment]:
-        """Experiments of learners that are trained anew, by RSO, station set and learner."""
-        train, test = self.splits[self.shown_split]
-        return {
-            (rso, stations, learner): self.study.experiment(
-                {}, rso=rso, stations=stations, learner=learner, train=train, test=test
-            )
-            for rso, stations in self.datasets
-            for learner in self.study.entry("rolling").get("learners", [])
         }
 
     @cached_property
@@ -259,8 +247,6 @@ class OwnStudy:
             truths=[self.study.truth_of(rso) for rso in self.study.rsos],
             laws=self.laws,
             seed=self.study.settings.run.seed.split,
-            rolling=list(self.rolling),
-            trained_anew=self.study.rolling,
             marks=self.marks,
             durations=marks(self.study.settings.run.prediction.max_days),
             screening=self.conjunctions,
@@ -285,13 +271,12 @@ class OwnStudy:
             **({"ellipsoids": f"study/{rso}/{stations}_ellipsoids"} if models else {}),
             **({} if self.study.is_measured(rso) else {"passes": f"maps/{rso}/{stations}"}),
         }
-        turned = {} if self.study.is_measured(rso) else {TURNED: f"figs/study/{rso}/{stations}_explore.html"}
         return Sources(
             files={name: f"{folder}/{name}.oem" for name in models},
             day=end,
             end=run.duration_days,
             manoeuvres=self._manoeuvres(rso),
-            figures={shows: f"figs/{name}.png" for shows, name in figures.items()} | turned,
+            figures={shows: f"figs/{name}.png" for shows, name in figures.items()},
         )
 
     def _manoeuvres(self, rso: str) -> str:

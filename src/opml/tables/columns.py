@@ -41,7 +41,7 @@ IMPROVED_MODELS = ("density", "learned")
 IMPROVED_LEADS = (1, 3, 5, 7)  # days from the date to the errors that the table of improved sets expects
 
 MECHANISM_AXES = (
-    *("s", "v", "r", "l", "v_long", "floor", "l_arc", "v_arc", "h_arc", "sgp4"),
+    *("s", "v", "r", "l", "v_long", "l_arc", "v_arc", "h_arc", "sgp4"),
     *IMPROVED_MODELS,
 )
 """Prefixes of the mechanism's columns for each error component, such as `v_y` for e_y."""

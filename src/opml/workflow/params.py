@@ -215,11 +215,6 @@ class Params:
         if name := self.plan.study.not_filtered:
             raise InputError(f"estimation.{name}: expected none for sequential filters, which know no such")
 
-    def check_without_truth(self, wildcards: Wildcards) -> None:
-        """Raise InputError for a learner that knows what only a simulation does."""
-        for name, settings in self.learners(wildcards).items():
-            learners.check_without_truth(name, settings)
-
     def mornings_of(self, wildcards: Wildcards) -> dict[str, Any]:
         """Return the params of the mornings of the wildcard `batch`, up to the wildcard `date`."""
         day = self.plan.settings.day

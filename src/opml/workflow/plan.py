@@ -161,7 +161,7 @@ class Plan:
             "rso": rso,
             "target": rso,
             "stations": f"(?:{naming.stations_pattern(self.settings.stations)}{noise}|{in_place})",
-            "window": f"(?:{self.window_pattern}|{naming.PERFECT}|{naming.FILTERED})",
+            "window": f"(?:{self.window_pattern}|{naming.FILTERED})",
             "arc": naming.ARC_PATTERN,
             "memory": naming.MEMORY_PATTERN,
             "reading": f"(?:{naming.other_reading(self.study.cleaning.previous)})?",

@@ -28,7 +28,6 @@ END_OF_TRAINING = DAY
 TRAIN = "days-0-1"
 CLEANING = Cleaning(fence=20.0, fence_days=(0.0, 1.0))
 LEARNERS = {
-    "durationmean": {"kind": "durationmean", "bin_hours": 6},
     "svr": {"kind": "svr", "kernel_scale": "sigest", "c": 1.0, "epsilon": 0.1, "tol": 1e-3},
     "boosting": {"kind": "boosting", "trees": 5, "leaves": 7, "learning_rate": 0.1, "min_rows": 10},
     "law": {"kind": "linear_law", "window_hours": 24, "terms": ["v", "v*cd_past", "l_arc", "v_arc*cd_arc"]},
@@ -97,7 +96,7 @@ def test_typical_labels_weigh_one_and_useless_ones_nothing():
 @pytest.mark.parametrize("name", LEARNERS)
 def test_equal_weights_change_nothing_and_useless_rows_no_model(name):
     rng = np.random.default_rng(3)
-    variables = ["a"] if name == "durationmean" else ["a", "b"]
+    variables = ["a", "b"]
     settings = learners.of_job({**LEARNERS[name], "terms": ["a", "b"], "variables": variables})
     x, noise = rng.normal(size=(200, len(variables))), rng.normal(size=200)
     y = x.sum(axis=1) + 0.1 * noise
@@ -105,7 +104,7 @@ def test_equal_weights_change_nothing_and_useless_rows_no_model(name):
     def predicted(y, weights):
         return learners.fit(Training(x, y, variables, seed=1, weights=weights), settings).predict(x)
 
-    if name in ("durationmean", "law"):  # scikit-learn's sums differ with weights of one
+    if name == "law":  # scikit-learn's sums differ with weights of one
         np.testing.assert_array_equal(predicted(y, np.ones(200)), predicted(y, None))
     useless = np.arange(200) % 5 < 3
     wrong = 5.0 * y if name == "law" else y + 50.0  # a law has no intercept

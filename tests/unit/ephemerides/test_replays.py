@@ -195,7 +195,6 @@ def test_what_is_known_later_changes_no_morning(propagator, tables, table):
         (NONE, 0.5),
         (LAW, 1.0),
         (learners.of_job(RUNS | {"window_hours": 48.0}), 2.0),
-        (learners.of_job({"kind": "repredicted", "variables": ["r_y"]}), 1.5),
     ],
 )
 def test_the_first_morning_has_a_full_window_of_all_fits(tables, learner, day):

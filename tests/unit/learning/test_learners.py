@@ -29,12 +29,9 @@ BOOSTING = {"kind": "boosting", "trees": 40, "leaves": 7, "learning_rate": 0.2, 
 MECHANISM = {"kind": "linear_law", "terms": ["v", "v*cd"]}
 SETTINGS = {
     "none": {"kind": "none"},
-    "durationmean": {"kind": "durationmean", "bin_hours": 12},
-    "repredicted": {"kind": "repredicted"},
     "linear_law": MECHANISM,
     "boosting": BOOSTING,
     "svr": {"kind": "svr", "kernel_scale": "sigest", "c": 1.0, "epsilon": 0.1, "tol": 1e-3},
-    "stacked": {"kind": "stacked", "first": MECHANISM, "second": BOOSTING},
     "refitted": {"kind": "refitted", "window_hours": 48},
     "held": {"kind": "held", "window_hours": 12, "memory_days": 30},
     "running": {"kind": "running", "window_hours": 96, "memory_days": 30},
@@ -46,7 +43,6 @@ SETTINGS = {
 }
 NOTHING_LEARNED = (
     "none",
-    "repredicted",
     "refitted",
     "held",
     "running",
@@ -67,7 +63,7 @@ def sample(count, seed=0):
     v = 5e5 * (duration / 6e5) ** 2
     error = v * (cd - 2.2)
     y = error + 800.0 * np.sin(d_a / 200.0) + 50.0 * rng.standard_t(2, count)
-    rows = pd.DataFrame({"duration": duration, "d_a": d_a, "cd": cd, "v_y": v, "r_y": error})
+    rows = pd.DataFrame({"duration": duration, "d_a": d_a, "cd": cd, "v_y": v})
     # Arcs whose own Cd is the half of it off, and that know the rest.
     arcs = {"l_arc_y": 0.5 * error, "h_arc_y": 0.8 * error, "v_arc_y": v, "cd_arc": 2.2 + 0.5 * (cd - 2.2)}
     sets = {"sgp4_y": -2.0 * error, "density_y": -1.0 * error, "learned_y": 0.3 * error}
@@ -152,17 +148,15 @@ def test_a_variable_that_the_dataset_does_not_have_is_told():
 
 def test_what_each_kind_is_worth_on_what_it_can_learn(models):
     new, y = sample(2000, seed=1)
+    error = new["v_y"] * (new["cd"] - 2.2)
     left = {kind: np.abs(y - predicted(model, new)).sum() / np.abs(y).sum() for kind, model in models.items()}
     assert left["none"] == 1.0
-    assert left["durationmean"] == pytest.approx(1.0, abs=0.05)
-    mechanism_leaves = np.abs(y - new["r_y"]).sum() / np.abs(y).sum()
-    assert left["repredicted"] == pytest.approx(mechanism_leaves)
+    mechanism_leaves = np.abs(y - error).sum() / np.abs(y).sum()
     assert left["linear_law"] == pytest.approx(mechanism_leaves, abs=0.01)
     assert left["running"] == pytest.approx(mechanism_leaves)
     shares = {"refitted": 0.5, "held": 0.8, "sgp4": -2.0, "density": -1.0, "learned": 0.3}
     for kind, share in shares.items():
-        assert left[kind] == pytest.approx(np.abs(y - share * new["r_y"]).sum() / np.abs(y).sum())
-    assert left["stacked"] < 0.5 * left["linear_law"]
+        assert left[kind] == pytest.approx(np.abs(y - share * error).sum() / np.abs(y).sum())
     assert left["linear_law"] < left["boosting"] < 1.0
 
 
@@ -177,9 +171,6 @@ def test_the_arcs_that_a_learner_asks_for():
     assert arc_of(**MECHANISM, window_hours=48) is None  # of whose columns it reads none
     law = {"kind": "linear_law", "terms": ["l_arc", "v_arc*cd_arc"], "window_hours": 24, "memory_days": 8}
     assert arc_of(**law) == (24.0, 8.0)
-    assert arc_of(kind="stacked", first=law, second=BOOSTING) == (24.0, 8.0)
-    with pytest.raises(InputError, match="expected one window for both parts, got 2"):
-        arc_of(kind="stacked", first=law, second=law | {"window_hours": 48})
     with pytest.raises(InputError, match="expected window_hours with columns of the arcs"):
         arc_of(kind="linear_law", terms=["l_arc"])
 
@@ -187,14 +178,6 @@ def test_the_arcs_that_a_learner_asks_for():
 def test_no_correction_is_zero():
     rows, _ = sample(5)
     assert predicted(trained("none", rows, np.ones(5)), rows).tolist() == [0.0] * 5
-
-
-def test_mean_by_duration_is_the_mean_of_a_bin():
-    hours = np.array([1.0, 3.0, 13.0, 15.0, 40.0])
-    rows, y = pd.DataFrame({"duration": hours * 3600.0}), np.array([1.0, 3.0, 10.0, 30.0, 5.0])
-    model = trained("durationmean", rows, y)
-    at = pd.DataFrame({"duration": np.array([0.0, 2.0, 8.0, 14.0, 40.0, 99.0]) * 3600.0})
-    assert predicted(model, at).tolist() == pytest.approx([2.0, 2.0, 11.0, 20.0, 5.0, 5.0])
 
 
 @pytest.mark.parametrize("terms", [["v_y", "v_y*cd"], ["v_y"], ["v_y", "v_y*cd", "duration*duration"]])
@@ -269,14 +252,6 @@ def test_too_few_rows_are_refused():
         boosting.fit(Training(np.ones((1, 1)), np.ones(1), ["a"], seed=1), {})
 
 
-def test_the_second_of_a_stack_learns_what_the_first_leaves(models):
-    rows, y = sample(400)
-    first = models["linear_law"]
-    second = trained("boosting", rows, y - predicted(first, rows))
-    expected = predicted(first, rows) + predicted(second, rows)
-    np.testing.assert_array_equal(predicted(models["stacked"], rows), expected)
-
-
 def test_settings_are_resolved_for_a_component():
     known = ["duration", "cd_b"]
 
@@ -284,8 +259,6 @@ def test_settings_are_resolved_for_a_component():
         return resolved(settings, "e_vx", known).of_job()
 
     assert resolve({"kind": "none"})["variables"] == []
-    assert resolve({"kind": "durationmean", "bin_hours": 1})["variables"] == ["duration"]
-    assert resolve({"kind": "repredicted"})["variables"] == ["r_vx"]
     assert resolve(BOOSTING) == BOOSTING | {"variables": known}
     assert resolve(SETTINGS["svr"] | {"without": ["cd_b"]}) == SETTINGS["svr"] | {"variables": ["duration"]}
     assert resolve(BOOSTING | {"variables": ["v", "cd"]})["variables"] == ["v_vx", "cd"]
@@ -293,14 +266,10 @@ def test_settings_are_resolved_for_a_component():
     found = resolve(law)
     assert found["terms"] == ["l_vx", "v_long_vx", "v_long_vx*cd_long", "cos_2_31"]
     assert found["variables"] == ["l_vx", "v_long_vx", "cd_long", "cos_2_31"]
-    stack = resolve({"kind": "stacked", "first": law, "second": BOOSTING})
-    assert stack["variables"] == [*found["variables"], *known]
-    assert stack["first"] == found
-    assert stack["second"]["variables"] == known
 
 
 def test_an_unknown_kind_is_named():
-    with pytest.raises(InputError, match=r"kind: expected svr, .*stacked, got oracle"):
+    with pytest.raises(InputError, match=r"kind: expected svr, .*learned, got oracle"):
         learners.settings_of({"kind": "oracle"})
     with pytest.raises(InputError, match="got oracle"):
         learners.schema({"kind": "oracle", "variables": []})
@@ -315,7 +284,7 @@ def test_settings_that_no_kind_takes_are_told_in_a_line(settings, line):
 
 
 def test_every_kind_is_tested_and_described():
-    assert set(SETTINGS) == {*(learner.kind for learner in learners.LEARNERS), "stacked"}
+    assert set(SETTINGS) == {learner.kind for learner in learners.LEARNERS}
     assert len({learners.description(kind) for kind in SETTINGS}) == len(SETTINGS)
 
 
@@ -406,11 +375,10 @@ def quantile(tmp_path, monkeypatch):
 QUANTILE = {"kind": "quantile", "share": 0.25}
 
 
-@pytest.mark.parametrize("settings", [QUANTILE, {"kind": "stacked", "first": MECHANISM, "second": QUANTILE}])
-def test_the_recipe_for_a_new_kind_gives_a_model_that_is_its_file(quantile, tmp_path, settings):
+def test_the_recipe_for_a_new_kind_gives_a_model_that_is_its_file(quantile, tmp_path):
     rows, y = sample(400)
     rows = rows.assign(e_y=y, i=0)
-    found = resolved(settings)
+    found = resolved(QUANTILE)
     model = learners.train(rows, component="e_y", settings=found, seed=42)
     loaded = learners.read(saved(tmp_path / "model.parquet", model))
     np.testing.assert_array_equal(predicted(loaded, rows), predicted(model, rows))

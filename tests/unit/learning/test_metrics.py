@@ -10,7 +10,6 @@ from opml.learning.judge.metrics import (
     against_labels,
     bootstrap_interval,
     by_seed,
-    floor_share,
     fraction_reduced,
     individual_p_ml,
     p_ml,
@@ -123,8 +122,3 @@ def test_pairs_of_seeds_have_a_number_in_a_column_of_their_own():
     assert seed[0] == seed[3]
     assert len(set(seed)) == 3
     assert "seed" not in table
-
-
-def test_share_of_the_floor():
-    dataset = pd.DataFrame({"e_y": [10.0, -10.0, 100.0], "floor_y": [1.0, -2.0, 50.0]})
-    assert floor_share(dataset, np.array([True, True, False]), component="e_y") == 15.0

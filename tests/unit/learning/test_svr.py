@@ -22,17 +22,17 @@ def sample(count, seed=0):
     duration = rng.uniform(0.0, 6e5, count)
     x = np.column_stack([duration, rng.normal(0.0, 300.0, count), drag, np.full(count, 0.1)])
     y = 2e4 * (drag - 2.2) / 0.05 * (duration / 6e5) ** 2 + 50.0 * rng.normal(size=count)
-    return x, y, groups
+    return x, y
 
 
-def fit(x, y, groups=None, *, variables=VARIABLES, seed=42, weights=None, **changes):
-    training = Training(x, y, variables, seed, groups=groups, weights=weights)
+def fit(x, y, *, variables=VARIABLES, seed=42, weights=None, **changes):
+    training = Training(x, y, variables, seed, weights=weights)
     return svr.fit(training, svr.SvrSettings(**SETTINGS | changes))
 
 
 @pytest.fixture(scope="module")
 def model():
-    x, y, _ = sample(400)
+    x, y = sample(400)
     return fit(x, y)
 
 
@@ -49,8 +49,8 @@ def reference(model, x, y):
 @pytest.mark.parametrize("tol", [1e-3, 1e-6])
 def test_predicts_as_scikit_learn_does(tol):
     # Both stop when the conditions of the optimum hold to tol, at different points.
-    x, y, _ = sample(400)
-    new, _, _ = sample(3000, seed=1)
+    x, y = sample(400)
+    new, _ = sample(3000, seed=1)
     model = fit(x, y, tol=tol)
     expected = reference(model, x, y).predict(standardised(model, new)) * model.y_scale
     np.testing.assert_allclose(model.predict(new), expected, rtol=0, atol=2.0 * tol * model.y_scale)
@@ -58,7 +58,7 @@ def test_predicts_as_scikit_learn_does(tol):
 
 
 def test_weights_scale_the_box_by_their_root():
-    x, y, _ = sample(400)
+    x, y = sample(400)
     weights = np.linspace(0.1, 2.0, 400)
     found = fit(x, y, tol=1e-6, weights=weights)
     machine = SVR(gamma=1.0 / found.kernel_scale**2, C=1.0, epsilon=0.1, tol=1e-6)
@@ -70,13 +70,13 @@ def test_weights_scale_the_box_by_their_root():
 def test_same_function_as_the_unscaled_formulation():
     # fitrsvm's defaults on the raw target: C = iqr/1.349, epsilon = iqr/13.49. Solved tightly, both must
     # agree.
-    x, y, _ = sample(300)
+    x, y = sample(300)
     model = fit(x, y, tol=1e-9)
     q1, q3 = np.quantile(y, [0.25, 0.75], method="hazen")
     machine = SVR(
         gamma=1.0 / model.kernel_scale**2, C=(q3 - q1) / 1.349, epsilon=(q3 - q1) / 13.49, tol=1e-7
     ).fit(standardised(model, x), y)
-    new, _, _ = sample(500, seed=1)
+    new, _ = sample(500, seed=1)
     np.testing.assert_allclose(
         model.predict(new), machine.predict(standardised(model, new)), rtol=0, atol=1e-6 * model.y_scale
     )
@@ -85,55 +85,55 @@ def test_same_function_as_the_unscaled_formulation():
 def test_target_in_other_units_changes_nothing_else(model):
     # Velocity components are 1e-3 of position ones: the tolerance must not swallow them. A power of two is
     # exact.
-    x, y, _ = sample(400)
+    x, y = sample(400)
     small = fit(x, y * 2.0**-12)
     assert small.iterations == model.iterations
     np.testing.assert_array_equal(small.predict(x) * 2.0**12, model.predict(x))
 
 
 def test_learns(model):
-    x, y, _ = sample(2000)
-    new, truth, _ = sample(500, seed=1)
+    x, y = sample(2000)
+    new, truth = sample(500, seed=1)
     residual = np.abs(truth - fit(x, y).predict(new)).sum() / np.abs(truth).sum()
     assert residual < 0.15
 
 
 def test_variables_are_standardised_with_the_sample_deviation(model):
-    x, _, _ = sample(400)
+    x, _ = sample(400)
     np.testing.assert_allclose(model.x_mean, x.mean(axis=0))
     np.testing.assert_allclose(model.x_scale[:3], x[:, :3].std(axis=0, ddof=1))
 
 
 def test_constant_variable_neither_breaks_nor_counts(model):
-    x, y, _ = sample(400)
+    x, y = sample(400)
     assert model.x_scale[3] == 1.0
     without = fit(x[:, :3], y, variables=VARIABLES[:3])
     np.testing.assert_allclose(without.predict(x[:, :3]), model.predict(x), rtol=0, atol=1e-9 * model.y_scale)
 
 
 def test_target_without_interquartile_range_keeps_its_unit():
-    x, _, _ = sample(50)
+    x, _ = sample(50)
     y = np.zeros(50)
     y[:5] = 3.0
     assert fit(x, y).y_scale == 1.0
 
 
 def test_flat_target_needs_no_support_vector():
-    x, _, _ = sample(50)
+    x, _ = sample(50)
     model = fit(x, np.full(50, 0.05))
     assert len(model.dual_coef) == 0
     np.testing.assert_allclose(model.predict(x), 0.05, atol=0.1)
 
 
 def test_block_size_does_not_matter(model, monkeypatch):
-    new, _, _ = sample(500, seed=1)
+    new, _ = sample(500, seed=1)
     whole = model.predict(new)
     monkeypatch.setattr(gaussian_kernel, "BLOCK_ENTRIES", 7 * len(model.dual_coef))
     np.testing.assert_allclose(model.predict(new), whole, rtol=0, atol=1e-10 * model.y_scale)
 
 
 def test_sigest_is_the_lower_end_of_kernlabs_range():
-    x, y, _ = sample(300)
+    x, y = sample(300)
     model = fit(x, y)
     # kernlab: sigma from 1 / quantile(|x - z|^2, 0.9) to 1 / quantile(|x - z|^2, 0.1), for exp(-sigma |x -
     # z|^2).
@@ -144,14 +144,14 @@ def test_sigest_is_the_lower_end_of_kernlabs_range():
 
 
 def test_median_rule_and_a_number():
-    x, y, _ = sample(300)
+    x, y = sample(300)
     model = fit(x, y, kernel_scale="median")
     assert model.kernel_scale == pytest.approx(np.median(pdist(standardised(model, x))))
     assert fit(x, y, kernel_scale=2).kernel_scale == 2.0
 
 
 def test_subsample_is_seeded_and_stands_for_the_whole(monkeypatch):
-    x, y, _ = sample(1500)
+    x, y = sample(1500)
     whole = fit(x, y).kernel_scale
     monkeypatch.setattr(kernel_scale, "DISTANCE_ROWS", 500)
     part = fit(x, y).kernel_scale
@@ -162,44 +162,14 @@ def test_subsample_is_seeded_and_stands_for_the_whole(monkeypatch):
     assert other.kernel_scale != part
 
 
-def test_cv_chooses_from_the_grid_by_held_out_estimates():
-    x, y, groups = sample(300)
-    model = fit(x, y, groups, kernel_scale="cv")
-    base = fit(x, y).kernel_scale
-    assert model.kernel_scale / base == pytest.approx(
-        min(kernel_scale.CV_FACTORS, key=lambda f: abs(f - model.kernel_scale / base))
-    )
-
-
-def test_cv_does_not_reward_remembering_an_estimate():
-    # The target is a label of the estimate, told by a variable that is only unique to it. Rows of the same
-    # estimate would reward the smallest scale; estimates held out make the widest no worse than the
-    # narrowest.
-    rng = np.random.default_rng(5)
-    groups = np.repeat(np.arange(25), 8)
-    x = np.column_stack([rng.normal(size=25)[groups], rng.normal(size=200) * 1e-3])
-    y = rng.normal(size=25)[groups]
-    options = {"variables": ["a", "b"], "seed": 1, "kernel_scale": "cv"}
-    grouped, by_row = (fit(x, y, held_out, **options) for held_out in (groups, np.arange(200)))
-    assert by_row.kernel_scale < grouped.kernel_scale
-
-
-@pytest.mark.parametrize("groups", [None, np.zeros(100, dtype=int)])
-def test_cv_wants_estimates_to_hold_out(groups):
-    x, y, _ = sample(100)
-    assert "kernel_scale: cv: expected at least 5 estimates" in refusal(fit, x, y, groups, kernel_scale="cv")
-
-
 @pytest.mark.parametrize("rule", ["auto", 0.0, -1.0, float("nan"), float("inf"), True, None])
 def test_bad_kernel_scale(rule):
-    with pytest.raises(
-        InputError, match="kernel_scale: expected sigest, median, cv or a number above 0, got"
-    ):
+    with pytest.raises(InputError, match="kernel_scale: expected sigest, median or a number above 0, got"):
         learners.settings_of(SETTINGS | {"kernel_scale": rule})
 
 
 def test_bad_rows(model):
-    x, y, _ = sample(50)
+    x, y = sample(50)
     assert "at least 2, got 1" in refusal(fit, x[:1], y[:1])
     assert "expected 4 columns" in refusal(model.predict, x[:, :3])
     assert "coincident rows" in refusal(fit, np.ones((10, 4)), y[:10])

@@ -15,7 +15,6 @@ from opml.figures.style import MUTED
 from opml.figures.ticks import metres
 from opml.learning.judge.errors_by_duration import at_days
 from opml.learning.judge.model_choice import Mornings
-from opml.learning.judge.rolling_origins import by_day
 from opml.report import absurd_fits, document
 from opml.report import own_study as report
 from opml.report.settings_tables import weather, weather_word
@@ -109,7 +108,7 @@ def test_mean_elements_have_models_of_their_own():
     own, learners = of_elements("sgp4")
     assert own.study.station_sets == ["fixes"]
     assert own.learners == [name for name in MODELS_OF_ELEMENTS if name in learners]
-    assert {name for *_, name in own.replayed} == {*own.learners} - {"repredicted"}
+    assert {name for *_, name in own.replayed} == {*own.learners}
     assert {"sgp4", "held96"} < {*own.learners}
 
 
@@ -252,16 +251,10 @@ def report_of(own, table=None, *, evaluations=None, **more):
         evaluations=dict.fromkeys(own.stated, table) | (evaluations or {}),
         datasets={KEY: dataset_of(table)},
         estimates={KEY: estimates_of(table)},
-        rolling=dict.fromkeys(own.rolling, trained_anew(table)),
         truths=dict.fromkeys(own.datasets_with_truth, dataset_of(table)),
         **{name: {} for name in ("noise", "replays", "calibration", "conjunctions", "pictures")} | more,
     )
     return document.markdown(report.document(own.report, held))
-
-
-def trained_anew(table):
-    """An evaluation of a learner that is trained anew on two days, and leaves half where it is not."""
-    return table.assign(day=8.0 + table["i"] % 2, predicted_once=0.5 * table["true"])
 
 
 @pytest.fixture
@@ -282,23 +275,14 @@ def test_the_report_answers_without_the_papers_notions(told):
     assert not re.search(r"\bnan\b|Peng|reading of|slip", told)
 
 
-def test_labels_and_learners_trained_anew_have_tables_of_their_own():
-    own = own_of(learners=["svr"], label="later", rolling={"learners": ["svr"], "last_days": 5})
+def test_labels_have_tables_of_their_own():
+    own = own_of(learners=["svr"], label="later")
     assert {one.label for one in own.experiments.values()} == {"_later"}
     assert own.panels == ["eglin-clear-kaena_later"]
-    assert own.study.rolling == {"days": [8, 12], "every_days": 1, "last_days": 5}
     text = report_of(own)
     assert "| lares | eglin-clear-kaena | `svr` | 21.0 | 21.0 | 21.0 |" in text
-    assert "| lares | eglin-clear-kaena | `svr` | 10.0 | 50.0 | 10.0 | 50.0 |" in text
-    assert "from day 8 to 12" in text
     assert "are against the true orbit. No model knows it" in text
     assert "| gravity field | EGM2008 40x40 | EGM2008 20x20 |" in text
-    figure = figures.rolling({"svr": by_day(trained_anew(evaluation()))}, every_days=1.0, epoch=EPOCH)
-    once, again = figure.axes[0].lines
-    assert again.get_xdata().tolist() == [8.5, 9.5]
-    assert again.get_ydata() == pytest.approx([10.0, 10.0])
-    assert once.get_ydata() == pytest.approx([50.0, 50.0])
-    assert "at least one learner" in refusal(figures.rolling, {}, every_days=1.0, epoch=EPOCH)
 
 
 def test_a_study_of_measured_tracks_tells_of_no_truth():

@@ -97,7 +97,6 @@ def test_spread_over_noise_is_not_asked_of_a_transfer():
         ("without_cd", "learner", "svrnocd", "svrnocd"),
         ("unseen_windows", "test", None, "days-30-40-unseen"),
         ("grouped_split", "train", "grouped-80", None),
-        ("cv_scale", "learner", "svrcv", "svrcv"),
     ],
 )
 def test_reading_changes_one_part_or_nothing(name, part, random, future):

@@ -28,7 +28,7 @@ from opml.catalog import kinds
 from opml.dynamics.settings import Integrator
 from opml.environment import nrlmsis
 from opml.study import checks
-from opml.study.experiments import ROLLING, Study
+from opml.study.experiments import Study
 from opml.study.own_study import OwnStudy
 from opml.study.settings import editor_schema
 from opml.study.settings.json_schema import json_schema
@@ -107,8 +107,6 @@ def test_no_object_of_the_schema_takes_unknown_keys():
 
 def test_defaults_of_the_library_are_those_of_the_models():
     assert Integrator() == Integrator(**PAPER["integrator"])
-    rolling = study_parts.RollingSettings.model_fields
-    assert {name: rolling[name].default for name in ROLLING} == ROLLING
     defaults = study_of(paper_values() | {"study": {}}).defaults
     for name in ("learner", "component"):
         assert defaults[name] == study_parts.Defaults.model_fields[name].default
@@ -136,7 +134,7 @@ def test_an_editor_takes_every_file_of_settings(editor, path):
         ("study: paper", True),
         ("learners: {svr: {c: 2}}", True),
         ("learners: {svr: {kind: svr, d: 2}}", False),
-        ("learners: {mine: {kind: stacked, first: {kind: durationmean, bin_hours: 0}}}", False),
+        ("learners: {mine: {kind: refitted, window_hours: 0}}", False),
         ("study: {evaluations: {mine: {claims: [{says: it is small}]}}}", False),
         ("tracking: {step: 20}", False),
         ("tracking: {step_s: '20'}", False),
@@ -149,7 +147,7 @@ def test_an_editor_asks_for_no_key_that_config_yaml_has(editor, text, is_taken):
 def test_the_typed_run_has_the_values():
     typed = checks.load_settings(paper_source()).run
     assert typed.estimation.model_dump(exclude_unset=True) == PAPER["estimation"]
-    assert typed.learners["stacked"].second.trees == PAPER["learners"]["stacked"]["second"]["trees"]
+    assert typed.learners["boosting"].trees == PAPER["learners"]["boosting"]["trees"]
     assert typed.study.evaluations["future_5days"].train == "days-0-30"
     assert typed.model_dump(mode="json", by_alias=True, exclude_unset=True, serialize_as_any=True) == PAPER
 

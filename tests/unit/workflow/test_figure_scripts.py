@@ -3,36 +3,13 @@
 import json
 from datetime import date
 
-import pandas as pd
 from mornings import replays
 from scripts import files, run
 
-from opml.learning.judge import rolling_origins
 from opml.learning.judge.error_sizes import as_known
 from opml.mornings import outcomes, weather_of_day
 from opml.mornings.days import failed
 from opml.tables import POSITION_COVARIANCES, SCHEMAS, read_table, write_table
-from opml.workflow import jobs
-
-
-def test_learners_trained_anew_are_drawn_with_the_weather_and_dates(tmp_path, monkeypatch):
-    days = pd.DataFrame({"day": [20.0, 21.0], "once": [5.0, 6.0], "anew": [4.0, 5.0]})
-    monkeypatch.setattr(jobs, "read_by_key", lambda keys, paths, kind: dict.fromkeys(keys, days))
-    monkeypatch.setattr(rolling_origins, "by_day", lambda table: table)
-    settings = {
-        "epoch": "2019-09-03T00:00:00",
-        "rso": "swarm",
-        "stations": "eglin",
-        "learners": ["mechanism"],
-        "every_days": 1.0,
-        "last_days": 20.0,
-        "weather": "under forecast weather",
-    }
-    drawn = files(pdf=[tmp_path / "rolling.pdf"], png=[tmp_path / "rolling.png"])
-    made = run("study_rolling", [], drawn, log=tmp_path / "log", **settings)
-    note = made["figure"].legends[0].get_title().get_text()
-    assert note == "Swarm A by one radar (Eglin), 20 days to learn from at most\nunder forecast weather"
-    assert all(path.stat().st_size > 0 for (path,) in drawn)
 
 
 def test_conjunctions_of_a_study_are_told_and_drawn(tmp_path, monkeypatch):

@@ -208,7 +208,7 @@ def test_the_forecast_is_the_named_one_or_persistence():
     [
         ("rso", ["iss", "iss_i50_a+50"], ["mir", "iss_i050", "inclinations-without-iss", "*", "../../evil"]),
         ("stations", ["eglin", "kaena-eglin", "eglin_noise43"], ["oz", "eglin_noise42", "eglin_noise1.5"]),
-        ("window", ["", "_w24", "_w24_tol1_cd0.5_light", "_true"], ["_w12", "_w0", "_b12", "_light_cd1"]),
+        ("window", ["", "_w24", "_w24_tol1_cd0.5_light"], ["_w12", "_w0", "_b12", "_light_cd1"]),
         ("window", ["_filter"], ["_w24_filter", "_filter_light"]),
         ("arc", ["_l48", "_lfilter"], ["", "_l48_m30", "_l48filter"]),
         ("memory", ["_m30"], ["", "_l48"]),
@@ -329,9 +329,6 @@ def test_a_name_without_a_learner_is_of_all_that_the_study_replays():
     assert list(jobs.learners(wildcards(learner="svr_s2"))) == ["svr_s2"]
     assert list(jobs.learners(wildcards(train="days-0-9"))) == ["none", "held", "running"]
     assert params(study={}).plan.own_study.replayed_models == []
-    jobs = params(study=STUDY | {"replayed": ["none", "knownmodel"]})
-    with pytest.raises(InputError, match="'knownmodel': expected one that needs no truth"):
-        jobs.check_without_truth(wildcards(train="days-0-9"))
 
 
 def test_the_replays_of_a_study_are_those_of_its_own_names():

@@ -75,16 +75,6 @@ def bootstrap_interval(evaluation: pd.DataFrame, *, seed: int) -> tuple[float, f
     return float(low), float(high)
 
 
-def floor_share(dataset: pd.DataFrame, rows: np.ndarray, *, component: str) -> float:
-    """Return the size of the error from the true state and Cd, in % of that of the error, summed over rows.
-
-    dataset: with the columns of the oracle beside its own
-    rows: (bool, n)
-    """
-    floor, error = (dataset.loc[rows, name] for name in (component.replace("e_", "floor_", 1), component))
-    return 100.0 * float(floor.abs().sum() / error.abs().sum())
-
-
 def longest_errors(evaluation: pd.DataFrame) -> tuple[float, float]:
     """Return mean absolute error and residual [m or m/s] of rows within LONGEST of the longest duration."""
     longest = evaluation[evaluation["duration"] >= evaluation["duration"].max() - LONGEST]

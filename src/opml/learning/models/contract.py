@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Annotated, Any, Generic, Protocol, TypeVar
 
 import numpy as np
@@ -50,12 +50,10 @@ class ResolvedSettings:
 
     own: LearnerSettings  # those of its kind
     variables: list[str]  # columns of a dataset that it learns from
-    parts: Mapping[str, "ResolvedSettings"] = field(default_factory=dict)  # of a stack
 
     def of_job(self) -> dict[str, Any]:
         """Return them as JSON values, which `learners.of_job` takes."""
-        parts = {name: part.of_job() for name, part in self.parts.items()}
-        return {**self.own.of_job(), **parts, "variables": self.variables}
+        return {**self.own.of_job(), "variables": self.variables}
 
 
 S = TypeVar("S", bound=LearnerSettings)
@@ -158,7 +156,7 @@ class Learner(Generic[S]):
     description: str  # in words, for the table of models
     settings: type[S]  # section of its settings
     table: Table  # the schema of a model's table from the metadata beside it; `table_of` makes a plain one
-    fit: Callable[[Training, S], Model] | None  # trains; None for a stack, whose parts train in turn
+    fit: Callable[[Training, S], Model]
     load: Load  # makes the model again from its table and metadata, bit for bit
     resolve: Resolve[S] = choose_variables  # finds the variables to learn from
     learns: bool = True  # whether it takes anything from the errors that it is trained on

@@ -1,6 +1,6 @@
 """No correction, and what a well-run catalogue does without learning: laws without a number of their own.
 
-A catalogue fits over longer windows, holds Cd by its past, or predicts again with the running mean of Cd.
+A catalogue fits over longer windows, or holds Cd by its past.
 P_ML then says what the catalogue itself would leave of the errors of its short fits.
 """
 
@@ -90,7 +90,6 @@ def _law(
 
 NONE = _law("none", "no correction", law=NoCorrection)
 
-REPREDICTED = _law("repredicted", "predicted again with the running mean of Cd", "r")
 
 REFITTED = _law("refitted", "fit over another window, nothing learned", "l_arc", settings=WindowSettings)
 

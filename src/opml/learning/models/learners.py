@@ -15,7 +15,7 @@ from pydantic import PlainSerializer, PlainValidator
 from opml.base.errors import InputError
 from opml.base.kind_sections import OfItsKind
 from opml.base.section import JobSettings
-from opml.learning.models import boosting, duration_mean, fixed_laws, linear_law, stacked, svr
+from opml.learning.models import boosting, fixed_laws, linear_law, svr
 from opml.learning.models.contract import (
     ARC_MEMORY_DAYS,
     Learner,
@@ -40,8 +40,6 @@ Path = TypeVar("Path")
 LEARNERS: tuple[Learner[Any], ...] = (
     svr.LEARNER,
     fixed_laws.NONE,
-    duration_mean.LEARNER,
-    fixed_laws.REPREDICTED,
     linear_law.LEARNER,
     boosting.LEARNER,
     fixed_laws.REFITTED,
@@ -53,12 +51,12 @@ LEARNERS: tuple[Learner[Any], ...] = (
     fixed_laws.DENSITY,
     fixed_laws.LEARNED,
 )
-"""The kinds that stand alone. Any two of them make a stack."""
+"""The kinds."""
 
 ARC_TABLES = ("arcs", "cd_past", "held")
 """Kinds of tables beside the dataset that are made for the window, and the memory, of a learner's arcs."""
 
-_BESIDE = ("oracle", *ARC_TABLES, "sgp4", "improved")
+_BESIDE = (*ARC_TABLES, "sgp4", "improved")
 """Kinds of tables beside the dataset with columns of their own; all other columns are the mechanism's."""
 
 
@@ -88,8 +86,7 @@ def settings_of(values: Mapping[str, Any]) -> LearnerSettings:
 
 def fit(training: Training, settings: ResolvedSettings) -> Model:
     """Train the learner that the settings are of; raise InputError for rows that it cannot learn from."""
-    train_kind = by_kind(settings.own.kind).fit
-    return train_kind(training, settings.own) if train_kind else stacked.fit(training, settings.parts, fit)
+    return by_kind(settings.own.kind).fit(training, settings.own)
 
 
 def train(rows: pd.DataFrame, *, component: str, settings: ResolvedSettings, seed: int) -> Model:
@@ -138,7 +135,7 @@ def schema(metadata: Metadata) -> Schema:
 
 
 def schemas() -> list[Schema]:
-    """Return the tables of models of all learning variables; a stack has the table of its second part."""
+    """Return the tables of models of all learning variables."""
     return [learner.table({"kind": learner.kind, "variables": LEARNING_VARIABLES}) for learner in LEARNERS]
 
 
@@ -165,10 +162,8 @@ def of_job(values: Mapping[str, Any] | ResolvedSettings) -> ResolvedSettings:
         return values
     job = _Job.model_validate(values)
     section = by_kind(job.kind).settings
-    parts = {name: of_job(values[name]) for name in stacked.PARTS if name in values}
     own = {key: value for key, value in values.items() if key in section.model_fields and key != "variables"}
-    taken = section.model_validate(own | {name: part.own for name, part in parts.items()})
-    return ResolvedSettings(taken, job.variables, parts)
+    return ResolvedSettings(section.model_validate(own), job.variables)
 
 
 JobLearner = Annotated[ResolvedSettings, PlainValidator(of_job), PlainSerializer(ResolvedSettings.of_job)]
@@ -178,21 +173,14 @@ JobLearner = Annotated[ResolvedSettings, PlainValidator(of_job), PlainSerializer
 def arc_of(settings: ResolvedSettings) -> tuple[float, float] | None:
     """Return window [h] and memory [days] of the arcs that resolved settings ask for, None for no arcs.
 
-    Raises InputError where parts of a stack ask for different arcs, or for a column without a window.
+    Raises InputError for a column of the arcs without a window.
     """
-    parts = (settings.own, *(part.own for part in settings.parts.values()))
-    arcs = {
-        (float(hours), float(part.get("memory_days") or ARC_MEMORY_DAYS))
-        for part in parts
-        if (hours := part.get("window_hours") or by_kind(part.kind).window_hours)
-    }
-    if len(arcs) > 1:
-        raise InputError(f"learners: window_hours: expected one window for both parts, got {len(arcs)}")
     if {*needed_tables(settings.variables)}.isdisjoint(ARC_TABLES):
         return None
-    if not arcs:
+    hours = settings.own.get("window_hours") or by_kind(settings.own.kind).window_hours
+    if not hours:
         raise InputError("learners: expected window_hours with columns of the arcs, got none")
-    return arcs.pop()
+    return float(hours), float(settings.own.get("memory_days") or ARC_MEMORY_DAYS)
 
 
 def arc_windows(settings: Iterable[ResolvedSettings]) -> list[float]:
@@ -217,12 +205,6 @@ def needed_tables(variables: Sequence[str]) -> list[str]:
             kinds.append(kind)
         missing -= set(SCHEMAS[kind].names)
     return [*kinds, "mechanism"] if missing else kinds
-
-
-def check_without_truth(name: str, settings: ResolvedSettings) -> None:
-    """Raise InputError where resolved settings ask for what only a simulation knows."""
-    if "oracle" in needed_tables(settings.variables):
-        raise InputError(f"learner '{name}': expected one that needs no truth to predict, got one that does")
 
 
 def check(
@@ -250,11 +232,9 @@ def check(
 
 
 def _by_kind() -> dict[str, Learner[Any]]:
-    return {learner.kind: learner for learner in (*LEARNERS, _STACKED)}
+    return {learner.kind: learner for learner in LEARNERS}
 
 
 KINDS = OfItsKind("learner", lambda: {kind: learner.settings for kind, learner in _by_kind().items()})
 
 AnyLearner = Annotated[LearnerSettings, KINDS]  # settings of a learner, of whatever kind
-
-_STACKED = stacked.learner(by_kind, KINDS)

@@ -8,7 +8,6 @@ second.
 """
 
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import TYPE_CHECKING, Annotated, Any, Self
 
 import numpy as np
@@ -82,10 +81,11 @@ class SvrModel:
 
 
 class SvrSettings(ChoosingSettings):
-    """Settings of a machine; the kernel scale `cv` holds out groups of the training."""
+    """Settings of a machine."""
 
     kernel_scale: Annotated[
-        Annotated[str, OneOf(scales.RULES)] | Positive, Expected("sigest, median, cv or a number above 0")
+        Annotated[str, OneOf(tuple(scales.QUANTILES))] | Positive,
+        Expected("sigest, median or a number above 0"),
     ]
     c: Positive
     epsilon: NotNegative
@@ -126,8 +126,6 @@ def _kernel_scale(scaled: Training, settings: SvrSettings) -> float:
     rule, rng = settings.kernel_scale, derive(scaled.seed, "svr", "kernel_scale")
     if rule in scales.QUANTILES:
         return scales.distance_quantile(scaled.x, scales.QUANTILES[rule], rng=rng)
-    if rule == "cv":
-        return scales.cross_validate(scaled, predict=partial(_predict, settings), rng=rng)
     return float(rule)
 
 
@@ -139,13 +137,6 @@ def _solve(scaled: Training, scale: float, settings: SvrSettings) -> "DualSoluti
     limits = settings.c * np.sqrt(scaled.row_weights())
     epsilon, tol = settings.epsilon, settings.tol
     return smo.solve(scaled.x / scale, scaled.y, limits, epsilon=epsilon, tol=tol)
-
-
-def _predict(settings: SvrSettings, scale: float, scaled: Training, new: np.ndarray) -> np.ndarray:
-    """Return predictions (n,) of new rows by a machine trained at this kernel scale."""
-    solution = _solve(scaled, scale, settings)
-    support = solution.beta != 0.0
-    return expansion(new / scale, scaled.x[support] / scale, solution.beta[support]) + solution.offset
 
 
 def _table(metadata: Metadata) -> Schema:

@@ -22,7 +22,6 @@ class Training:
     y: np.ndarray  # (n,) the target
     variables: Sequence[str]  # names of the columns of x
     seed: int  # of the learner's draws
-    groups: np.ndarray | None = None  # (n,) the estimate that a row starts from, where known
     weights: np.ndarray | None = None
 
     @classmethod
@@ -38,7 +37,6 @@ class Training:
             rows[component].to_numpy(),
             variables,
             seed,
-            groups=rows["i"].to_numpy(),
             weights=None if sigma is None else inverse_variances(sigma.to_numpy()),
         )
 
@@ -49,10 +47,6 @@ class Training:
         """
         x = check_rows(self.x, self.variables)
         return replace(self, x=x, y=_check_target(self.y, len(x), least=least))
-
-    def narrow(self, names: Sequence[str]) -> Self:
-        """Return the training with these variables only."""
-        return replace(self, x=pick_columns(self.x, self.variables, names), variables=names)
 
     def row_weights(self) -> np.ndarray:
         """Return weights (n,), ones where all rows weigh the same."""
@@ -65,11 +59,6 @@ def columns_of(rows: pd.DataFrame, variables: Sequence[str]) -> np.ndarray:
         if name not in rows:
             raise InputError(f"learning variable {name}: expected it in a dataset or another table, got none")
     return rows[list(variables)].to_numpy()
-
-
-def pick_columns(x: np.ndarray, variables: Sequence[str], names: Sequence[str]) -> np.ndarray:
-    """Return the columns `names` of x (n, variables)."""
-    return np.asarray(x)[:, [list(variables).index(name) for name in names]]
 
 
 def check_rows(x: np.ndarray, variables: Sequence[str]) -> np.ndarray:

@@ -7,7 +7,7 @@ from annotated_types import Ge, Le, Lt, MinLen
 from pydantic import Strict
 
 from opml.base.section import Section, absent, setting
-from opml.base.setting_types import Absent, Expected, NotNegative, Positive, Share, Text, Unique
+from opml.base.setting_types import Absent, Expected, NotNegative, Positive, Text, Unique
 from opml.catalog.fit.estimation_settings import EstimationSettings
 from opml.dynamics.settings import ForceModels, Integrator
 from opml.environment.forecasts.methods import AnyForecast
@@ -175,14 +175,6 @@ class Mechanism(Section):
     )
 
 
-class Intervals(Section):
-    """Prediction intervals."""
-
-    level: Share = setting("share of the errors that a prediction interval is to hold")
-    share: Share = setting("share of the training estimates that are held out to calibrate the intervals")
-    bin_hours: Positive = setting("bins of the prediction duration that have a width each", unit="h")
-
-
 class Ephemeris(Section):
     """Corrected ephemerides."""
 
@@ -273,7 +265,6 @@ class RunAlone(Section):
         see="howto.md#a-learner",
     )
     mechanism: Mechanism = setting("columns that laws learn from")
-    intervals: Intervals = setting("prediction intervals")
     ephemeris: Ephemeris = setting("corrected ephemerides")
     uncertainty: Uncertainty = setting("how far corrected orbits may be off")
     day: Absent[DaySettings] = absent("every morning", see="day.md")

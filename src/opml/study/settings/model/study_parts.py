@@ -96,15 +96,6 @@ class TrainAndTestDays(Section):
     test: Days = setting("days of t_j to test on; they follow those to train on")
 
 
-class RollingSettings(Section):
-    """Learners that are trained anew day by day."""
-
-    learners: Names = setting("learners that are retrained on each of the `days`, or once in `every_days`")
-    days: Absent[Days] = absent("days of the trainings; by default those to test on")
-    every_days: Positive = setting("time between two trainings", unit="days", default=1)
-    last_days: Positive = setting("how far back the labels go that are learned from", unit="days", default=30)
-
-
 class ConjunctionSettings(Section):
     """What predictions are worth where objects may collide."""
 
@@ -209,20 +200,6 @@ class Transfers(Tested):
     learners: Names = setting("models that are carried over to the curves' RSOs and out of pools")
 
 
-class BeyondIntervals(Section):
-    """Prediction intervals."""
-
-    learners: Names = setting("models with prediction intervals")
-    splits: Names = setting("names of `study.beyond.splits` to state them for")
-
-
-class Budget(Section):
-    """Laws that take the error apart."""
-
-    learners: Names = setting("laws that take the error apart, one cause after the other")
-    split: SplitPair = setting("training and test split", see="wildcards.md")
-
-
 class BeyondSettings(Section):
     """What goes beyond the paper."""
 
@@ -230,8 +207,6 @@ class BeyondSettings(Section):
     learners: Names = setting("models to compare")
     splits: Splits = setting("training and test split", see="wildcards.md")
     transfers: Transfers = setting("models on the curves' RSOs, and out of pools")
-    intervals: BeyondIntervals = setting("prediction intervals")
-    budget: Budget = setting("laws that take the error apart")
 
 
 class SpreadSeeds(Section):
@@ -294,7 +269,6 @@ class OwnStudySettings(Section):
         " `truth`, or `later` where an RSO of the study was measured",
         see="labels.md",
     )
-    rolling: Absent[RollingSettings] = absent("learners that are retrained day by day")
     replayed: Absent[Names] = absent(
         "models whose mornings are run again, and among which each morning chooses; by default those of the"
         " study that are trained in seconds",
