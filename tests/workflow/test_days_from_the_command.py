@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -12,7 +13,7 @@ from project import ROOT, forked
 SETTINGS = """\
 results: results
 epoch: "2016-09-28T12:09:45"
-duration_days: 6
+duration_days: 2
 tracks: {mine: tracks/mine.tdm, broken: tracks/broken.tdm, absent: "tracks/absent/*.tdm"}
 rsos:
   mine: {area_to_mass_m2pkg: 0.05, cd: 2.2, cr: 1.25}
@@ -119,6 +120,15 @@ def test_a_day_later_the_days_between_are_caught_up(operator):
     html = (operator / "results" / "days" / "2016-10-01" / "day.html").read_text()
     assert "3 objects" in html
     assert "broken" in html
+
+
+@pytest.mark.dag
+def test_a_project_runs_on_its_day_400(operator):
+    """Its settings have it last for two days."""
+    code, told = opml_day(operator, "-n", "--date", "2017-11-02")
+    assert code == 0, told
+    assert re.search(r"^mornings +1$", told, re.MULTILINE), told
+    assert "Mornings: objects of batch 0 up to 2017-11-02" in told
 
 
 def test_without_the_setting_one_line_says_what_is_missing(operator):

@@ -16,7 +16,9 @@ class EnvironmentSettings(Section):
     )
     ephemerides: Text = setting("`DE440` or an SPK kernel", unit="name or path")
     solar_activity: Text = setting(
-        "`MSAFE`, `OBSERVED` or a file of either kind", unit="name or path", see="#solar-activity"
+        "`MSAFE`, `OBSERVED`, `NEWEST` (of `opml fetch`) or a file of either kind",
+        unit="name or path",
+        see="#solar-activity",
     )
     true_solar_activity: Absent[Text] = absent(
         "activity of the truth, if it is not `solar_activity`", unit="name or path"

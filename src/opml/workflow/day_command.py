@@ -42,6 +42,9 @@ _ARENAS = "2"
 _TABLES, _MESSAGE, _EPHEMERIDES = 0.006, 1.7, 0.33  # what it leaves [MB]
 _STAY = 14  # mornings that ephemerides stay
 
+_LONGER = 28
+"""Days by which a run is lengthened at a time: its environment is tabulated anew each time."""
+
 
 @dataclass(frozen=True)
 class Call:
@@ -86,7 +89,8 @@ def run(call: Call) -> int:
     """
     asked = _asked(call.configfiles)
     settings = asked.run
-    check_dates(call, settings.epoch, settings.duration_days, today=datetime.now(UTC).date())
+    check_dates(call, settings.epoch, today=datetime.now(UTC).date())
+    duration = lengthened(settings.duration_days, settings.epoch, call.day)
     dates = [date.fromordinal(k).isoformat() for k in range(call.first.toordinal(), call.day.toordinal() + 1)]
     folders = [Path(settings.results, "days", text) for text in dates]
     if not call.dry:
@@ -98,7 +102,7 @@ def run(call: Call) -> int:
         print(f"opml: {beforehand(ahead, asked)}", file=sys.stderr, flush=True)
     # The last day brings all others up to date, whose pages then only have to be written.
     for pages in [folders[-1:], folders[:-1]]:
-        if pages and _snakemake(call, [str(folder / "day.html") for folder in pages]):
+        if pages and _snakemake(call, [str(folder / "day.html") for folder in pages], duration):
             return WORKFLOW_FAILED
     if call.dry:
         return ALL_RUN
@@ -131,25 +135,30 @@ def beforehand(ahead: Mapping[str, int], settings: Settings) -> str:
     )
 
 
-def check_dates(call: Call, epoch: str, duration_days: float, *, today: date) -> None:
-    """Raise InputError for dates that are no mornings: to come, outside the run, or in the wrong order.
+def lengthened(duration_days: float, epoch: str, day: date) -> float:
+    """Return the days of a run that reaches a day: its own, or more by whole _LONGER."""
+    missing = (day - date.fromisoformat(epoch[:10])).days - math.ceil(duration_days)
+    return duration_days + _LONGER * max(0, math.ceil(missing / _LONGER))
+
+
+def check_dates(call: Call, epoch: str, *, today: date) -> None:
+    """Raise InputError for dates that are no mornings: to come, before the run, or in the wrong order.
 
     epoch: of the run, UTC text; raises as `epochs.parse` does
     """
     epochs.parse(epoch)
     begin = date.fromisoformat(epoch[:10])
-    last = min(today, begin + timedelta(days=math.ceil(duration_days)))
     for option, day in (("--date", call.day), ("--since", call.first)):
-        if not begin <= day <= last:
-            why = "today" if last == today else "the end of the run"
-            raise InputError(f"{option}: expected a day from {begin} to {last}, {why}, got {day}")
+        if not begin <= day <= today:
+            raise InputError(f"{option}: expected a day from {begin} to {today}, today, got {day}")
     if call.first > call.day:
         raise InputError(f"--since: expected {call.day}, the --date, or a day before it, got {call.first}")
 
 
-def _snakemake(call: Call, pages: Sequence[str]) -> int:
+def _snakemake(call: Call, pages: Sequence[str], duration_days: float) -> int:
     how = ["-n"] if call.dry else ["--quiet", "all"]
     settings = ["--configfile", *call.configfiles] if call.configfiles else []
+    settings += ["--config", f"duration_days={duration_days:g}"]
     command = [sys.executable, "-m", "snakemake", *call.where, *how, *settings, "--", *pages]
     code = _exit_code(command)
     if code and not call.dry:

@@ -5,7 +5,7 @@ from functools import cached_property
 from pathlib import Path
 
 from opml import tables
-from opml.environment import known_weather, nrlmsis
+from opml.environment import known_weather, nrlmsis, solar_activity
 from opml.environment.forecasts import methods, persistence
 from opml.environment.forecasts.method import ForecastSettings
 from opml.environment.settings import EnvironmentSettings
@@ -93,4 +93,5 @@ class EnvironmentFiles:
     def source_files(self, table: str) -> list[str]:
         """Return the user's own file behind a table; none where the source is a packaged one."""
         source = self.source(table)
-        return [source] if Path(source).suffix else []
+        path = solar_activity.resolve(source) if source == solar_activity.NEWEST else Path(source)
+        return [str(path)] if path.suffix else []

@@ -34,7 +34,7 @@ _STUDY = """\
 results: results/mine
 epoch: "{first}T00:00:00"
 duration_days: {duration}
-environment: {{solar_activity: OBSERVED, knowledge: forecast}}  # or a newer SW-All.csv
+environment: {{solar_activity: NEWEST, knowledge: forecast}}  # of `opml fetch`
 {measured}
 rsos: {{mine: {{area_to_mass_m2pkg: {area_to_mass:.3g}, cd: 2.2, cr: 1.25}}}}  # {source}; Cd is fitted
 study:
@@ -64,7 +64,7 @@ class FirstStudy:
     @classmethod
     def of_sets(cls, path: FilePath) -> "FirstStudy":
         """Choose a study by a file of sets; raise InputError for several objects and for too few days."""
-        sets = catalogue.readable(path)
+        sets = [one for file in catalogue.find_files([path]) for one in catalogue.readable(file)]
         if len(numbers := sorted({one.number for one in sets})) != 1:
             got = ", ".join(map(str, numbers[:5]))
             raise InputError(f"{path}: expected sets of one object, got {len(numbers)}: {got}")
@@ -76,10 +76,14 @@ class FirstStudy:
         first = date.fromisoformat(str(end)[:_DATE]) - timedelta(days=days)
         drag = float(np.median([one.satellite.bstar for one in sets]))
         area_to_mass = float(np.clip(_BALLISTIC * drag / _CD, *_BODIES))
-        measured = f"elements: {{mine: {json.dumps(Path(path).name)}}}"
+        # Files are copied; a folder stays where it is, as what is fetched into it counts tomorrow.
+        files, beside = Path(path).name, [Path(path)]
+        if Path(path).is_dir():
+            files, beside = str(Path(path).resolve() / "*"), []
+        measured = f"elements: {{mine: {json.dumps(files)}}}"
         chosen = f"{path}: its last {days} days of sets, from {first} on"
         told = f"{chosen}; area to mass {area_to_mass:.3g} m2/kg by their B*"
-        return cls(str(first), days, measured, area_to_mass, "by its B*", told, [Path(path)])
+        return cls(str(first), days, measured, area_to_mass, "by its B*", told, beside)
 
     @classmethod
     def of_points(cls, paths: Sequence[FilePath]) -> "FirstStudy":

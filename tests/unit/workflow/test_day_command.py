@@ -4,7 +4,7 @@ import json
 import os
 import signal
 import sys
-from datetime import date
+from datetime import date, timedelta
 from threading import Thread
 from types import SimpleNamespace
 
@@ -12,10 +12,9 @@ import pytest
 from support import refusal
 
 from opml import cli
-from opml.base.errors import InputError
 from opml.catalog.kinds import ELEMENTS, FIXES
 from opml.workflow import day_command, lock
-from opml.workflow.day_command import Call, beforehand, check_dates, mornings_ahead
+from opml.workflow.day_command import Call, beforehand, check_dates, lengthened, mornings_ahead
 
 EPOCH, TODAY = "2016-09-28T12:09:45", date(2016, 10, 3)
 WITHIN = "expected a day from 2016-09-28 to 2016-10-03, today, got"
@@ -30,9 +29,9 @@ WRONG = {
 }
 
 
-def check(day, first, *, duration_days=10.0):
+def check(day, first):
     call = Call(date.fromisoformat(day), date.fromisoformat(first), [], [], dry=True)
-    check_dates(call, EPOCH, duration_days, today=TODAY)
+    check_dates(call, EPOCH, today=TODAY)
 
 
 @pytest.mark.parametrize("dates", WRONG)
@@ -47,10 +46,13 @@ def test_an_epoch_that_does_not_exist_is_refused(monkeypatch):
     )
 
 
-def test_a_run_ends():
-    check("2016-10-01", "2016-09-28", duration_days=2.4)
-    with pytest.raises(InputError, match=r"to 2016-10-01, the end of the run, got 2016-10-02"):
-        check("2016-10-02", "2016-10-02", duration_days=2.4)
+def test_a_run_has_no_end():
+    """A project's morning job on its day 400 and on all before: the run is lengthened every four weeks."""
+    first = date.fromisoformat(EPOCH[:10])
+    days = [lengthened(97.5, EPOCH, first + timedelta(days=k)) for k in range(401)]
+    assert days[:99] == [97.5] * 99
+    assert all(k <= length + 1.0 <= max(k, 98) + 29 for k, length in enumerate(days))
+    assert len({*days}) == 12
 
 
 def test_what_is_ahead_is_told(tmp_path):
@@ -86,7 +88,7 @@ def test_what_is_ahead_is_told(tmp_path):
 
 def test_a_workflow_that_fails_without_a_word_is_told(monkeypatch, capsys):
     monkeypatch.setattr("sys.executable", "false")
-    assert day_command._snakemake(Call(TODAY, TODAY, [], [], dry=False), ["day.html"]) == 1
+    assert day_command._snakemake(Call(TODAY, TODAY, [], [], dry=False), ["day.html"], 10.0) == 1
     assert "opml: the workflow failed; `opml day -n`" in capsys.readouterr().err
 
 

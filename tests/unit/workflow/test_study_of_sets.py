@@ -9,6 +9,7 @@ from element_histories import history, tle_text
 from support import refusals
 
 from opml import cli
+from opml.catalog.kinds import ELEMENTS
 from opml.interop.element_sets import mean_elements
 from opml.study.checks import load_settings
 from opml.study.settings import editor_schema
@@ -31,6 +32,16 @@ def test_a_project_of_sets_can_be_run(tmp_path, monkeypatch, capsys):
     assert settings.values["elements"] == {"mine": "my sets.tle"}
     ballistic = 2.2 * settings.values["rsos"]["mine"]["area_to_mass_m2pkg"]
     assert ballistic == pytest.approx(12.7416 * np.median([one.satellite.bstar for one in sets]), rel=0.05)
+
+
+def test_a_folder_that_grows_stays_where_it_is(tmp_path, monkeypatch):
+    (tmp_path / "gp").mkdir()
+    for day in (20, 30):
+        sinking_histories.write(tmp_path / "gp" / f"{day}.tle", [101], day)
+    assert cli.main(["init", str(tmp_path / "new"), "--elements", str(tmp_path / "gp")]) == 0
+    monkeypatch.chdir(tmp_path / "new")
+    settings = load_settings(merged(["config/config.yaml", "mine.yaml"]))
+    assert settings.files_of(ELEMENTS) == {"mine": [str(tmp_path / "gp" / f"{day}.tle") for day in (20, 30)]}
 
 
 def test_the_newest_days_of_a_long_history_count(tmp_path):
