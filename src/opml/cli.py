@@ -29,7 +29,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     told = logging.StreamHandler()
     told.addFilter(_first_of_each())
     logging.basicConfig(format=f"{clear()}opml: %(message)s", handlers=[told])
-    options = _parser().parse_args(arguments)
+    options = _parser().parse_args(_readable(sys.argv[1:] if arguments is None else arguments))
     if isinstance(sys.stdout, io.TextIOWrapper):  # of names that the terminal has no letters for
         sys.stdout.reconfigure(errors="backslashreplace")
     try:
@@ -62,6 +62,12 @@ class _Help(argparse.HelpFormatter):
         from opml.interop import formats
 
         return formats.filled_in(action.help or "")
+
+
+def _readable(arguments: Sequence[str]) -> list[str]:
+    """Return arguments as argparse reads them: - is standard input, and a latitude may be below 0."""
+    text = "\0".join("/dev/stdin" if one == "-" else one for one in arguments)
+    return re.sub(r"(^|\0)(--station)\0(-\d)", r"\1\2=\3", text).split("\0") if text else []
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -263,7 +269,7 @@ def _predict(options: argparse.Namespace) -> None:
     print(f"{made.identity} from {made.date} UTC: {made.way} ({made.reason})")
     expected = made.expected().dropna(axis="columns", how="all").replace({"utc": r"\.0+$"}, "", regex=True)
     print(expected.to_string(index=False, float_format="{:.0f}".format))
-    print(f"one sigma [m]; {UNKNOWABLE}")
+    print(f"{'one sigma [m]; ' * ('along_track' in expected)}{UNKNOWABLE}")
     for path in options.output:
         print(f"{path} is written")
 

@@ -3,6 +3,7 @@
 import logging
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,7 @@ from opml.base import epochs
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.interop.element_sets import mean_elements
-from opml.interop.element_sets.element_set import ElementSet, each, mean_height, numbered
+from opml.interop.element_sets.element_set import ElementSet, each, mean_height, numbered, of_files
 
 LATENCY = 0.25  # days from the epoch of a set to its publication, where the set does not say when it was made
 
@@ -83,9 +84,9 @@ def read(
     latency: days from epoch to publication of sets that do not say when they were made
     leave_out_damaged: however many damaged sets there are; otherwise one in twenty of a file at most
 
-    Raises InputError where a file is unreadable, or too many of its sets are.
+    Files that are unreadable, or too many of whose sets are, are skipped, as `of_files`; raises its error.
     """
-    sets = [one for path in find_files(paths) for one in readable(path, leave_out_damaged)]
+    sets = of_files(find_files(paths), partial(readable, leave_out_damaged=leave_out_damaged))
     sets.sort(key=lambda one: (one.number, _epoch(one.satellite), one.created))
     return ElementCatalogue(_table(sets, latency), [one.satellite for one in sets])
 

@@ -13,7 +13,7 @@ import math
 import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from itertools import chain
+from functools import partial
 
 import numpy as np
 import pandas as pd
@@ -51,6 +51,7 @@ from opml.interop.element_sets.element_set import (
     each,
     elements_epoch,
     numbered,
+    of_files,
     seconds_since,
 )
 from opml.interop.object_ids import ObjectId
@@ -93,6 +94,7 @@ Chosen on 150 objects below 600 km in spring 2026, with a corrector trained on o
 """
 
 _TOLD = 10
+_FEW_JUDGED = f"fewer than {FEWEST} of its predictions have a later set to judge them"
 _GROSS = 4.0  # sigmas that a past error counts at most: some are burns
 _MINUTE, _DAY = 60.0, len("2016-09-28")
 _REACH = 0.5  # of a set that judges from the time predicted [d]
@@ -205,7 +207,9 @@ class Prediction(PredictedOrbit):
         return "; ".join([inside, str(self.how["why"]) or weight, *self._cautions()])
 
     def _cautions(self) -> Iterator[str]:
-        """Yield why sigmas are wide, where they are."""
+        """Yield what sigmas rest on where no past does, and why they are wide, where they are."""
+        if self.basis.endswith(_FEW_JUDGED):
+            yield self.basis
         if self.burns:
             count, last = len(self.burns), self.burns[-1]
             yield f"wide: its sets show burns, the last of {count} in {BURNED:g} days on {last[:_DAY]}"
@@ -260,8 +264,9 @@ def predict(
         past = errors[["morning", "lead"]].assign(error=errors["s"], left=errors["s"], sigma=np.nan)
     identity = ObjectId.of(newest.name or str(newest.number), newest.designator, str(newest.number))
     published = own.satellites[-1]
-    _check_past(identity, how, errors)
-    measured = _measured(errors, _usual(published, how["age"]))
+    usual = _usual(published, how["age"])
+    is_alone = len(errors) < FEWEST and not _is_corrected(how)
+    measured = _usual_where_learned(published, usual) if is_alone else _measured(errors, usual)
     thrusts = thrusting(public) if how["height"] < LOW else 0
     sizes = _sizes(how, past, measured, _after_storm(known.weather.kp, how["height"]))
     sizes = across_burns(sizes, past) if burns or thrusts else sizes
@@ -273,7 +278,7 @@ def predict(
         date,
         days,
         past,
-        _basis(past),
+        _unproven(measured) if is_alone else _basis(past),
         changed(published, how["motion"], how["bstar"]),
         published,
         how,
@@ -371,7 +376,7 @@ def _history(paths: Sequence[FilePath], wanted: str | None) -> list[ElementSet]:
     """Return the sets of one object in the order of their epochs."""
     files = catalogues.find_files(paths)
     damaged: list[InputError] = []
-    found = chain.from_iterable(mean_elements.read_sets(path, damaged) for path in files)
+    found = of_files(files, partial(mean_elements.read_sets, damaged=damaged))
     sets = [*each(found, numbered, damaged)]
     if damaged and not sets:
         raise damaged[0]
@@ -483,13 +488,16 @@ def _usual(published: Satrec, age: float) -> pd.DataFrame:
     return pd.DataFrame(sizes, columns=list(sgp4_errors.AXES), index=list(LEADS))
 
 
-def _check_past(identity: ObjectId, how: pd.Series, errors: pd.DataFrame) -> None:
-    """Raise InputError where nothing tells an object's errors: no corrector, and hardly a past."""
-    if len(errors) < FEWEST and not _is_corrected(how):
-        raise InputError(
-            f"predict: expected a longer history of {identity}, got {len(errors)} predictions that later "
-            f"sets judge: its errors are known from nothing else ({how['why'] or 'no prediction'})"
-        )
+def _usual_where_learned(published: Satrec, usual: pd.DataFrame) -> pd.DataFrame:
+    """Return usual sizes of errors, NaN for orbits that none were learned from."""
+    return usual if sgp4_errors.are_known(published) else usual * np.nan
+
+
+def _unproven(usual: pd.DataFrame) -> str:
+    """Return what sizes rest on that neither a corrector nor a past tells, in words."""
+    if usual.isna().any(axis=None):
+        return f"no covariance: errors of such orbits were not learned, and its past is short: {_FEW_JUDGED}"
+    return f"usual errors of sets at its height, kind and age: its past is short: {_FEW_JUDGED}"
 
 
 def _is_corrected(how: pd.Series) -> bool:

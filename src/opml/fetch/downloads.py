@@ -14,7 +14,6 @@ from pathlib import Path
 from opml import __version__
 from opml.base.errors import InputError
 from opml.base.files import replacing
-from opml.interop.error_bodies import kind_of
 from opml.interop.orbit_arcs import excerpt
 
 AGENT = f"opml-orbits/{__version__} (orbit prediction)"
@@ -118,10 +117,8 @@ def _refusal(status: int, content: bytes, file: Download) -> str:
     words = excerpt(content[:400].decode("utf-8", "replace"))
     if status != _FINE:
         return f"{file.url}: expected an answer 200, got {status}: {words}"
-    if kind := kind_of(content):
-        return f"{file.url}: expected data, got {kind}: {words}"
     try:
         file.check(content)
     except InputError as error:
-        return f"{file.url}: {error}"
+        return f"{file.url}: {error}: {words}"
     return ""

@@ -22,7 +22,7 @@ from opml.base.errors import InputError
 from opml.base.files import data_folder, replacing
 from opml.environment import earth_orientation, solar_activity, space_weather
 from opml.fetch.downloads import Download, Downloads, NoAnswerError, now
-from opml.interop.element_sets import omm
+from opml.interop import formats
 
 SETS_HOURS, WEATHER_HOURS, EARTH_HOURS = 2.0, 6.0, 24.0  # during which a file is asked for once
 
@@ -199,8 +199,9 @@ def _joined(known: str, new: str) -> str | None:
 
 def _check_sets(content: bytes) -> None:
     """Raise InputError for a body without a row of element sets in CSV."""
-    if not omm.is_csv(content) or len(content.splitlines()) < 2:
-        raise InputError("expected element sets in CSV, got another text")
+    kind = formats.of("answer", content, formats.ELEMENTS)
+    if kind.name != "OMM" or len(content.splitlines()) < 2:
+        raise InputError(f"expected a row of element sets in CSV, got {kind.name}")
 
 
 def _check_weather(content: bytes) -> None:

@@ -62,6 +62,8 @@ def _text(path: FilePath, content: bytes) -> str:
 
 
 FORMATS = (
+    Format("Space-Track: a login that failed", _OTHER, _begins(rb"\{\s*\"Login\"\s*:\s*\"Failed")),
+    Format("Space-Track: an error", _OTHER, _begins(rb"\[?\s*\{\s*\"error\"\s*:")),
     Format("TLE", ELEMENTS, tle.matches, _of_text(tle.pieces)),
     Format("OMM", ELEMENTS, _begins(rb"[\[{]"), _of_text(omm.read_json)),
     Format("OMM", ELEMENTS, _begins(rb"(?=<)(?s:.*?)<(?:\w+:)?omm\b"), _of_text(omm.read_xml)),
@@ -75,6 +77,9 @@ FORMATS = (
     Format("Parquet", TABLE, is_table),
     Format("laser ranges (CRD)", _OTHER, _begins(rb"H1\s+CRD\b")),
     Format("a web page", _OTHER, _begins(rb"<(?:!DOCTYPE\s+)?html\b")),
+    Format("CelesTrak: not updated", _OTHER, _begins(rb"GP data has not updated")),
+    Format("CelesTrak: no such object", _OTHER, _begins(rb"No (?:Sup)?GP data found")),
+    Format("CelesTrak: an invalid query", _OTHER, _begins(rb"Invalid query")),
     Format("an archive, not gzip", _OTHER, _begins(rb"PK\x03\x04|BZh|\xfd7zXZ|\x1f\x9d|7z\xbc\xaf")),
     Format("CSV of points", ORBIT, fixes_csv.matches, fixes_csv.read),
     Format("TLE", ELEMENTS, tle.has_lines, _of_text(tle.pieces)),

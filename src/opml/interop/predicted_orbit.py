@@ -105,12 +105,14 @@ class PredictedOrbit(ABC):
         """Return the ephemeris with covariances, times since the date."""
         states, last = self.states(self.t), len(self.t) - 1
         sparse, rare = (np.unique(np.r_[0:last:every, last]) for every in (_COVARIANCE_EVERY, _DENSITY_EVERY))
+        covariances = self.covariances(self.t[sparse], states[sparse])
+        known = np.isfinite(covariances).all(axis=(1, 2))
         return oem.Segment(
             self.identity.name,
             self.t,
             states,
-            self.t[sparse],
-            self.covariances(self.t[sparse], states[sparse]),
+            self.t[sparse][known],
+            covariances[known],
             covariance_frame="RSW",
             remark=f"{self.remark}; {UNKNOWABLE}",
             degree=7,

@@ -24,10 +24,10 @@ def document(
     rows = prediction.expected().dropna(axis="columns", how="all")
     return [
         Heading(as_it_is(f"{prediction.identity}: {prediction.days:g} days from {_z(prediction.date)}"), 1),
-        _in_short(rows),
+        *([_in_short(rows)] if "along_track" in rows else []),
         *_how(prediction),
         Pictures(pictures),
-        *_expected(rows),
+        *(_expected(rows) if "along_track" in rows else []),
         Paragraph(f"One sigma each: {prediction.basis}; {UNKNOWABLE}."),
         *(block for where, rows in passes.items() for block in _passes(where, rows)),
     ]

@@ -6,6 +6,8 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from opml.base.errors import InputError
 from opml.base.files import FilePath, replacing, suffix_of
 from opml.element_sets.prediction import OrbitInside, Prediction
@@ -73,10 +75,10 @@ def _page(path: FilePath, prediction: PredictedOrbit, places: Sequence[Place]) -
     from opml.report import prediction_page as report
     from opml.report.document import Picture, html_page
 
-    drawn = {
-        "errors.png": (figures.expected_errors(prediction), "Expected errors along the track by days ahead"),
-        "track.png": (figures.ground_track(prediction, list(places)), "Ground track of the first day"),
-    }
+    drawn = {"track.png": (figures.ground_track(prediction, list(places)), "Ground track of the first day")}
+    if np.isfinite(prediction.sigmas(prediction.t[:1])).all():
+        shows = "Expected errors along the track by days ahead"
+        drawn = {"errors.png": (figures.expected_errors(prediction), shows), **drawn}
     with tempfile.TemporaryDirectory() as folder, replacing(path) as temporary:
         pictures = []
         for name, (figure, shows) in drawn.items():

@@ -1,5 +1,7 @@
 """Better sets for a morning: nothing later counts, two numbers carry the correction, each set says why."""
 
+import gzip
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -230,3 +232,46 @@ def test_a_tenth_of_the_drag_stays_whatever_is_asked(
     drag = table.loc[table["bstar_before"] < 2e-4 / 0.9, ["bstar", "bstar_before"]]
     assert len(drag) > 10
     np.testing.assert_allclose(drag["bstar"], 0.1 * drag["bstar_before"], rtol=1e-9)
+
+
+BAD = {
+    "empty.tle": (b"", "got an empty file"),
+    "none.csv": (b"No GP data found", "got CelesTrak: no such object"),
+    "same.csv": (
+        b"GP data has not updated since your last successful download",
+        "got CelesTrak: not updated",
+    ),
+    "page.txt": (b"<!DOCTYPE html><html>busy</html>", "got a web page"),
+    "login.json": (b'{"Login":"Failed"}', "got Space-Track: a login that failed"),
+    "cut.tle.gz": (gzip.compress(b"1 00101U")[:-8], "expected a file that is whole"),
+}
+
+
+def test_no_bad_file_stops_a_run(tmp_path, capsys, caplog):
+    """Five of thirty; more than a quarter of all is refused."""
+    gp = tmp_path / "gp"
+    gp.mkdir()
+    lines = sinking_histories.sets_of(101, 45)
+    for k in range(25):
+        (gp / f"{k:02d}.tle").write_text("\n".join(lines[2 * k : 2 * k + 42]) + "\n")
+    for name, (content, _) in [*BAD.items()][:5]:
+        (gp / name).write_bytes(content)
+    call = ["improve", str(gp), "-o", str(tmp_path / "better.tle"), "--date", "2026-01-03T06:00:00"]
+    assert cli.main(call) == 0
+    told = "\n".join(record.message for record in caplog.records)
+    capsys.readouterr()
+    for name, (_, words) in [*BAD.items()][:5]:
+        assert re.search(rf"skipped, a file of 5 in 30: .*{name}: .*{words}", told)
+    for path in sorted(gp.glob("[01]*.tle")):
+        path.unlink()
+    assert cli.main(call) == 1
+    assert "cut.tle.gz" not in (refused := capsys.readouterr().err)
+    assert any(name in refused.splitlines()[-1] for name in BAD)
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_a_bad_file_alone_is_told_in_a_line(name, tmp_path, capsys):
+    content, words = BAD[name]
+    (tmp_path / name).write_bytes(content)
+    assert cli.main(["predict", str(tmp_path / name)]) == 1
+    assert re.fullmatch(rf"opml: .*{name}: .*{words}.*\n", capsys.readouterr().err)

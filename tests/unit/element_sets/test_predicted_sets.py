@@ -149,15 +149,44 @@ def test_errors_of_sets_are_those_of_later_ones(tmp_path):
 
 
 def test_where_nothing_improves_the_own_past_tells(tmp_path):
-    """Sets without drag fly as published; a single one of them has no past."""
+    """Sets without drag fly as published."""
     (tmp_path / "sets.tle").write_text(tle_text(history(np.arange(30.0), noise=2000.0)))
     made = prediction.predict(tmp_path / "sets.tle")
     assert made.way == "set as published"
     assert made.reason.endswith("; no B* above 0")
     assert made.sizes.loc[7, "s"] > 1500.0
-    (tmp_path / "one.tle").write_text(tle_text(history([0.0])))
-    with pytest.raises(InputError, match=r"expected a longer history of 25544.*no B\* above 0"):
-        prediction.predict(tmp_path / "one.tle")
+
+
+ALONE = {  # revolutions a day, eccentricity, inclination [rad], B*; whether errors of such were learned
+    "geostationary": (1.0027, 2e-4, 0.001, 0.0, False),
+    "GPS": (2.0056, 0.01, 0.96, 0.0, False),
+    "Molniya": (2.006, 0.72, 1.107, 1e-4, False),
+    "very low": (16.0, 1e-3, 0.9, 2e-4, False),
+    "negative B*": (15.05, 1e-3, 0.9, -1e-5, True),
+}
+
+
+@pytest.mark.parametrize("kind", ALONE)
+def test_one_set_of_any_orbit_is_flown(kind, tmp_path, capsys):
+    """It has the usual sigma where errors of such sets were learned, else no covariance, and says so."""
+    motion, eccentricity, inclination, bstar, is_learned = ALONE[kind]
+    elements = [motion * 2.0 * np.pi / 1440.0, eccentricity, inclination, 1.0, 1.0, 1.0, bstar]
+    one = element_set.satellite("2026-01-05T02:00:00", elements)
+    (tmp_path / "one.tle").write_text("\n".join(tle.lines(one, 777)))
+    outputs = [part for name in ("oem", "html", "json") for part in ("-o", str(tmp_path / f"one.{name}"))]
+    assert cli.main(["predict", str(tmp_path / "one.tle"), "--days", "1", *outputs]) == 0
+    told = capsys.readouterr().out
+    assert ("along_track" in told) == ("usual errors of sets at its height" in told) == is_learned
+    assert ("no covariance: errors of such orbits were not learned" in told) == (not is_learned)
+    flown = opml.read_orbit(tmp_path / "one.oem")
+    one = mean_elements.read(tmp_path / "one.tle")
+    states = mean_elements.states(one, epoch="2026-01-05T02:00:00", t=np.array([3600.0]))[0]
+    np.testing.assert_allclose(flown.state("2026-01-05T03:00:00"), states, rtol=1e-6)
+    assert np.isfinite(flown.covariance("2026-01-05T03:00:00")).all() == is_learned
+    made = prediction.predict(tmp_path / "one.tle", days=1.0)
+    usual = sgp4_errors.expected(one, np.array([1.0]))[0]
+    expected = [usual[1], usual[2]] if is_learned else [np.nan] * 2
+    np.testing.assert_allclose(made.sizes.loc[1, ["s", "w"]].astype(float), expected, rtol=0.05)
 
 
 def test_passes_rise_and_set_at_five_degrees(made):

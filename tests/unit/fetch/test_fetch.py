@@ -97,9 +97,9 @@ def test_the_history_grows_by_what_is_new(server, clock):
 
 ERRORS = {
     "nothing": (200, b"", "nothing"),
-    "page": (200, b"<!DOCTYPE html><html>busy</html>", "an HTML page"),
+    "page": (200, b"<!DOCTYPE html><html>busy</html>", "a web page"),
     "no object": (200, b"No GP data found", "no such object"),
-    "another text": (200, b"hello", "another text"),
+    "another text": (200, b"hello", "got 'hello'"),
     "not updated": (403, b"GP data has not updated since your last successful download", "403: GP data has"),
     "moved": (301, b"moved", "got 301: moved"),
     "broken": (500, b"try later", "got 500: try later"),

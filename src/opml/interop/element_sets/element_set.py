@@ -1,5 +1,6 @@
 """A set of mean elements for SGP4, from whatever format, and the reading of one set after the other."""
 
+import logging
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -29,6 +30,9 @@ _MINUTES_A_DAY = 1440.0
 _EARTH_RADIUS = 6378.135e3  # WGS 72, the unit of SGP4's lengths [m]
 
 _ANY = "2000-01-01T12:00:00"
+_BAD_FILES = 4  # no more than one in so many files is skipped
+
+_log = logging.getLogger(__name__)
 
 _Piece = TypeVar("_Piece")
 
@@ -187,6 +191,25 @@ def each(
             if damaged is None:
                 raise
             damaged.append(error)
+
+
+def of_files(paths: Sequence[FilePath], read: Callable[[FilePath], Iterable[ElementSet]]) -> list[ElementSet]:
+    """Return the sets of all files; files that cannot be read are skipped, counted and named in the log.
+
+    Raises the InputError of the first of them where they are more than one in _BAD_FILES.
+    """
+    bad: list[InputError] = []
+    sets: list[ElementSet] = []
+    for path in paths:
+        try:
+            sets += read(path)
+        except InputError as error:
+            bad.append(error)
+    if _BAD_FILES * len(bad) > len(paths):
+        raise bad[0]
+    for reason in bad:
+        _log.warning("skipped, a file of %d in %d: %s", len(bad), len(paths), reason)
+    return sets
 
 
 def numbered(one: ElementSet) -> ElementSet:

@@ -12,7 +12,7 @@ import math
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import chain
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -65,7 +65,7 @@ def read(paths: Iterable[FilePath], *, epoch: str, leave_out_damaged: bool = Fal
     and line, for the first of too many damaged sets, and for a file that cannot be read as a whole.
     """
     damaged: list[InputError] = []
-    sets = chain.from_iterable(mean_elements.read_sets(path, damaged) for path in paths)
+    sets = element_set.of_files([*paths], partial(mean_elements.read_sets, damaged=damaged))
     found = list(each(sets, numbered, damaged))
     if not leave_out_damaged and len(damaged) > _MOST_DAMAGED * (len(found) + len(damaged)):
         raise damaged[0]
