@@ -278,7 +278,7 @@ def predict(
         date,
         days,
         past,
-        _unproven(measured) if is_alone else _basis(past),
+        _unproven(measured) if is_alone and not isinstance(inside, OrbitInside) else _basis(past),
         changed(published, how["motion"], how["bstar"]),
         published,
         how,
