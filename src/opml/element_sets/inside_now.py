@@ -49,7 +49,9 @@ PAST = 21.0  # days before the newest set whose sets tell the span and the error
 MOST = 12  # sets of these, a day apart or more
 
 BEFORE = 4.0
-"""Days before the newest set whose sets count with it, where drag is small."""
+"""Days before the newest set whose sets count with it, where drag is hardly felt."""
+
+STEADY = 6.0  # decay [m/d] below which they do
 
 MODERN = "2015"
 """Year from which a set that stands alone is taken to have an orbit inside."""
@@ -59,7 +61,7 @@ AGREED = 0.7
 most.
 """
 
-LITTLE_DRAG = 22.0  # decay [m/d] below which sets of some days count together
+LITTLE_DRAG = 22.0  # decay [m/d] below which light tells more than drag, and spans are long
 _SHORT = 96.0 * HOUR  # half of the longest span that is tried where drag is not small [s]
 _EVERY = 120.0  # between the states of a prediction [s]
 _BSTAR = 12.741621  # Cd A/m of a B* of 1/(6378.135 km), in SGP4's own density [m2/kg]
@@ -186,7 +188,8 @@ def find(
     told = past_orbits.agreement(past, spans, axes=("r", "w") if little else ("w",))
     span = told.span if told else centred(usual_half_span(newest.satellite))
     numbers = past.numbers(span, past.sunlight(span) if little else 0.0)
-    counted = [one for one in public if newest.t - one.t <= (DAY * BEFORE if little else 0.0)]
+    before = BEFORE if decay(newest.satellite) < STEADY else 0.0
+    counted = [one for one in public if newest.t - one.t <= DAY * before]
     [orbit] = orbits_beside(
         forces,
         [past.orbits[-1].begin_again(numbers[-1])],

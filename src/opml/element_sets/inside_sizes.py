@@ -12,12 +12,12 @@ from opml.base.constants import DAY
 from opml.element_sets.inside_now import InsideNow
 from opml.interop.element_sets.element_set import decay
 
-FLOOR = {"r": 5.0, "s": 30.0, "w": 12.0}
+FLOOR = {"r": 5.0, "s": 30.0, "w": 15.0}
 """Errors that neighbouring sets have in common [m]: of Sentinel-3A and Jason-3, by precise orbits."""
 
 _TYPICAL = 4.0  # errors of the typical size that count with an object's own
 _REACH = 0.75  # an error counts for a time that is at most so far from its own [d]
-_ROUND = {"r": 10.0, "w": 15.0}  # typical errors without drag [m]
+_ROUND = {"r": 10.0, "w": 18.0}  # typical errors without drag [m]
 _ACROSS = 0.1, 30.0  # with it: a metre of decay a day makes so many across the track, and at most [m]
 _FREE = 25.0, 15.0  # typical error along the track without drag [m], and its growth [m/d]
 _DRAG = (
