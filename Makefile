@@ -7,6 +7,7 @@
 # make docs   the documentation as a site, in build/site
 # make pictures   the paper's figures in the documentation, from a full run (half an hour): docs/images/paper
 # make wheel  the package as others install it, and its source, in build/wheel
+# make corrector PAYLOADS=<files> FRAGMENTS=<files> WEATHER=<SW-All.csv>   the packaged model of element sets (an hour)
 # make validate OREKIT_DATA=<folder>   the dynamics against Orekit's (half an hour): docs/tables/orekit.md
 # make weather   the skill of forecasts of the space weather (some minutes): the table in docs/weather.md
 # make bench [OREKIT_DATA=<folder>]    opml's speed beside its peers' (25 minutes): benchmarks/results.md
@@ -27,7 +28,7 @@ MAKE_VENV := $(UV) venv --quiet --seed --allow-existing --python $(PYTHON)
 INSTALL := $(UV) pip install --quiet --python $(BIN)/python
 endif
 
-.PHONY: all check test coverage faults draws lint docs pictures wheel validate weather bench clean
+.PHONY: all check test coverage faults draws lint docs pictures wheel corrector validate weather bench clean
 
 all: $(INSTALLED)
 	$(BIN)/snakemake -j2 --set-threads estimation=2 prediction=2 -- results/figs/partition_curve.pdf
@@ -78,6 +79,12 @@ wheel: $(INSTALLED)
 	rm -rf build/wheel && mkdir -p build/wheel
 	$(BIN)/python -c "from setuptools.build_meta import build_sdist as make; make('build/wheel')" > build/sdist.log
 	$(BIN)/python -m pip wheel --quiet --no-deps --no-build-isolation --wheel-dir build/wheel build/wheel/*.tar.gz
+
+corrector: $(INSTALLED)
+	@test -n "$(and $(PAYLOADS),$(FRAGMENTS),$(WEATHER))" || { \
+		echo "make corrector: expected PAYLOADS=<files> FRAGMENTS=<files> WEATHER=<file>, got not all" >&2; exit 2; }
+	$(BIN)/opml train $(PAYLOADS:%=payloads=%) $(FRAGMENTS:%=fragments=%) --weather $(WEATHER) \
+		-o src/opml/data/corrector.parquet
 
 validate: $(VENV)/.verify
 	@test -n "$(OREKIT_DATA)" || { echo "make validate: expected OREKIT_DATA=<folder with Orekit's data>, got none" >&2; exit 2; }

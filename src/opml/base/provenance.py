@@ -4,6 +4,7 @@ import ast
 import hashlib
 import json
 import re
+import subprocess
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from pathlib import Path
@@ -67,6 +68,15 @@ def code_digest(*modules: str) -> str:
         digest.update(path.relative_to(_PACKAGE).as_posix().encode() + b"\0")
         digest.update(_content_digest(path))
     return digest.hexdigest()
+
+
+def commit() -> str:
+    """Return the commit that last changed a module of the package; none where it is not in its repository."""
+    log = ["git", "-C", str(_PACKAGE), "log", "-1", "--format=%H", "--", "*.py"]
+    try:
+        return subprocess.run(log, capture_output=True, text=True, check=False).stdout.strip()
+    except FileNotFoundError:
+        return ""
 
 
 def closure(*modules: str) -> set[str]:

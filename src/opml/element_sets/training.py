@@ -3,6 +3,7 @@
 import hashlib
 import logging
 from collections.abc import Iterable, Mapping
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -13,16 +14,18 @@ from opml.base import epochs
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.base.progress import Progress, with_time_left
+from opml.base.provenance import code_digest, commit
 from opml.element_sets import catalogue as catalogues
 from opml.element_sets import corrector, density, features, set_errors
 from opml.element_sets.catalogue import modified_julian_day
 from opml.element_sets.density import LearnedAir
 from opml.element_sets.trained_model import CatalogueModel
-from opml.environment import known_weather
+from opml.environment import known_weather, solar_activity
 
 HOUR_OF_MORNING = 0.25  # time of day [d] of the mornings that are learned from, 06 UTC
 FIRST_DAY = 52275  # modified Julian day from which the forecast of the density learns, 2002-01-01
 SEED = 42  # seed of the draws of a training
+LIBRARIES = ("numba", "numpy", "pandas", "scikit-learn", "scipy", "sgp4")  # whose versions a card has
 
 _log = logging.getLogger(__name__)
 
@@ -56,7 +59,12 @@ def train(
         progress(f"{name}: {len(rows)} predictions to learn from")
         correctors[name] = corrector.fit(rows, "trees", seed=seed)
         cards[name] = card(rows, files)
-    model_card = {"populations": cards, "seed": seed, "weather": Path(weather).name}
+    model_card = {
+        "populations": cards,
+        "seed": seed,
+        "weather": _digests([solar_activity.resolve(weather)]),
+        "software": _software(),
+    }
     return CatalogueModel(air.outlook, correctors, model_card | ({"date": date} if date else {}))
 
 
@@ -73,9 +81,21 @@ def card(rows: pd.DataFrame, files: Iterable[Path]) -> dict[str, Any]:
     if known.empty:
         raise InputError("element sets: expected objects with later sets to learn from, got none")
     return {
-        "files": {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in files},
+        "files": _digests(files),
         "from": epochs.calendar(known["morning"].min()),
         "to": epochs.calendar(known["morning"].max()),
         "objects": int(known["number"].nunique()),
         "rows": len(known),
     }
+
+
+def _software() -> dict[str, str]:
+    """Return what made a model: digest of the modules that count, without its own file, commit, versions."""
+    modules = (catalogues, corrector, density, features, set_errors)
+    code = code_digest(*(module.__name__ for module in modules))
+    return {"code": code, "commit": commit(), **{name: version(name) for name in LIBRARIES}}
+
+
+def _digests(files: Iterable[Path]) -> dict[str, str]:
+    """Return the SHA-256 of files by their name."""
+    return {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in files}
