@@ -51,15 +51,24 @@ MOST = 12  # sets of these, a day apart or more
 BEFORE = 4.0
 """Days before the newest set whose sets count with it, where drag is hardly felt."""
 
-STEADY = 6.0  # decay [m/d] below which they do
+STEADY = 6.0  # decay [m/d] below which they do, and drag parts no orbits outwards
 
 MODERN = "2015"
 """Year from which a set that stands alone is taken to have an orbit inside."""
+
+FARTHEST, FARTHEST_DRAGGED = 40.0, 100.0
+"""Distance across the track to which sets with an orbit inside agree at least [m], with little and much drag.
+
+Those of Jason-2 in 2008 agree to 60 m, and their orbits are as far off as SGP4's.
+"""
 
 AGREED = 0.7
 """Part of what SGP4's predictions are off, outwards and across, that those of orbits inside are off at
 most.
 """
+
+AGREED_BEFORE = 0.4
+"""The same for spans before the epochs: those of older sets share what no radar saw, and agree too well."""
 
 LITTLE_DRAG = 22.0  # decay [m/d] below which light tells more than drag, and spans are long
 _SHORT = 96.0 * HOUR  # half of the longest span that is tried where drag is not small [s]
@@ -105,9 +114,10 @@ class InsideNow:
         own, by_sgp4 = (
             float(np.hypot(*self.errors[list(axes)].median())) for axes in (("r", "w"), ("sgp4_r", "sgp4_w"))
         )
-        if not self.span.is_centred:
-            return "its sets agree best over spans before their epochs: they are fits of another kind"
-        if own > AGREED * by_sgp4:
+        is_little = decay(self.orbit.beginning.satellite) < LITTLE_DRAG
+        if self.agreement.w > (FARTHEST if is_little else FARTHEST_DRAGGED):
+            return f"orbits of its sets agree to {self.agreement.w:.0f} m across the track"
+        if own > by_sgp4 * (AGREED if self.span.is_centred else AGREED_BEFORE):
             return f"orbits of its sets agree to {own:.0f} m, SGP4's to {by_sgp4:.0f} m"
         return ""
 
@@ -185,10 +195,11 @@ def find(
     longest = LONGEST if little else _SHORT
     past = _past(daily, forces, now, longest=longest, is_lit=little)
     spans = [one for one in SPANS if max(one.before, one.after) <= longest]
-    told = past_orbits.agreement(past, spans, axes=("r", "w") if little else ("w",))
+    steady = decay(newest.satellite) < STEADY
+    told = past_orbits.agreement(past, spans, axes=("r", "w") if steady else ("w",))
     span = told.span if told else centred(usual_half_span(newest.satellite))
     numbers = past.numbers(span, past.sunlight(span) if little else 0.0)
-    before = BEFORE if decay(newest.satellite) < STEADY else 0.0
+    before = BEFORE if steady else 0.0
     counted = [one for one in public if newest.t - one.t <= DAY * before]
     [orbit] = orbits_beside(
         forces,

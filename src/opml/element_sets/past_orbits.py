@@ -49,6 +49,7 @@ REACH = 8.0 * DAY  # longest time between two sets that are compared [s]
 
 _APART = 4.0 * DAY  # least time between two sets that tell whether a span is right [s]
 _FEWEST = 3  # pairs of sets that tell a span
+_UNLIKELY = 1.5  # by what orbits over a span before the epochs have to agree better than over others
 _INDEPENDENT, _AGREED = 4.0, 10.0  # pairs that count each for itself, and what they agree to [m]
 GUESSED_LIGHT = 0.01  # standard deviation of Cr A/m of who knows nothing of a body [m2/kg]
 _AROUND = np.arange(-3, 4)  # points about the epoch of a later set: nearly two revolutions of a low orbit
@@ -163,8 +164,9 @@ def agreement(
 ) -> Agreement | None:
     """Return the span over which an object's sets agree best; None where there are too few to tell.
 
-    axes: along which they are to agree; outwards drag parts them, too. Where two spans are as good the
-    earlier one is taken.
+    axes: along which they are to agree; outwards drag parts them, too. A span before the epochs has to be
+    better by a factor, as the weather of the days after was not known; of two as good the earlier one is
+    taken.
     """
     tried = []
     for span in spans:
@@ -173,4 +175,9 @@ def agreement(
         if len(told) >= _FEWEST:
             r, w = np.sqrt((told**2).median())
             tried.append(Agreement(span, float(r), float(w)))
-    return min(tried, key=lambda one: sum(getattr(one, axis) ** 2 for axis in axes)) if tried else None
+
+    def square(one: Agreement) -> float:
+        factor = 1.0 if one.span.is_centred else _UNLIKELY**2
+        return factor * float(sum(getattr(one, axis) ** 2 for axis in axes))
+
+    return min(tried, key=square) if tried else None

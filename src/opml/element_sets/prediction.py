@@ -115,11 +115,12 @@ class OrbitInside:
     @property
     def reason(self) -> str:
         """How well it is known to be there, in words."""
-        hours, told = self.now.span.after / HOUR, self.now.agreement
+        told, span = self.now.agreement, self.now.span
+        side = "on both sides of" if span.is_centred else "before"
         agreed = (
             f"agree to {told.r:.0f} m outwards and {told.w:.0f} m across" if told else "are too few to tell"
         )
-        return f"fits over {hours:g} h on both sides of its sets {agreed}"
+        return f"fits over {span.before / HOUR:g} h {side} its sets {agreed}"
 
 
 @dataclass(frozen=True, eq=False)
