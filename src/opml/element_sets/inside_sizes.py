@@ -16,6 +16,7 @@ FLOOR = {"r": 5.0, "s": 30.0, "w": 15.0}
 """Errors that neighbouring sets have in common [m]: of Sentinel-3A and Jason-3, by precise orbits."""
 
 _TYPICAL = 4.0  # errors of the typical size that count with an object's own
+_FEWEST = 3  # errors that tell a size alone
 _REACH = 0.75  # an error counts for a time that is at most so far from its own [d]
 _ROUND = {"r": 10.0, "w": 18.0}  # typical errors without drag [m]
 _ACROSS = 0.1, 30.0  # with it: a metre of decay a day makes so many across the track, and at most [m]
@@ -50,8 +51,22 @@ def sizes(now: InsideNow, leads: np.ndarray) -> pd.DataFrame:
     usual = typical(decay(satellite), since, satellite.no_kozai / 60.0)
     measured = usual.copy()
     for day in since:
-        own = now.errors.loc[np.abs(now.errors["days"] - max(day, 1.0)) <= _REACH, ["r", "s", "w"]]
+        own = _near(now, day)[["r", "s", "w"]]
         squares = (own**2).sum() + _TYPICAL * usual.loc[day] ** 2
         measured.loc[day] = np.sqrt(squares / (len(own) + _TYPICAL))
     floor = np.array([FLOOR[axis] for axis in measured])
     return np.hypot(measured.cummax(), floor).set_axis(leads)
+
+
+def sgp4_along(now: InsideNow, leads: np.ndarray) -> np.ndarray:
+    """Return root mean squares (n,) [m] of what SGP4 was off along the track at leads [d]; NaN where too few
+    tell.
+    """
+    errors = [_near(now, lead + now.age)["sgp4_s"] for lead in leads]
+    sizes = [np.sqrt((one**2).mean()) if len(one) >= _FEWEST else np.nan for one in errors]
+    return np.fmax.accumulate(np.array(sizes, float))
+
+
+def _near(now: InsideNow, day: float) -> pd.DataFrame:
+    """Return the errors of past orbits about so many days after the epochs of their sets."""
+    return now.errors[np.abs(now.errors["days"] - max(day, 1.0)) <= _REACH]

@@ -327,7 +327,8 @@ def _inside_sizes(inside: OrbitInside, improved: pd.DataFrame, after_storm: floa
     if inside.is_corrected:
         sizes["s"] = np.minimum(sizes["s"], improved["s"])
     sizes["r"] = np.hypot(sizes["r"], _lower(sizes["s"], inside.now.orbit.beginning.satellite.no_kozai))
-    return sizes.assign(sgp4=improved["sgp4"])
+    by_sgp4 = inside_sizes.sgp4_along(inside.now, improved.index.to_numpy(float))
+    return sizes.assign(sgp4=np.where(np.isfinite(by_sgp4), by_sgp4, improved["sgp4"]))
 
 
 def _lower(along: pd.Series, motion: float) -> np.ndarray:
