@@ -1,13 +1,15 @@
 """The orbit that a set was fitted to is the orbit that is found inside it, whatever came later."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
 from support import EPOCH
+from weather_files import other_after
 
 from opml.base.constants import DAY, HOUR
-from opml.element_sets import inside_forces, inside_now, inside_sizes, orbit_inside, past_orbits
+from opml.element_sets import catalogue, inside_forces, inside_now, inside_sizes, orbit_inside, past_orbits
 from opml.element_sets.orbit_inside import NoOrbitError
 from opml.element_sets.past_orbits import PastOrbits, centred
 from opml.interop.element_sets import element_fits, element_set, mean_elements
@@ -116,22 +118,24 @@ def test_pairs_of_sets_tell_the_pressure_of_light(past):
     assert lit < 0.5 * dark
 
 
-def test_no_later_set_and_no_later_weather_counts(forces, sets):
-    """The newest orbit is the same with sets and weather that were not there on the date."""
+def test_no_later_weather_counts(forces, sets, tmp_path, monkeypatch):
+    """With other weather from the date on, the newest orbit and its prediction are the same to the bit."""
+    monkeypatch.setattr(inside_forces, "read", partial(inside_forces.read, degree=8))
     date = "2016-10-10T12:00:00"
-    now = forces.time(date)
-    known = [
-        KnownSet(DAY * day + forces.time(EPOCH) - now, DAY * day + forces.time(EPOCH) - now, satellite)
-        for day, satellite in zip(DAYS, sets, strict=True)
+    t = DAY * DAYS + forces.time(EPOCH) - forces.time(date)
+    public = [KnownSet(one, one, satellite) for one, satellite in zip(t, sets, strict=True) if one <= 0.0]
+    assert 0 < len(public) < len(sets)
+    today = catalogue.modified_julian_day(date)
+    other = other_after(tmp_path / "weather.csv", today)
+    paths = [
+        inside_now.find(public, date=date, weather=weather, threads=1).predict(3.0)[1]
+        for weather in ("OBSERVED", other)
     ]
-    public = [one for one in known if one.made <= 0.0]
-    assert 0 < len(public) < len(known)
-    found = inside_now.find(public, date=date, weather="OBSERVED", threads=1)
-    outlook = int(found.forces.model.newest_outlook(np.array(found.forces.time(date))))
-    assert found.forces.model.issued[outlook] <= found.forces.time(date)
-    t, states = found.predict(1.0)
-    assert (t[0], len(t)) == (0.0, len(states))
-    assert np.isfinite(states).all()
+    assert np.isfinite(paths[0]).all()
+    np.testing.assert_array_equal(*paths)
+    late = other_after(tmp_path / "late.csv", today - 3.0)
+    changed = inside_now.find(public, date=date, weather=late, threads=1).predict(3.0)[1]
+    assert not np.array_equal(changed, paths[0])
 
 
 def test_an_orbit_is_shifted_along_its_track_as_asked(past, forces):
