@@ -26,7 +26,7 @@ from opml.conjunctions.probability import integral, principal
 from opml.learning.data.error_components import UNCORRECTED
 from opml.learning.judge.model_choice import CHOSEN, Mornings
 from opml.orbits.rsw_covariance import AXES
-from opml.tables import SCHEMAS
+from opml.tables import ANY_CROSSING, SCHEMAS
 
 FORMAL, LEARNED = "the fit's own", "of past errors"  # covariances that predictions go with
 _DRAWS, _AREAS = 1024, 256  # collisions, and areas of alarms; powers of two balance Sobol's points
@@ -35,8 +35,7 @@ _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(4)
 _ALONG = np.array([0.0, 1.0, 0.0])
 _FARTHEST = 60.0  # standard deviations beyond which no alarm is raised
 
-ANY = "any"
-CROSSINGS = {ANY: (0, 180), "below 60": (0, 60), "60 to 120": (60, 120), "over 120": (120, 180)}
+CROSSINGS = {ANY_CROSSING: (0, 180), "below 60": (0, 60), "60 to 120": (60, 120), "over 120": (120, 180)}
 """Angles at which the directions of two objects cross [deg]."""
 
 NEAR = 1e3  # distance of approaches that screenings count [m]

@@ -4,7 +4,6 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from opml.base.errors import InputError
-from opml.conjunctions.collision_alarms import ANY
 from opml.figures.display_names import display_learner
 from opml.figures.style import (
     ESTIMATE,
@@ -19,6 +18,7 @@ from opml.figures.style import (
 )
 from opml.learning.data.error_components import UNCORRECTED
 from opml.learning.judge.model_choice import CHOSEN
+from opml.tables import ANY_CROSSING
 
 _COLORS = (TRUE_COLOR, PREDICTED_COLOR, OBSERVED_COLOR, RESIDUAL, ESTIMATE, TRACK_COLOR)
 _MARKERS = f"{MARKERS}vP"
@@ -35,7 +35,7 @@ def by_duration(table: pd.DataFrame, *, note: str = "") -> Figure:
         raise InputError("conjunctions: expected predictions that state a size, got none")
     figure = page_figure(height_mm=84.0)
     alarms, flagged = figure.subplots(1, 2)
-    whole = table[table["crossing"] == ANY]
+    whole = table[table["crossing"] == ANY_CROSSING]
     for k, ((model, covariance), rows) in enumerate(whole.groupby(["model", "covariance"], sort=False)):
         name = "no correction" if model == UNCORRECTED else display_learner(str(model))
         look = {"color": _COLORS[k % len(_COLORS)], "marker": _MARKERS[k % len(_MARKERS)]}

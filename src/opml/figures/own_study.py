@@ -14,7 +14,6 @@ from opml.base.errors import InputError
 from opml.figures.axis_labels import lines, si_unit, size_label
 from opml.figures.display_names import display_learner
 from opml.figures.line_ends import name_ends
-from opml.figures.prediction_errors import DURATION_LABEL
 from opml.figures.style import (
     MARKERS,
     MUTED,
@@ -66,7 +65,7 @@ def errors(evaluations: Mapping[str, pd.DataFrame], *, component: str, note: str
         columns=_COLUMNS,
         heights_mm=(20.0, 50.0),
     )
-    figure.supxlabel(DURATION_LABEL, fontsize=8.0)
+    figure.supxlabel("prediction duration [d]", fontsize=8.0)
     figure.supylabel(_size_label(component), fontsize=8.0)
     legend(figure, columns=4, note=note)
     return figure
@@ -94,7 +93,7 @@ def residuals(mornings: Mornings, *, laws: Collection[str], note: str = "") -> F
         axes.plot(median.index, median, zorder=2.5, **look)
     _size_axis(axes, "e_y")
     axes.set_xlim(0.0, before.index[-1])
-    axes.set_xlabel(DURATION_LABEL)
+    axes.set_xlabel("prediction duration [d]")
     axes.set_ylabel(_size_label("e_y"))
     ends = {display_learner(name): float(medians[name].iloc[-1]) for name in named}
     name_ends(axes, ends, dict.fromkeys(ends, BASELINE))

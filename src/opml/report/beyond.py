@@ -3,17 +3,17 @@
 P_ML stands with its 5th and 95th percentile over resampled estimates.
 """
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 import pandas as pd
 
-from opml.learning.models import learners
 from opml.learning.models.contract import LearnerSettings
 from opml.naming import Experiment
 from opml.report import texts
 from opml.report.document import Block
-from opml.report.results import NO_VALUE, Results, percent
+from opml.report.results import Results, percent
+from opml.report.settings_tables import learner_table
 
 _Key = tuple[str, str, str]
 Pair = tuple[str, str]
@@ -39,7 +39,7 @@ def document(report: BeyondReport, metrics: pd.DataFrame) -> list[Block]:
         *_splits(report, results),
         *_transfers(report, results),
         *_left_out(report.left_out, results),
-        *model_table({learner: report.learners[learner] for _, learner, _ in report.splits}),
+        *learner_table({learner: report.learners[learner] for _, learner, _ in report.splits}),
     ]
 
 
@@ -91,19 +91,6 @@ def _left_out(experiments: Mapping[_Key, Experiment], results: Results) -> Itera
 
 def _codes(names: Iterable[str]) -> str:
     return texts.across(f"`{name}`" for name in names)
-
-
-def model_table(models: Mapping[str, LearnerSettings]) -> Iterator[Block]:
-    """Yield a section on what each model is; models: settings of learners by name."""
-    rows = [
-        [f"`{name}`", learners.description(settings.kind), " ".join(_terms(settings)) or NO_VALUE]
-        for name, settings in models.items()
-    ]
-    return texts.blocks("beyond.models", rows)
-
-
-def _terms(settings: LearnerSettings) -> Sequence[str]:
-    return [f"`{term}`" for term in settings.get("terms") or []]
 
 
 def _by_first(experiments: Mapping[_Key, Experiment]) -> dict[str, dict[Pair, Experiment]]:

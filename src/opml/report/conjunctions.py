@@ -4,7 +4,6 @@ from collections.abc import Iterator, Mapping
 
 import pandas as pd
 
-from opml.conjunctions.collision_alarms import ANY
 from opml.learning.data.error_components import UNCORRECTED
 from opml.learning.judge.model_choice import CHOSEN
 from opml.report import texts
@@ -12,6 +11,7 @@ from opml.report.document import Block
 from opml.report.mornings import Dataset
 from opml.report.results import NO_VALUE
 from opml.report.skill import NO_CORRECTION
+from opml.tables import ANY_CROSSING
 
 TITLE = "Benefit in conjunctions"
 _NAMES = {UNCORRECTED: NO_CORRECTION, CHOSEN: CHOSEN}
@@ -28,7 +28,7 @@ def section(tables: Mapping[Dataset, pd.DataFrame], screening: Mapping[str, floa
     yield from texts.blocks("conjunctions.section", title=TITLE, **screening)
     for (rso, stations), table in tables.items():
         days = list(dict.fromkeys(table["day"]))
-        shown = table[(table["crossing"] == ANY) | (table["model"] == CHOSEN)]
+        shown = table[(table["crossing"] == ANY_CROSSING) | (table["model"] == CHOSEN)]
         rows = [
             [_NAMES.get(str(model), f"`{model}`"), *map(str, others), *_cells(found, days)]
             for (model, *others), found in shown.groupby(

@@ -21,11 +21,10 @@ from opml.learning.models.learners import learns
 from opml.naming import SPLIT, Experiment, parse_test, parse_train, strip_seed
 from opml.report import absurd_fits, answer, conjunctions, measurement_residuals, mornings, texts, uncertainty
 from opml.report.answer import Sources
-from opml.report.beyond import model_table
 from opml.report.document import Block, Heading, Paragraph
 from opml.report.mornings import Dataset
 from opml.report.results import NO_VALUE, Results, length, percent
-from opml.report.settings_tables import assumed_model, force_models, weather
+from opml.report.settings_tables import assumed_model, force_models, learner_table, weather
 from opml.report.skill import NO_CORRECTION, Reference, reference, skill_cell
 
 ModelKey = tuple[str, str, str]  # RSO, station set and model
@@ -118,7 +117,7 @@ def document(report: OwnStudyReport, tables: OwnStudyTables) -> list[Block]:
         *_splits(report, Results(tables.metrics), tables.evaluations, papers),
         *_rows(report, tables, papers),
         *measurement_residuals.section(tables.noise, tables.estimates, epoch=report.settings.epoch),
-        *model_table(report.learners),
+        *learner_table(report.learners),
         *_forces(report),
     ]
 

@@ -5,15 +5,31 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from opml.dynamics.settings import FORCES, ForceModels
 from opml.environment.settings import EnvironmentSettings
+from opml.learning.models import learners
+from opml.learning.models.contract import LearnerSettings
 from opml.orbits.sheets import Rso, Station
 from opml.report import texts
 from opml.report.document import Block, Table
+from opml.report.results import NO_VALUE
 from opml.tables import COMPONENTS
 
 
 def models(environment: EnvironmentSettings, models: ForceModels) -> list[Block]:
     """Return a document on the truth and the assumed model."""
     return [*texts.blocks("settings_tables.models"), force_models(environment, models)]
+
+
+def learner_table(models: Mapping[str, LearnerSettings]) -> Iterator[Block]:
+    """Yield a section on the kind and the terms of each learner; models: settings by name."""
+    rows = [
+        [
+            f"`{name}`",
+            learners.description(settings.kind),
+            " ".join(f"`{term}`" for term in settings.get("terms") or []) or NO_VALUE,
+        ]
+        for name, settings in models.items()
+    ]
+    return texts.blocks("settings_tables.learners", rows)
 
 
 def force_models(environment: EnvironmentSettings, models: ForceModels) -> Table:

@@ -22,7 +22,6 @@ from opml.learning.models import learners
 from opml.orbits import sheets
 from opml.study import catalogue_checks, element_checks, source_coverage
 from opml.study.experiments import Study
-from opml.study.paper import Paper
 from opml.study.settings.merging import Settings, with_sheets
 from opml.study.settings.overlay import MISSING, Key, Source, mappings, value_at
 from opml.study.settings.validation import validated
@@ -96,7 +95,8 @@ def check_study(source: Source, settings: Settings, *, last_day: float | None = 
     for key, kind, value in _parts(settings.asked):
         with source.naming(("study", *key)):
             checks.get(kind, bool)(value)
-    for name, experiment in Paper(Study(settings)).evaluations.items():
+    for name, entry in _mapping(settings.asked, ("evaluations",)).items():
+        experiment = Study(settings).experiment(entry)
         if experiment.test == "seen" and experiment.target != experiment.rso:
             key = ("study", "evaluations", name, "test")
             raise source.wrong(key, "expected another split, as seen rows are the RSO's own")

@@ -7,27 +7,8 @@ from opml import naming
 from opml.base.constants import LANES
 from opml.base.errors import InputError
 from opml.orbits import sheets
-from opml.study.beyond import Beyond
 from opml.study.experiments import Study
-from opml.study.own_study import OwnStudy
-from opml.study.paper import Paper
 from opml.tables import TRUTH_GROUPS, read_table
-
-
-def named_rsos(paper: Paper, beyond: Beyond, own_study: OwnStudy) -> list[str]:
-    """Return the RSOs that a study's experiments train on and test, each once."""
-    experiments = [
-        *paper.reported,
-        *(beyond.every if "beyond" in beyond.study else []),
-        *(own_study.experiments.values() if own_study.is_asked else []),
-    ]
-    pools = beyond.study.entry("pools")
-    rsos: list[str] = []
-    for experiment in experiments:
-        is_pool = naming.WITHOUT in experiment.rso
-        rsos += naming.parse_pool(experiment.rso, pools) if is_pool else [experiment.rso]
-        rsos.append(experiment.target)
-    return list(dict.fromkeys(rsos))
 
 
 def groups(study: Study, rsos: Iterable[str], *, results: Path) -> list[tuple[str, ...]]:

@@ -124,8 +124,23 @@ class Plan:
     @cached_property
     def truth_groups(self) -> list[tuple[str, ...]]:
         """The RSOs of the studies, by the job that propagates their truths together."""
-        rsos = truth_groups.named_rsos(self.paper, self.beyond, self.own_study)
-        return truth_groups.groups(self.study, dict.fromkeys(rsos), results=Path(self.settings.run.results))
+        return truth_groups.groups(self.study, self._rsos, results=Path(self.settings.run.results))
+
+    @property
+    def _rsos(self) -> list[str]:
+        """The RSOs that the experiments of all studies train on and test, each once."""
+        experiments = [
+            *self.paper.reported,
+            *(self.beyond.every if "beyond" in self.study else []),
+            *(self.own_study.experiments.values() if self.own_study.is_asked else []),
+        ]
+        pools = self.study.entry("pools")
+        rsos: list[str] = []
+        for experiment in experiments:
+            is_pool = naming.WITHOUT in experiment.rso
+            rsos += naming.parse_pool(experiment.rso, pools) if is_pool else [experiment.rso]
+            rsos.append(experiment.target)
+        return list(dict.fromkeys(rsos))
 
     @cached_property
     def weather(self) -> str:

@@ -14,6 +14,7 @@ from opml.report import document, paper_claims, reproduction, settings_tables
 from opml.report.document import Heading, Items, Paragraph, Table
 from opml.report.results import Results
 from opml.study.paper import Paper
+from opml.study.settings.model import names
 from opml.tables import HOW_TO_CSV
 
 PAPER = paper_values()
@@ -311,3 +312,8 @@ def test_forces_are_told_where_a_model_has_them_switched_on():
     )
     assert told == [["tides of the solid Earth", "yes", "no"]]
     assert as_ever == []
+
+
+def test_settings_name_the_tests_of_claims():
+    (tests,) = names.Holds.__metadata__
+    assert set(tests.names) == set(paper_claims.TESTS)

@@ -9,7 +9,6 @@ from opml import naming
 from opml.base.section import Placeholder
 from opml.base.setting_types import Count, Expected, OneOf, Positive, Text, Unique
 from opml.learning.models.contract import Variable
-from opml.report import paper_claims
 from opml.tables import COMPONENTS
 
 Name = Annotated[
@@ -69,7 +68,16 @@ Standardisation = Annotated[str, OneOf(tuple(naming.STANDARDISATIONS))]
 
 Fence = Annotated[Literal["dataset", "none"] | Positive, Expected("dataset, none or a number above 0")]
 
-Holds = Annotated[str, OneOf(tuple(paper_claims.TESTS))]
+Holds = Annotated[
+    str,
+    OneOf(
+        (
+            *("below", "above", "ascending", "first_falls", "last_below_share_of_first"),
+            *("falls_and_settles", "own_is_smallest", "mean_of_longest_falls", "share_of_points_near"),
+        )
+    ),
+]
+"""Type of the name of a test in `opml.report.paper_claims`."""
 
 Resonance = Annotated[tuple[Count, Count], Strict(False), Expected("a pair of whole numbers above 0")]
 
