@@ -1,4 +1,4 @@
-"""What a command tells while it runs: in place on a terminal, a line each in a log."""
+"""Progress of a command: in place on a terminal, a line each in a log."""
 
 import shutil
 import sys

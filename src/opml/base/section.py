@@ -1,4 +1,4 @@
-"""What every mapping of settings is: keys with a meaning, a unit and limits, and no others."""
+"""Base of every mapping of settings: keys with a meaning, a unit and limits, and no others."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -52,7 +52,7 @@ class Section(BaseModel):
 
 
 class JobSettings(BaseModel):
-    """What a job takes of the settings that its rule gives; the digest of its tables knows the others."""
+    """Part of its rule's settings that a job takes; the digest of its tables knows the others."""
 
     model_config = ConfigDict(frozen=True, extra="ignore")
 

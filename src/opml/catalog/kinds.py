@@ -1,4 +1,4 @@
-"""How objects are measured: each kind is one value of KINDS, which settings, checks, jobs and fits ask.
+"""Kinds of measurement: each is one value of KINDS, which settings, checks, jobs and fits ask.
 
 The module of a kind, of its name in `opml.catalog.measure`, has `check(asked)`, which raises InputError where
 no measurements could be made of the files. What fits are made to is in `opml.catalog.fit.fixes.MEASUREMENTS`.
@@ -18,7 +18,7 @@ from opml.tables import SCHEMAS
 
 @dataclass(frozen=True)
 class Kind:
-    """How an object is measured."""
+    """One kind of measurement."""
 
     name: str  # of the setting of its files
     table: str  # name of the schema of its measurements
@@ -38,7 +38,7 @@ class Kind:
 
 @dataclass(frozen=True)
 class MeasurementRequest:
-    """What is asked of the files of an object."""
+    """A request for the measurements in an object's files."""
 
     paths: Sequence[str]  # of them
     taking: Any  # the validated settings of how they are taken

@@ -42,7 +42,7 @@ def neighbour_paths(path: np.ndarray, near: np.ndarray, neighbours: np.ndarray) 
 
 
 class PropagatorSettings(JobSettings):
-    """What a job's RSO is propagated with, and how."""
+    """Settings of a job that propagates an RSO."""
 
     epoch: str
     force_model: ForceModelSettings

@@ -10,7 +10,7 @@ from opml.base.constants import GM
 
 @dataclass(frozen=True)
 class Environment:
-    """What Earth, Sun and Moon do around a run that starts at `epoch` (UTC text).
+    """Earth, Sun and Moon around a run that starts at `epoch` (UTC text).
 
     The four tables are those of docs/data.md; gm [m3/s2] and radius [m] are the gravity field's, and gms
     [m3/s2] the bodies', by name. tide_system is the field's, as ICGEM files name it.

@@ -45,20 +45,20 @@ class _Request:
 
     @property
     def pace(self) -> int:
-        """How many STEP a step is long, if all epochs are so many apart."""
+        """Length of a step in units of STEP, if all epochs are as far apart."""
         longest = max(1, int(self.integrator.max_step_s // STEP))
         return longest if not ((self.epochs - self.epochs[0]) % longest).any() else 1
 
     @property
     def kind(self) -> _Kind:
-        """What arcs need in common to be propagated together: model, integrator, direction and raster."""
+        """Common properties of arcs that are propagated together: model, integrator, direction and raster."""
         phase = int(self.epochs[0]) % self.pace
         forward = bool(self.epochs[0] <= self.epochs[-1])
         return id(self.model), self.integrator, forward, self.pace, phase
 
     @property
     def longest(self) -> int:
-        """How long the longest of the arcs is."""
+        """Length of the longest arc."""
         ends = (self.epochs[np.asarray(at)] for at in (self.departures.first, self.departures.last))
         return int(np.abs(np.subtract(*ends)).max())
 

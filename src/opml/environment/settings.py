@@ -1,4 +1,4 @@
-"""Where the environment comes from, and what is known of it."""
+"""Sources of the environment, and what is known of it."""
 
 from typing import Literal
 
@@ -7,7 +7,7 @@ from opml.base.setting_types import Absent, Text
 
 
 class EnvironmentSettings(Section):
-    """What Earth, Sun and Moon do, and what is known of it."""
+    """Earth, Sun and Moon, and what is known of them."""
 
     gravity_field: Text = setting(
         "`EGM2008` (to degree 70, in the package), `EIGEN-6S` (the paper's, fetched once and checked) or an"

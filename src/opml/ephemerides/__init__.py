@@ -1,1 +1,1 @@
-"""What leaves: corrected and forecast ephemerides, and the same replayed for mornings that are over."""
+"""Corrected ephemerides, and the same replayed for past mornings."""

@@ -24,7 +24,7 @@ TOGETHER = LANES  # ephemerides made side by side, an arc each; their tables tak
 
 
 class TaskSettings(PropagatorSettings, KnownSettings):
-    """Of which estimates ephemerides start, and the grid of their epochs: step [s], reach and run [days]."""
+    """Estimates that ephemerides start from, and the grid of epochs: step [s], span and run [days]."""
 
     known_until_days: float
     start: str = Field(alias="from")

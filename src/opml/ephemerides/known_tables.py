@@ -1,4 +1,4 @@
-"""What a catalogue knows of an RSO: the tables at its tracks, and how more is made of them."""
+"""A catalogue's knowledge of an RSO: the tables at its tracks, and the making of more of them."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -29,7 +29,7 @@ class LongArcs(JobSettings):
 
 
 class KnownSettings(JobSettings):
-    """How what a catalogue knows was made; learners are resolved."""
+    """Settings that made a catalogue's tables; learners are resolved."""
 
     epoch: str
     cleaning: Cleaning
@@ -41,7 +41,7 @@ class KnownSettings(JobSettings):
 
 @dataclass(frozen=True)
 class KnownTables:
-    """What a catalogue knows of an RSO.
+    """A catalogue's knowledge of an RSO.
 
     others: tables of fits of the same tracks over other windows, by these [h], as learners ask for them
     manoeuvres: those that any table tells of, each with the time since which it is known

@@ -1,4 +1,4 @@
-"""What a model is, in the few words that a figure has room for."""
+"""Short descriptions of models, for figures."""
 
 from collections.abc import Sequence
 

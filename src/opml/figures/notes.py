@@ -27,7 +27,7 @@ SHORT_DAYS = 0.5
 
 @dataclass(frozen=True)
 class Context:
-    """What a figure of one experiment's errors tells beside them."""
+    """Settings that a figure of one experiment's errors states."""
 
     note: str = ""  # what was trained and tested
     interval: tuple[float, float] | None = None  # 5th and 95th percentile of P_ML [%]

@@ -394,7 +394,7 @@ def _draw_bars(
 
 @dataclass(frozen=True)
 class _Change:
-    """How a figure shows the errors that a model changed in one direction."""
+    """Style of the errors that a model changed in one direction."""
 
     name: str
     limits: tuple[float, float]  # of the p_ML [%] that the colours tell apart

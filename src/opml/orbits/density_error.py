@@ -1,4 +1,4 @@
-"""What an error of the density that is forecast, which all objects have in common, does to each of them.
+"""Effect of the density forecast's error, which all objects share, on each of them.
 
 The 18th Space Defense Squadron calls it the dynamic consider parameter, and tells it in its messages.
 Source: Casali et al. 2018, Effect of cross-correlation of orbital error on probability of collision

@@ -51,7 +51,7 @@ class Station:
 
     @property
     def row(self) -> dict[str, Any]:
-        """What the station is made of, without what it has not."""
+        """The station's values, without those that it lacks."""
         return {name: value for name, value in asdict(self).items() if value is not None}
 
     @property

@@ -29,7 +29,7 @@ _SPANS = {1.0: "a day", 7.0: "a week"}
 
 @dataclass(frozen=True)
 class Sources:
-    """What the answer of a dataset points at."""
+    """Files that the answer of a dataset points at."""
 
     files: Mapping[str, str]  # corrected ephemerides by model, as CCSDS OEM
     day: float  # of the newest estimate that they start from

@@ -25,7 +25,7 @@ _OF_PART = ("median", "p95", "crps", "inside")
 
 @dataclass(frozen=True, eq=False)
 class Score:
-    """What is told of answers.
+    """The score of a task's answers.
 
     scores, by_height, by_weather: of `opml.benchmark.scores`
     """

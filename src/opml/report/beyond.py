@@ -21,7 +21,7 @@ Pair = tuple[str, str]
 
 @dataclass(frozen=True)
 class BeyondReport:
-    """What the document tells."""
+    """Contents of the document."""
 
     splits: Mapping[_Key, Experiment]  # by station set, learner and split
     pairs: Mapping[str, Pair]  # training and test rows, by split

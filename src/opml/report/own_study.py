@@ -33,7 +33,7 @@ Value = TypeVar("Value")
 
 
 class RunFacts(JobSettings):
-    """What a report tells of the run."""
+    """Facts of the run that a report states."""
 
     epoch: str
     duration_days: float
@@ -44,7 +44,7 @@ class RunFacts(JobSettings):
 
 @dataclass(frozen=True)
 class OwnStudyReport:
-    """What the report tells."""
+    """Contents of the report."""
 
     experiments: Mapping[tuple[str, str, str, str], Experiment]  # by RSO, station set, model and split
     pairs: Mapping[str, tuple[str, str]]  # training and test rows, by split

@@ -36,7 +36,7 @@ class Headline:
 
 @dataclass(frozen=True)
 class Reproduction:
-    """What the document tells."""
+    """Contents of the document."""
 
     headlines: Sequence[Headline]
     readings: Mapping[str, Mapping[str, Experiment]]  # by the reading's text and the headline's name

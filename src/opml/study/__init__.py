@@ -1,1 +1,1 @@
-"""What is asked of a run: settings and studies, the experiments that answer them, and their files' names."""
+"""Requests to a run: settings and studies, the experiments that answer them, and their files' names."""

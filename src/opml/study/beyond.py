@@ -83,7 +83,7 @@ class Beyond:
 
     @cached_property
     def report(self) -> BeyondReport:
-        """What the report on models against splits tells."""
+        """Contents of the report on models against splits."""
         return BeyondReport(
             splits=self.splits,
             pairs={split: tuple(pair) for split, pair in self.entry["splits"].items()},

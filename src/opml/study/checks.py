@@ -1,4 +1,4 @@
-"""What a schema cannot say: settings checked together, the sheets, the files and the study's parts."""
+"""Checks that no schema can say: settings together, the sheets, the files and the study's parts."""
 
 import math
 import re
@@ -328,7 +328,7 @@ def _mapping(values: Mapping[str, Any], key: Key) -> Mapping[str, Any]:
 
 
 class _Checks:
-    """How each kind of part is checked against what there is; raises InputError for what is not."""
+    """Checks of each kind of part against what there is; raise InputError for what is not."""
 
     def __init__(self, settings: Settings, duration: float) -> None:
         self._settings = settings

@@ -1,4 +1,4 @@
-"""Which learners suit a study: of public mean elements, and of fits that filters know nothing of."""
+"""Learners that suit a study: of public mean elements, and of fits that filters know nothing of."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any

@@ -89,12 +89,12 @@ class Study:
 
     @cached_property
     def cleaning(self) -> Cleaning:
-        """Which rows the study drops; by default only those that no model can correct."""
+        """Rows that the study drops; by default only those that no model can correct."""
         return Cleaning(**self.entry("cleaning"))
 
     @cached_property
     def label(self) -> str:
-        """What predictions are compared with where an entry names nothing: truth, later or smoothed.
+        """Reference of predictions where an entry names none: truth, later or smoothed.
 
         By default the truth, or later estimates where an RSO of the study was measured: its truth, if it has
         one, only judges.

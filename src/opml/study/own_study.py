@@ -204,7 +204,7 @@ class OwnStudy:
 
     @cached_property
     def conjunctions(self) -> dict[str, Any]:
-        """How approaches are looked at, nothing where the study does not ask for it."""
+        """Radius and threshold of conjunctions, nothing where the study does not ask for them."""
         return dict(self.study.entry("conjunctions"))
 
     @property
@@ -234,7 +234,7 @@ class OwnStudy:
 
     @cached_property
     def report(self) -> OwnStudyReport:
-        """What the report tells."""
+        """Contents of the report."""
         return OwnStudyReport(
             experiments=self.experiments,
             pairs=self.splits,

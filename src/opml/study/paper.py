@@ -246,7 +246,7 @@ class Paper:
 
     @cached_property
     def reproduction(self) -> Reproduction:
-        """What the report on the reproduction tells."""
+        """Contents of the report on the reproduction."""
         entry = self.study.entry("reproduction")
         learner = self.study.learners[self.study.defaults["learner"]]
         return Reproduction(
@@ -263,7 +263,7 @@ class Paper:
 
     @cached_property
     def claims(self) -> list[Claim]:
-        """What the paper says in words, entry by entry, with the experiments that it is about."""
+        """The paper's claims in words, entry by entry, with the experiments that they are about."""
         limits = ("limit", "share", "start")
         return [
             Claim(

@@ -1,4 +1,4 @@
-"""Which RSOs are propagated together: the truths of one job, side by side in the lanes of the kernels."""
+"""RSOs that are propagated together: the truths of one job, side by side in the lanes of the kernels."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path

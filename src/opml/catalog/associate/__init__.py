@@ -1,1 +1,1 @@
-"""Which tracks belong to an object: foreign ones, and those behind a burn."""
+"""Association of tracks with an object: foreign ones, and those behind a burn."""

@@ -1,4 +1,4 @@
-"""How far a track is from where an earlier estimate predicts it, in standard deviations.
+"""Innovations: a track's distance from its prediction by an earlier estimate, in standard deviations.
 
 An estimate has parameters x and a covariance P = L L'. With the weighted residuals r of a later track, and
 their partial derivatives A by x, the singular vectors of A L are the directions in which the prediction may
@@ -35,7 +35,7 @@ LEAST = 5  # fewest tracks that show how far is usual
 
 @dataclass(frozen=True)
 class ReferenceOrbit:
-    """What tracks are predicted from."""
+    """An earlier estimate, from which tracks are predicted."""
 
     track: int  # of its estimate
     at: int  # number of its epoch among the run's
@@ -80,7 +80,7 @@ def farthest(run: Run, orbit: ReferenceOrbit, track: int) -> float:
 
 @dataclass
 class UsualInnovation:
-    """How far tracks of an object are from their predictions."""
+    """Usual innovations of an object's tracks."""
 
     past: list[float] = field(default_factory=list)  # largest innovations of the object's own tracks
 

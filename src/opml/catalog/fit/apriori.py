@@ -1,4 +1,4 @@
-"""What is known of an orbit before it is measured: Cd, and that it is nearly round."""
+"""Prior knowledge of an orbit: Cd, and that it is nearly round."""
 
 from dataclasses import dataclass
 
@@ -19,7 +19,7 @@ APRIORI_SIGMA = 0.5  # uncertainty of the sheet's Cd, as a part of it
 
 @dataclass(frozen=True)
 class Apriori:
-    """What fits take for measured beside their tracks."""
+    """Pseudo-measurements of a fit beside its tracks."""
 
     cd: float  # the RSO's own
     cd_sigma: float | None  # its standard deviation; None where nothing is known

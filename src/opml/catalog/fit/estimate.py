@@ -21,7 +21,7 @@ class Estimate:
 
     @property
     def solution(self) -> Solution:
-        """What the fit came to."""
+        """The fit's result."""
         return Solution(self.window.at, self.fit.best, self.fit.covariance, self.fit.converged)
 
     def row(self, measured: Measurements, *, tells_rejected: bool) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""How orbits are fitted: the settings, and what is known of the fits of one job beside them."""
+"""Settings of orbit fits, and what is known of the fits of one job beside them."""
 
 from typing import Annotated
 
@@ -50,7 +50,7 @@ class EstimationSettings(Section):
 
 
 class Estimation(EstimationSettings):
-    """How the fits of one job are made."""
+    """Settings and prior knowledge of one job's fits."""
 
     cd_bounds: Annotated[tuple[float, float] | None, Strict(False)] = absent(
         "Cd of an estimate that others may start from; None where its formal uncertainty decides"

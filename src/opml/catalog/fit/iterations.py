@@ -31,7 +31,7 @@ The distance of arcs that near is right to some 0.0003 of itself (`propagator.ne
 
 @dataclass(frozen=True)
 class Iterations:
-    """What the iterations of several fits share."""
+    """Shared state of the iterations of several fits."""
 
     propagator: Propagator
     epochs: np.ndarray  # of the run [s]

@@ -29,7 +29,7 @@ _STATION = [f"{axis}_station" for axis in "xyz"]
 
 @dataclass(frozen=True)
 class Sites:
-    """Where laser stations are: tables of `interop.sinex`."""
+    """Positions of laser stations: tables of `interop.sinex`."""
 
     coordinates: pd.DataFrame  # of `read_coordinates`
     eccentricities: pd.DataFrame  # of `read_eccentricities`

@@ -41,7 +41,7 @@ _LESS, _MORE = 0.1, 10.0
 
 @dataclass(frozen=True)
 class Method:
-    """How n parameters are fitted."""
+    """Scales, free parameters and convergence of a fit of n parameters."""
 
     scales: np.ndarray  # (n,) units in which the damping measures a step, such as a-priori uncertainties
     free: np.ndarray  # (n,) bool, False where a parameter is held at its start

@@ -1,4 +1,4 @@
-"""What fits are made to: measurements by row, gathered in tracks, each with the epoch of its estimate."""
+"""Measurements that orbits are fitted to: by row, gathered in tracks, each with the epoch of its estimate."""
 
 import math
 from abc import ABC, abstractmethod

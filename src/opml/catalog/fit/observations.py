@@ -1,4 +1,4 @@
-"""What stations measured, as measurements of an orbit; each estimate is at the start of its track."""
+"""Stations' measurements of an orbit; each estimate is at the start of its track."""
 
 from collections.abc import Sequence
 from functools import cached_property

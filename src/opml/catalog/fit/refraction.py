@@ -1,4 +1,4 @@
-"""What air does to raw measurements of radars and telescopes: it delays ranges and lifts elevations.
+"""Refraction of raw measurements of radars and telescopes: air delays ranges and lifts elevations.
 
 The air above a station is a standard one: pressure and temperature fall with its height as in ISO 2533, half
 of the vapour that the air could hold is there. Weather changes delays and bending by some percent.

@@ -52,7 +52,7 @@ _CONVERGED = 1e-3
 
 @dataclass(frozen=True)
 class Noise:
-    """What a filter takes to be unknown of the forces."""
+    """Process noise of a filter: the unknown part of the forces."""
 
     walk: float  # change of Cd in a day that lasts, as a part of the sheet's
     gust: float  # error of the mean over a day of the Cd that does not last, as a part of the sheet's

@@ -1,4 +1,4 @@
-"""What fits start from: states at the tracks, and what earlier fits came to."""
+"""Initial guesses of fits: states at the tracks, and the results of earlier fits."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ StartParameters = tuple[int, np.ndarray]
 
 @dataclass(frozen=True)
 class Solution:
-    """What a fit came to."""
+    """The result of a fit."""
 
     at: int  # number of its epoch among those of the run's measurements
     best: np.ndarray  # (7,) parameters
@@ -40,7 +40,7 @@ def solutions(estimates: pd.DataFrame, at: np.ndarray) -> list[Solution]:
 
 @dataclass(frozen=True)
 class Starts:
-    """What the fits of a run may start from."""
+    """Possible initial guesses of a run's fits."""
 
     measured: Measurements
     propagator: Propagator

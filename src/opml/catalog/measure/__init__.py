@@ -1,1 +1,1 @@
-"""How files of each kind of measurement are checked."""
+"""Checks of files, by kind of measurement."""

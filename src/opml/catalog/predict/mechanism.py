@@ -1,4 +1,4 @@
-"""What a catalogue knows of why a prediction errs. None of it needs the truth.
+"""Causes of a prediction's error, as far as a catalogue knows them. None of it needs the truth.
 
 Sensitivities to Cd; a longer arc of the same tracks, which has the better semi-major axis and Cd, so that the
 difference of the two predictions shows most of the short arc's error; and the drift by resonant harmonics

@@ -1,4 +1,4 @@
-"""What a catalogue can do without a truth: fits over another window, and Cd held by its own past.
+"""Alternatives that need no truth: fits over another window, and Cd held by its own past.
 
 All of it comes from estimates that are over at t_i and from the assumed model.
 """

@@ -25,7 +25,7 @@ PHASE_STEP = 1800.0
 
 @dataclass(frozen=True)
 class Resonances:
-    """Which resonances are met, and by which fits."""
+    """Resonances that are met, and the fits that meet them."""
 
     pairs: Sequence[tuple[int, int]]  # (k, m) of each resonance
     window_hours: float  # of the fits

@@ -1,4 +1,4 @@
-"""How each prediction answers to the drag coefficient, from neighbours of its arc.
+"""Sensitivity of each prediction to the drag coefficient, from neighbours of its arc.
 
 A catalogue can compute all of this: it needs the estimates and the assumed model, not the truth.
 """

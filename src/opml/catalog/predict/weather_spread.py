@@ -1,4 +1,4 @@
-"""How far drag and the weather ahead may take predictions: the `spread` table.
+"""Effect of drag and of the weather ahead on predictions: the `spread` table.
 
 From each estimate arcs are propagated with a tenth more drag, and under many futures of the space weather.
 What parts them from the prediction is known at t_i. Drag alone parts them, so the Earth's flattening is all

@@ -1,4 +1,4 @@
-"""What a station measures of an RSO: angles, range and range rate.
+"""Measurements of an RSO by a station: angles, range and range rate.
 
 Measurements are geometric, without light time, unless they are read as received at their time, after the
 light's way down, or there and back (`light_time`). Neither aberration nor refraction moves them: angles are
@@ -68,7 +68,7 @@ def difference(one: np.ndarray, other: np.ndarray, names: Sequence[str]) -> np.n
 
 @dataclass(frozen=True)
 class StationStates:
-    """Where stations stand at the times of n measurements, in the axes of ITRF at each time."""
+    """Positions of stations at the times of n measurements, in the axes of ITRF at each time."""
 
     position: np.ndarray  # (n, 3) in ITRF [m]
     velocity: np.ndarray  # (n, 3) inertial [m/s]

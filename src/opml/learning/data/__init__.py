@@ -1,1 +1,1 @@
-"""What models learn from: the dataset, its cleaning, the rows of a split."""
+"""Training data: the dataset, its cleaning, the rows of a split."""

@@ -1,4 +1,4 @@
-"""What is dropped from a dataset: the paper's two data cleanings, and rows that cross a manoeuvre.
+"""Rows that are dropped from a dataset: the paper's two data cleanings, and rows that cross a manoeuvre.
 
 The paper's are bounds on the drag coefficient and Tukey's fences on e_y.
 Source: the paper, section 'Building the SVM model for the Simulated RSO'.

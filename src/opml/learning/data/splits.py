@@ -1,4 +1,4 @@
-"""Which rows of a dataset a model is trained and tested on, by the name of a split.
+"""Rows that a model is trained and tested on, by the name of a split.
 
 `opml.naming` parses the names. For training:
 

@@ -1,1 +1,1 @@
-"""What a model is worth: P_ML, intervals, calibration, sizes of the errors left."""
+"""Judges of models: P_ML, calibration, sizes of the residual errors."""

@@ -1,4 +1,4 @@
-"""How far a corrected orbit may be off, from the errors of earlier corrections and from the weather ahead.
+"""Sizes of a corrected orbit's errors, from those of earlier corrections and from the weather ahead.
 
 The variance of each axis of the position has four parts,
 
@@ -9,24 +9,23 @@ futures of the space weather (opml.catalog.predict.weather_spread). a, b and c a
 the past errors are inside 1.645 sigma. They come from quantile regression on replays that are over
 (opml.ephemerides.replays), in which newer errors weigh more.
 
-f widens all parts after a short past. It is the quantile of Student's t, divided by that of the normal
-distribution. The degrees of freedom are one and a half times the number of predictions of that duration that
-fit into the past side by side: errors of predictions that overlap by a share are correlated by that share,
-and the sum of their squares then counts as that of so many independent errors.
+f(D) = t_{0.95, n} / z_{0.95}, Student's t over the normal distribution, inflates all parts after a short
+past. The degrees of freedom are one and a half times the number of predictions of that duration that fit into
+the past side by side: errors of predictions that overlap by a share are correlated by that share, and the sum
+of their squares then counts as that of so many independent errors.
 
-Later estimates, which errors are measured against, have a variance of their own. It is no part of sigma
-where their errors have nothing to do with the prediction's. Fits to mean elements err alike, and the later
-one is made of more: what it is off by is in the prediction, too, and does not show in their difference. There
-its variance is a part of sigma.
+Errors are differences from later estimates, whose own variance s^2 adds to theirs. It is subtracted where the
+two errors are independent. Fits to element sets share errors: a later fit's error is in the prediction too,
+and does not show in their difference, so there s^2 is part of sigma^2.
 
-The plane and the eccentricity of such fits are off by what changes within days, so that only fits far apart
-differ by it, and then by twice its variance. Radial and across the track D counts there as the longest
-duration of the past over the root of two at least. As sets have their epochs at one angle of the orbit, these
-errors are root mean squares over a turn at least, which position and velocity tell.
+The plane and the eccentricity of such fits have errors that change within days: only fits far apart differ by
+them, and then by twice their variance. So radially and cross-track D is at least D_max / sqrt(2), D_max the
+longest duration of the past. As sets have their epochs at one angle of the orbit, these errors are at least
+root mean squares over a revolution, from position and velocity.
 
-A velocity follows its position (opml.orbits.rsw_covariance). What it may differ by beyond that is
-proportional to the radial or cross-track size. A factor that changes with the duration makes the ellipsoids
-of the past hold nine tenths.
+A velocity error follows from the position's (opml.orbits.rsw_covariance); its remaining part is proportional
+to the radial or cross-track size. A factor that changes with the duration makes the ellipsoids of the past
+hold nine tenths.
 
 Source: Koenker & Bassett 1978, Regression quantiles, Econometrica 46; Student's t as the predictive
 distribution of few normal deviates, e.g. Gelman et al. 2013, Bayesian Data Analysis, sec. 3.2; Bartlett 1946,

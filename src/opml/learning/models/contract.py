@@ -1,4 +1,4 @@
-"""What a learner declares and what its models promise: all that the rest of the package knows of a kind."""
+"""The interface of learners and of their models: all that the rest of the package knows of a kind."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -61,7 +61,7 @@ S_in = TypeVar("S_in", bound=LearnerSettings, contravariant=True)
 
 
 class Predictor(Protocol):
-    """What corrects rows of a dataset."""
+    """A correction of rows of a dataset."""
 
     @property
     def variables(self) -> tuple[str, ...]:
@@ -72,7 +72,7 @@ class Predictor(Protocol):
 
 
 class Model(Predictor, Protocol):
-    """What every learner returns: frozen, and the same again when read from its table.
+    """A trained model of any kind: frozen, and the same again when read from its table.
 
     It predicts row by row: the prediction of a row does not depend on the other rows.
     """

@@ -150,7 +150,7 @@ def resolved(settings: LearnerSettings, *, component: str, variables: Sequence[s
 
 
 class _Job(JobSettings):
-    """What resolved settings of every kind have as JSON values."""
+    """JSON values that resolved settings of every kind have."""
 
     kind: str
     variables: list[str]

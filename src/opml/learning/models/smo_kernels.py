@@ -140,6 +140,7 @@ def _largest_gain(down, lowest, row, gains, largest):
         gains[k] = down[k] - lowest
     for k in range(len(gains)):
         slope = max(gains[k], _SINGLE(0.0))
+        # As K(x, x) = 1: the curvature of a pair is K_ii + K_kk - 2 K_ik = 2 - 2 K_ik.
         gains[k] = slope * slope / max(_SINGLE(2.0) - _SINGLE(2.0) * row[k], _SINGLE(LEAST_CURVATURE))
     largest[:] = _SINGLE(0.0)
     whole = len(gains) // _LANES * _LANES
@@ -196,7 +197,7 @@ def descend(kernel, beta, gradient, limits, epsilon, tol, most_steps):
             return taken
         i = _find(up, lowest)
         j = _find(gains, _largest_gain(down, lowest, kernel[i], gains, largest))
-        curvature = max(2.0 - 2.0 * kernel[i, j], LEAST_CURVATURE)
+        curvature = max(2.0 - 2.0 * kernel[i, j], LEAST_CURVATURE)  # K(x, x) = 1 again
         step = min((down[j] - lowest) / curvature, _room(beta[i], limits[i]), _room(-beta[j], limits[j]))
         for k, sign in ((i, 1.0), (j, -1.0)):
             if k == i:

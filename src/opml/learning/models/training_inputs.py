@@ -1,4 +1,4 @@
-"""What a learner is trained on: rows of learning variables and a target, checked and standardised."""
+"""Training data of a learner: rows of learning variables and a target, checked and standardised."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

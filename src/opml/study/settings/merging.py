@@ -47,7 +47,7 @@ _NAME = re.compile(r"[\w-]+")
 
 @dataclass(frozen=True)
 class Settings:
-    """What a run needs to know: the settings, with the study in full, the stations and the RSOs."""
+    """All that a run needs: the settings, with the study in full, the stations and the RSOs."""
 
     values: Mapping[str, Any]
     stations: Mapping[str, Station]
@@ -82,7 +82,7 @@ class Settings:
 
     @property
     def day(self) -> DaySettings:
-        """What is asked of every morning."""
+        """Settings of every morning."""
         return DaySettings.model_validate(self.values.get("day", {}))
 
     @property
@@ -96,7 +96,7 @@ class Settings:
 
     @cached_property
     def catalogue(self) -> CatalogueSettings | None:
-        """What is asked of a catalogue; None for nothing."""
+        """Settings of a catalogue; None for none."""
         asked = self.values.get("catalogue")
         return CatalogueSettings.model_validate(asked) if asked else None
 
@@ -146,7 +146,7 @@ class Settings:
 
     @property
     def asked(self) -> Mapping[str, Any]:
-        """What the study asks; empty where there is none."""
+        """The study's settings; empty where there is none."""
         return self.values["study"] or {}
 
 

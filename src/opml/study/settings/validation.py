@@ -17,7 +17,7 @@ _NAME = "[key]"  # last part of the location of an error about a name, by pydant
 
 
 class _Refusal(NamedTuple):
-    """What is wrong with a value; the outermost sorts first."""
+    """A wrong value; the outermost sorts first."""
 
     mapping: Sequence[str]  # key of the mapping or value that a model does not take
     is_known: bool  # an unknown key is told before one that is missing, which it may stand for

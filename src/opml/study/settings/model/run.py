@@ -28,7 +28,7 @@ from opml.study.settings.model.names import (
 
 
 class RandomSeeds(Section):
-    """Where random numbers begin."""
+    """Seeds of random numbers."""
 
     noise: Seed = setting(
         "seed of the measurement noise, and of the perturbed states that first fits start from"
@@ -46,7 +46,7 @@ Sigmas = Annotated[tuple[Positive, Positive, Positive], Strict(False), Expected(
 
 
 class TakingSettings(Section):
-    """How the files of what was measured of an RSO are taken."""
+    """Reading of an RSO's measurement files."""
 
     @property
     def files(self) -> list[str]:
@@ -63,7 +63,7 @@ class TakingSettings(Section):
 
 
 class FixSettings(TakingSettings):
-    """How the fixes of an RSO are taken."""
+    """Reading of an RSO's fixes."""
 
     sigma_m: Sigmas = setting(
         "standard deviations of positions if the file has none: radial, along-track, cross-track",
@@ -92,7 +92,7 @@ class FixSettings(TakingSettings):
 
 
 class RangeSettings(TakingSettings):
-    """How the laser ranges of an RSO are taken."""
+    """Reading of an RSO's laser ranges."""
 
     coordinates: Text = setting("SINEX of the stations' coordinates and velocities", unit="path")
     eccentricities: Text = setting("SINEX of the instruments' offsets from the marks", unit="path")
@@ -110,7 +110,7 @@ class RangeSettings(TakingSettings):
 
     @property
     def files(self) -> list[str]:
-        """Where stations are: coordinates, then eccentricities."""
+        """Positions of stations: coordinates, then eccentricities."""
         return [self.coordinates, self.eccentricities]
 
     def within(self, folder: str) -> Self:
@@ -124,7 +124,7 @@ class RangeSettings(TakingSettings):
 
 
 class HistorySettings(TakingSettings):
-    """How the history of an RSO's mean elements is taken."""
+    """Reading of the history of an RSO's mean elements."""
 
     number: Absent[Annotated[int, Ge(1), Expected("a catalogue number from 1")]] = absent(
         "catalogue number of the RSO, needed where the files hold several objects"
@@ -157,7 +157,7 @@ class PredictionSettings(Section):
 
 
 class Learning(Section):
-    """What all learners share."""
+    """Settings that all learners share."""
 
     variables: Variables = setting(
         "variables that learners learn from, where their own settings name none",
@@ -191,7 +191,7 @@ class Ephemeris(Section):
 
 
 class Uncertainty(Section):
-    """How far corrected orbits may be off."""
+    """Uncertainty of corrected orbits."""
 
     every_hours: Positive = setting(
         "hours between the estimates from which past mornings are replayed",

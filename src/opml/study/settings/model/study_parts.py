@@ -34,7 +34,7 @@ from opml.study.settings.model.names import (
 
 
 class ClaimSettings(Item):
-    """What the paper says in words of an entry's numbers."""
+    """A claim of the paper, in words, about an entry's numbers."""
 
     says: Text = setting("what the paper says", unit="text")
     holds: Holds = setting("what then holds of our numbers")
@@ -68,13 +68,13 @@ class OfModel(Section):
 
 
 class Trained(Section):
-    """What a model is trained on."""
+    """Training rows of a model."""
 
     train: Train = setting("training split", see="wildcards.md", shared=True)
 
 
 class Tested(Trained):
-    """What a model is trained and tested on."""
+    """Training and test rows of a model."""
 
     test: Test = setting("rows to test on", see="wildcards.md", shared=True)
 
@@ -97,14 +97,14 @@ class TrainAndTestDays(Section):
 
 
 class ConjunctionSettings(Section):
-    """What predictions are worth where objects may collide."""
+    """Predictions judged by possible collisions."""
 
     radius_m: Positive = setting("sum of the radii of two objects", unit="m")
     threshold: Share = setting("probability from which on an alarm is raised")
 
 
 class Defaults(Section):
-    """What entries do not name."""
+    """Defaults of entries."""
 
     rso: Absent[str] = absent(
         "RSO of every entry that names none; by default the first of `study.rsos`", unit="name"
@@ -184,7 +184,7 @@ class Curves(Section):
 
 
 class KernelScale(OfModel, OfRso):
-    """How P_ML answers to the kernel scale."""
+    """Sensitivity of P_ML to the kernel scale."""
 
     scales: Scales = setting("kernel scales of the figure")
     rules: Names = setting("learners whose kernel scale is marked")
@@ -201,7 +201,7 @@ class Transfers(Tested):
 
 
 class BeyondSettings(Section):
-    """What goes beyond the paper."""
+    """Experiments beyond the paper."""
 
     station_sets: Names = setting("station sets that models are compared for")
     learners: Names = setting("models to compare")
@@ -303,7 +303,7 @@ class PaperStudy(Section):
 
 
 class BeyondStudy(Section):
-    """What goes beyond the paper."""
+    """Experiments beyond the paper."""
 
     pools: Absent[Annotated[dict[Name, Pool], MinLen(1)]] = absent(
         "RSOs to learn from together, except the excluded one"
@@ -312,4 +312,4 @@ class BeyondStudy(Section):
 
 
 class StudySettings(BeyondStudy, PaperStudy, OwnStudySettings):
-    """What is asked of a run."""
+    """The study of a run."""
