@@ -178,7 +178,7 @@ def write_each(
     A file has the name of the estimate's time in UTC, as 2016-09-28T120945Z.oem. What the folder held before
     is removed.
 
-    ephemerides: rows of a table `corrected` or `forecast`, those of one estimate together
+    ephemerides: rows of the table `corrected`, those of one estimate together
     """
     with replacing_folder(folder) as new:
         for rows in ephemerides:

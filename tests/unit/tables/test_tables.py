@@ -87,10 +87,10 @@ def test_same_table_same_bytes(truth, tmp_path):
 
 @pytest.mark.parametrize("rows_at_once", [1, 3, 4, 100])
 def test_runs_are_whole_wherever_a_batch_ends(rows_at_once, tmp_path, monkeypatch):
-    frame = example("forecast", rows=10).assign(i=[2, 2, 2, 4, 4, 4, 4, 4, 5, 2])
-    write_table(tmp_path / "f.parquet", frame, "forecast", metadata=METADATA)
+    frame = example("corrected", rows=10).assign(i=[2, 2, 2, 4, 4, 4, 4, 4, 5, 2])
+    write_table(tmp_path / "f.parquet", frame, "corrected", metadata=METADATA)
     monkeypatch.setattr(parquet, "_BATCH_ROWS", rows_at_once)
-    runs = list(read_runs(tmp_path / "f.parquet", "forecast", "i"))
+    runs = list(read_runs(tmp_path / "f.parquet", "corrected", "i"))
     assert [(run["i"].iloc[0], len(run)) for run in runs] == [(2, 3), (4, 5), (5, 1), (2, 1)]
     pd.testing.assert_frame_equal(pd.concat(runs, ignore_index=True), frame, check_column_type=False)
 
@@ -151,20 +151,20 @@ def test_truncated_file_is_noticed(truth, kept):
 
 def test_a_flipped_bit_is_noticed_and_told_in_one_line(tmp_path):
     path = tmp_path / "table.parquet"
-    write_table(path, example("forecast", rows=2), "forecast", metadata=METADATA)
+    write_table(path, example("corrected", rows=2), "corrected", metadata=METADATA)
     content = path.read_bytes()
     for place in [*range(100), *range(100, len(content), 9)]:
         damaged = bytearray(content)
         damaged[place] ^= 1 << place % 8
         path.write_bytes(damaged)
         with pytest.raises(InputError, match=r"^[^\n]+$") as raised:
-            read_table(path, "forecast")
+            read_table(path, "corrected")
         assert str(raised.value).startswith(str(path))
 
 
 def test_a_flipped_bit_of_the_footer_is_noticed_where_only_the_metadata_are_read(tmp_path):
     path = tmp_path / "table.parquet"
-    write_table(path, example("forecast", rows=2), "forecast", metadata=METADATA)
+    write_table(path, example("corrected", rows=2), "corrected", metadata=METADATA)
     content = path.read_bytes()
     footer = range(len(content) - 8 - int.from_bytes(content[-8:-4], "little"), len(content))
     for place in footer[::11]:
