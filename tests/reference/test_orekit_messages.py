@@ -155,7 +155,7 @@ def test_orekit_flies_the_mean_elements_of_an_ephemeris(org, ephemeris, tmp_path
 def test_probabilities_are_those_of_orekits_methods(org, tmp_path, case):
     """Of Alfano's cases, read from the published message and from one that we wrote."""
     published = shared(f"real/cdm/AlfanoTestCase{case:02d}.cdm")
-    conjunction = cdm.read(published, epoch=EPOCH)
+    conjunction = cdm.read(published, epoch=EPOCH)[0]
     cdm.write(tmp_path / "ours.cdm", conjunction, epoch=EPOCH)
     ours = chance(conjunction.encounter).probability
     methods = org.orekit.ssa.collision.shorttermencounter.probability.twod

@@ -41,7 +41,7 @@ def table(paths: Sequence[str]) -> pd.DataFrame:
 
 
 def _rows(path: str) -> Iterator[dict[str, object]]:
-    conjunction = cdm.read(path, epoch=EPOCH)
+    conjunction = cdm.read(path, epoch=EPOCH)[0]
     rates = map(float, _SEDR.findall(contents(path).decode("ascii")))
     days = (conjunction.t - conjunction.known) / DAY
     for one, rate in zip((conjunction.first, conjunction.second), rates, strict=True):

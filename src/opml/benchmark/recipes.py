@@ -106,6 +106,10 @@ def make_truth(folders: Folders, sets: Iterable[FilePath]) -> int:
     stormy as the packaged weather has them. Raises InputError for unreadable files, and without such a set.
     """
     task = tasks.read(folders.task)
+    if task.truth_digest != tasks.HIDDEN:
+        raise InputError(f"{task.name}: expected a hidden task, got one whose truth is frozen")
+    if (frozen := Path(folders.truth, tasks.TRUTH)).is_file():
+        raise InputError(f"{frozen}: expected no truth yet, got that of SHA-256 {tasks.digest(frozen)}")
     task_folders.check_free(Path(folders.truth), tasks.TRUTH)
     table = (catalogue := catalogues.read(sets, latency=task.latency)).table
     states = np.full((len(task.questions), 6), np.nan)
@@ -167,6 +171,7 @@ def _write_sets(path: Path, recipe: Recipe, catalogue: ElementCatalogue, rows: p
     table, morning = catalogue.table, float(rows["morning"].iloc[0])
     known = (table["known"] <= morning) & (table["t"] >= morning - recipe.history_days)
     own = table[known & table["number"].isin(rows["number"].unique())]
+    own = own.drop_duplicates(["number", "t"], keep="last")
     texts = {file: contents(file).decode() for file in own["file"].unique()}
     pieces = {file: dict(enumerate(tle.pieces(file, text))) for file, text in texts.items()}
     lines = [

@@ -15,12 +15,11 @@ import numpy as np
 from opml import __version__
 from opml.base.errors import InputError
 from opml.base.files import FilePath
-from opml.conjunctions.conjunction import LARGEST_RADIUS, Conjunction, Participant, check_radius
+from opml.conjunctions.conjunction import LARGEST_RADIUS, Conjunction, Participant, check_radius, remarks_on
 from opml.dynamics.frames import states_to_gcrf
 from opml.environment import earth_orientation
 from opml.interop import ccsds
 from opml.interop.object_ids import ObjectId
-from opml.interop.orbit_arcs import contents
 from opml.orbits.density_error import DensityError
 
 _log = logging.getLogger(__name__)
@@ -34,7 +33,8 @@ _LOWER = [(row, column) for row in range(6) for column in range(row + 1)]
 _STATED = {"MISS_DISTANCE": slice(3), "RELATIVE_SPEED": slice(3, 6)}  # what states have to agree with
 _ROUGH = 0.01  # of it that they may be off, as they are rounded
 _UNIT = re.compile(r"\s*\[([^\]]*)\]$")
-_RADIUS = re.compile(r"^\s*COMMENT\s+HBR\s*=\s*(\S+?)\s*(?:\[(\w+)\])?\s*$", re.MULTILINE)
+_RADIUS = "HBR"
+_LENGTH = re.compile(r"(\S+?)\s*(?:\[(\w+)\])?")
 _SENSITIVITY = "DCP Sensitivity Vector RTN"
 _DENSITY_KEYS = {
     ccsds.DENSITY_COMMENT: ccsds.DENSITY_KEY,
@@ -46,7 +46,8 @@ _DENSITY_KEYS = {
 _TERRESTRIAL = "ITRF"
 _NODES = 3600.0 * np.arange(-6, 7)  # about a time, for the Earth's orientation then [s]
 _LONGEST = 60  # letters of a name in that of a file
-_METRES = {"": 1.0, "m": 1.0, "km": 1e3}
+_OF_POSITION = 6  # values of the lower triangle that are of the position
+_METRES = {None: 1.0, "m": 1.0, "km": 1e3}
 
 
 def _covariance_key(row: int, column: int) -> str:
@@ -151,26 +152,38 @@ def _density_lines(density: DensityError) -> Iterator[str]:
         yield f"COMMENT {_SENSITIVITY} {kind} = {' '.join(map(repr, part.tolist()))} [{unit}]"
 
 
-def read(path: FilePath, *, epoch: str, radius: float | None = None) -> Conjunction:
-    """Read the conjunction of a message.
+def read(path: FilePath, *, epoch: str, radius: float | None = None) -> list[Conjunction]:
+    """Read the conjunctions of the messages that a file has in a row, in KVN or XML.
 
     epoch: UTC text from which times count
     radius: sum of the radii [m]; None: that of the comment HBR
 
-    States are turned from the frames of `ccsds.FRAMES`, and from the ITRF, to GCRF. Raises InputError, naming
-    file and line, for a malformed message, another frame, a radius that neither tells, and one that is none.
+    States are turned from the frames of `ccsds.FRAMES`, and from the ITRF, to GCRF. A covariance of positions
+    alone, or whose other parts are none, counts as one of positions. Raises InputError, naming file and line,
+    for a malformed message, another frame, a radius that neither tells, and one that is none.
     """
-    message = ccsds.Message(path, version_key=_KEY, versions=("1.0",), in_comments=_DENSITY_KEYS)
-    head, *parts = _blocks(message)
+    names = _DENSITY_KEYS | {_RADIUS: _RADIUS}
+    message = ccsds.Message(path, version_key=_KEY, versions=("1.0",), in_comments=names)
+    found = [_conjunction(message, epoch, radius)]
+    while message.begins_another():
+        found.append(_conjunction(message, epoch, radius))
+    return found
+
+
+def _conjunction(message: ccsds.Message, epoch: str, radius: float | None) -> Conjunction:
+    """Return the conjunction of the next message."""
+    radii: set[str] = set()
+    head, *parts = _blocks(message, radii)
     if (objects := [part.text("OBJECT") for part in parts]) != ["OBJECT1", "OBJECT2"]:
-        raise InputError(f"{path}: expected OBJECT1 and OBJECT2, got {' and '.join(objects) or 'none'}")
+        got = " and ".join(objects) or "none"
+        raise InputError(f"{message.path}: expected OBJECT1 and OBJECT2, got {got}")
     t = head.time("TCA", np.nan, epoch=epoch, scale="UTC")
     if not np.isfinite(t):
-        raise InputError(f"{path}: expected TCA before the objects, got none")
+        raise InputError(f"{message.path}: expected TCA before the objects, got none")
     first, second = (_participant(message, block, epoch, t) for block in parts)
     for key, part in _STATED.items():
         _check_stated(message, head, key, float(np.linalg.norm((second.state - first.state)[part])))
-    radius = _radius(path) if radius is None else radius
+    radius = _radius(message.path, radii) if radius is None else radius
     check_radius(radius)
     known = head.time("CREATION_DATE", t, epoch=epoch, scale="UTC")
     return Conjunction(t, first, second, radius, known=known)
@@ -184,11 +197,17 @@ def _check_stated(message: ccsds.Message, head: ccsds.KeyValues, key: str, found
         raise message.error(f"states of {key} = {stated:g} {_UNITS_OF[key]}", f"{found:g}", line)
 
 
-def _blocks(message: ccsds.Message) -> list[ccsds.KeyValues]:
-    """Return the pairs before the objects, and those of each object."""
+def _blocks(message: ccsds.Message, radii: set[str]) -> list[ccsds.KeyValues]:
+    """Return the pairs of the next message before the objects, and those of each object.
+
+    radii: takes what comments have for the sum of the radii, which may be there several times
+    """
     blocks: list[dict[str, tuple[int, str]]] = [{}]
-    while message.peek():
+    while not message.is_over:
         number, key, value = message.pair()
+        if key == _RADIUS:
+            radii.add(value)
+            continue
         if key == "OBJECT":
             blocks.append({})
         if key in blocks[-1]:
@@ -202,28 +221,49 @@ def _blocks(message: ccsds.Message) -> list[ccsds.KeyValues]:
 
 
 def _participant(message: ccsds.Message, block: ccsds.KeyValues, epoch: str, t: float) -> Participant:
-    def number(key: str, power: int) -> float:
-        return message.scale(block.text(key), power, block.line(key))
-
     frame = block.choice("REF_FRAME", (*ccsds.FRAMES, _TERRESTRIAL))
-    state = np.array([number(key, _KILO) for key in _STATE])
-    covariance = np.empty((6, 6))
-    for row, column in _LOWER:
-        key = _covariance_key(row, column)
-        covariance[row, column] = covariance[column, row] = number(key, 0)
-        if row == column and covariance[row, row] < 0.0:
-            raise message.error("a variance of 0 or more", block.text(key), block.line(key))
-    message.check_correlations(covariance, block.line(_covariance_key(0, 0)))
+    state = np.array([message.scale(block.text(key), _KILO, block.line(key)) for key in _STATE])
     keys = ("OBJECT_DESIGNATOR", "INTERNATIONAL_DESIGNATOR")
     identity = ObjectId.of(block.text("OBJECT_NAME"), *(block.text(key, "") for key in keys))
     if frame == _TERRESTRIAL:
         state = _from_earth(state, epoch, t)
     else:
         state = np.kron(np.eye(2), ccsds.FRAMES[frame]) @ state
-    density = _density(message, block)
+    if not any(block.has(_covariance_key(row, column)) for row, column in _LOWER):
+        return Participant(identity, state)
+    covariance, left_out = _covariance(message, block)
+    remarks = list(remarks_on(identity.name, covariance))
+    if left_out:
+        remarks.append(f"covariance of {identity.name} of its position alone: {left_out}")
+    density = None if left_out else _density(message, block)
     if density is not None and not density.is_part_of(covariance):
-        return Participant(identity, state, covariance, (f"density error of {identity.name} too large",))
-    return Participant(identity, state, covariance, density=density)
+        density = None
+        remarks.append(f"density error of {identity.name} too large")
+    return Participant(identity, state, covariance, tuple(remarks), density, bool(left_out))
+
+
+def _covariance(message: ccsds.Message, block: ccsds.KeyValues) -> tuple[np.ndarray, str]:
+    """Return the covariance (6, 6) of an object, and why its velocities' parts do not count, '' if they do.
+
+    Positions are all that the miss and a probability in two dimensions need.
+    """
+    covariance = np.zeros((6, 6))
+    whole = all(block.has(_covariance_key(row, column)) for row, column in _LOWER)
+    for row, column in _LOWER if whole else _LOWER[:_OF_POSITION]:
+        key = _covariance_key(row, column)
+        covariance[row, column] = message.scale(block.text(key), 0, block.line(key))
+        covariance[column, row] = covariance[row, column]
+        if row == column and covariance[row, row] < 0.0:
+            raise message.error("a variance of 0 or more", block.text(key), block.line(key))
+    message.check_correlations(covariance[:3, :3], block.line(_covariance_key(0, 0)))
+    if not whole:
+        return covariance, "no rows of velocities"
+    try:
+        message.check_correlations(covariance, block.line(_covariance_key(0, 0)))
+    except InputError:
+        covariance[3:] = covariance[:, 3:] = 0.0
+        return covariance, "correlations of velocities beyond 1"
+    return covariance, ""
 
 
 def _from_earth(state: np.ndarray, epoch: str, t: float) -> np.ndarray:
@@ -245,14 +285,14 @@ def _density(message: ccsds.Message, block: ccsds.KeyValues) -> DensityError | N
     return DensityError(message.scale(block.text(uncertainty), 0, line), np.array(numbers))
 
 
-def _radius(path: FilePath) -> float:
-    """Return the sum of the radii [m] in the comment HBR; in metres, where it has no unit."""
-    told = set(_RADIUS.findall(contents(path).decode("utf-8-sig")))
-    with suppress(ValueError, KeyError):
-        radii = {float(number) * _METRES[unit] for number, unit in told}
-        if len(radii) == 1 and 0.0 < (radius := radii.pop()) <= LARGEST_RADIUS:
+def _radius(path: FilePath, told: set[str]) -> float:
+    """Return the sum of the radii [m] of comments HBR; in metres, where it has no unit."""
+    with suppress(ValueError, KeyError, TypeError):
+        matches = [_LENGTH.fullmatch(text) for text in told]
+        (radius,) = {float(match[1]) * _METRES[match[2]] for match in matches if match}
+        if len(matches) == len(told) and 0.0 < radius <= LARGEST_RADIUS:
             return radius
-    got = " and ".join(sorted(f"{number} {unit}".strip() for number, unit in told)) or "none"
+    got = " and ".join(sorted(told)) or "none"
     raise InputError(
         f"{path}: expected a radius up to {LARGEST_RADIUS:g} m in COMMENT HBR, or --radius, got {got}"
     )

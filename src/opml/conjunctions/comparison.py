@@ -18,10 +18,11 @@ from opml.conjunctions.approaches import EPOCH, STEP
 from opml.conjunctions.known_orbits import KnownOrbit, Sets
 from opml.interop import ccsds
 from opml.orbits.elements import bent_rsw
-from opml.orbits.rsw_covariance import mahalanobis
+from opml.orbits.rsw_covariance import least_variances, mahalanobis
 
 FLOWN_DAYS = 7.0  # time over which two orbits are compared that are both of mean elements [d]
 LEVELS = (0.5, 0.9)  # shares that the ellipsoids of a covariance hold which a summary counts
+_FLAT = 1e-12  # least variance of scaled axes that makes an ellipsoid, but for rounding
 MOST_ROWS = 14  # largest number of rows of a summary
 _SPACINGS = (0.1, 0.5, 1.0, 3.0, 6.0, 12.0, 24.0, 72.0, 240.0, 720.0, 2400.0)  # [h]
 
@@ -51,7 +52,10 @@ def compare(ours: KnownOrbit, other: KnownOrbit) -> pd.DataFrame:
     covariances = ours.covariances(t)[:, :3, :3]
     known = np.isfinite(covariances).all(axis=(1, 2))
     share = np.full(len(t), np.nan)
+    known[known] = least_variances(covariances[known]) > _FLAT
     share[known] = chi2.cdf(mahalanobis(apart[known], covariances[known]), 3)
+    if flat := int(np.count_nonzero(np.isfinite(covariances).all(axis=(1, 2)) & ~known)):
+        _log.warning("compare: covariances not positive definite, without an ellipsoid: %d", flat)
     sigma = np.sqrt(np.diagonal(covariances, axis1=1, axis2=2))
     return pd.DataFrame(
         {

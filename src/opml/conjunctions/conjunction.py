@@ -14,9 +14,13 @@ from opml.conjunctions.probability import SHORT, Chance, Encounter, chance
 from opml.interop.object_ids import ObjectId
 from opml.orbits.density_error import DensityError
 from opml.orbits.elements import in_rsw, rsw_rotation
+from opml.orbits.rsw_covariance import least_variances
 
 LARGEST_RADIUS = 1e4  # largest sum of the radii of two objects [m]: one that is larger is in another unit
 _NEGATIVE = -0.01  # least variance of scaled axes that rounded digits may make
+_WIDE, _EXACT = 1e5, 0.1
+"""Sigmas of a position [m] beyond which a remark says so: it may be in another unit, or made up."""
+
 _SAME = 1e-2  # [s, m, m/s]; what the interpolation of the same states may differ by
 
 
@@ -32,6 +36,7 @@ class Participant:
     covariance: np.ndarray | None = None
     remarks: tuple[str, ...] = ()  # what to know of either
     density: DensityError | None = None  # the part of the covariance that others share; None where unknown
+    is_of_position: bool = False  # whether the covariance is of the position alone, velocities' parts 0
 
     @property
     def _axes(self) -> np.ndarray:
@@ -50,8 +55,7 @@ class Participant:
         """Return whether the covariance has variances below zero in no direction, but for rounding."""
         if self.covariance is None:
             return True
-        sigma = np.sqrt(np.maximum(np.diag(self.covariance), np.finfo(float).tiny))
-        return bool(np.linalg.eigvalsh(self.covariance / np.outer(sigma, sigma))[0] > _NEGATIVE)
+        return bool(least_variances(self.covariance) > _NEGATIVE)
 
     @property
     def inertial_density(self) -> np.ndarray:
@@ -132,7 +136,7 @@ class Conjunction:
 
         Of hyperbolas it is that of the states.
         """
-        if self.encounter is None or math.isinf(self._longest_period):
+        if self.encounter is None or not self._may_bend:
             return self.encounter
         found = self._pair.collisions()
         if not found.is_straight:
@@ -160,22 +164,24 @@ class Conjunction:
             return ""
         if not self.is_short:
             return "3D-Nc"
-        return "2D-Pc" if math.isinf(self._longest_period) else "2D-Nc"
+        return "2D-Nc" if self._may_bend else "2D-Pc"
 
     @property
     def _period(self) -> float:
         return min(self.first.period, self.second.period)
 
     @property
-    def _longest_period(self) -> float:
-        return max(self.first.period, self.second.period)
+    def _may_bend(self) -> bool:
+        """Whether paths that bend can be reckoned with: of ellipses, and with errors of velocities."""
+        pair = (self.first, self.second)
+        return not any(math.isinf(one.period) or one.is_of_position for one in pair)
 
     @cached_property
     def chance(self) -> Chance | None:
         """How likely a collision is; None where it is unknown, and for a long encounter of no ellipses."""
         if self.is_short and self.likeliest is not None:
             return chance(self.likeliest)
-        if self.encounter is None or math.isinf(self._longest_period):
+        if self.encounter is None or not self._may_bend:
             return None
         return long_encounter.chance(self._pair, self._period)
 
@@ -185,6 +191,18 @@ class Conjunction:
         states = np.array([one.state for one in pair])
         covariances = np.array([one.inertial_covariance for one in pair])
         return UncertainPairs(states, covariances, np.array(self.radius), self.common)
+
+
+def remarks_on(name: str, covariance: np.ndarray | None) -> tuple[str, ...]:
+    """Return what to know of an object's covariance (6, 6) [m, m/s]: that it is too wide, or zero."""
+    if covariance is None:
+        return ()
+    widest = float(np.sqrt(np.diag(covariance)[:3].max()))
+    if not np.any(covariance[:3, :3]):
+        return (f"covariance of {name} zero, as where it is unknown",)
+    if widest > _WIDE:
+        return (f"{name} known to {widest / 1e3:.0f} km",)
+    return (f"{name} known to {1e3 * widest:.0f} mm",) if widest < _EXACT else ()
 
 
 def check_length(name: str, length: float) -> None:

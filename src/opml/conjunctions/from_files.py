@@ -1,6 +1,7 @@
 """What `opml screen` is asked: one object against others, all of a catalogue, or a message alone."""
 
 from collections.abc import Iterable, Sequence
+from pathlib import Path
 
 from opml.base.errors import InputError
 from opml.base.files import FilePath
@@ -13,7 +14,9 @@ from opml.interop import formats
 def conjunctions(
     files: Sequence[FilePath], *, within: float | None, radius: float | None, days: float
 ) -> Iterable[Conjunction]:
-    """Return the conjunctions of the first file's object, of all pairs in a file alone, or of a CDM alone.
+    """Return the conjunctions of the first file's object, of all pairs in a file alone, or of CDMs.
+
+    files: a folder stands for all files in it
 
     within: largest distance [km], None: the usual one
     radius: sum of the radii of two objects [m], None: the usual one, or the CDM's
@@ -21,13 +24,22 @@ def conjunctions(
 
     Raises InputError for a distance with a CDM, and as `screening.screen`, `all_pairs.screen` and `cdm.read`.
     """
-    kinds = (formats.CONJUNCTION, formats.ORBIT, formats.ELEMENTS)
-    if len(files) == 1 and formats.kind_of(files[0], *kinds) == formats.CONJUNCTION:
+    files = [file for path in files for file in _files_of(Path(path))]
+    kinds = {formats.kind_of(path, formats.CONJUNCTION, formats.ORBIT, formats.ELEMENTS) for path in files}
+    if kinds == {formats.CONJUNCTION}:
         if within is not None:
             raise InputError("--within: expected ephemerides to screen, got a conjunction data message")
-        return [cdm.read(files[0], epoch=EPOCH, radius=radius)]
+        return [one for path in files for one in cdm.read(path, epoch=EPOCH, radius=radius)]
     radius = screening.RADIUS if radius is None else radius
     metres = 1e3 * (screening.WITHIN if within is None else within)
     if len(files) == 1:
         return all_pairs.screen(files[0], days=days, within=metres, radius=radius)
     return screening.screen(screening.read(files, days=days), within=metres, radius=radius)
+
+
+def _files_of(path: Path) -> list[Path]:
+    """Return a path, or the files of a folder by their names. Raises InputError for an empty one."""
+    files = sorted(file for file in path.rglob("[!.]*") if file.is_file()) if path.is_dir() else [path]
+    if not files:
+        raise InputError(f"{path}: expected a folder with files, got an empty one")
+    return files

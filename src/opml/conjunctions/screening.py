@@ -20,7 +20,7 @@ from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.conjunctions import approaches
 from opml.conjunctions.approaches import EPOCH, Approach
-from opml.conjunctions.conjunction import Conjunction, Participant, check_length, check_radius
+from opml.conjunctions.conjunction import Conjunction, Participant, check_length, check_radius, remarks_on
 from opml.conjunctions.sieve import Looks, Span
 from opml.conjunctions.trajectories import (
     PropagatedElements,
@@ -36,9 +36,6 @@ from opml.interop.object_ids import ObjectId
 RADIUS = 20.0  # sum of the radii of two objects of which nothing is told [m]
 DAYS = 7.0  # days that mean elements are propagated by default
 WITHIN = 5.0  # distance that is near where nobody tells [km]
-
-# Standard deviations of a position [m] beyond which it is told: one may be in another unit, or made up.
-_WIDE, _EXACT = 1e5, 0.1
 
 _SECONDS = len("2016-09-28T12:09:45")
 _log = logging.getLogger(__name__)
@@ -70,11 +67,7 @@ class ScreenedObject:
             remarks.append(f"covariances of {name} are of other times")
         if covariance is not None and trajectory.remark:
             remarks.append(f"covariance of {name} {trajectory.remark}")
-        widest = np.nan if covariance is None else float(np.sqrt(np.diag(covariance)[:3].max()))
-        if widest > _WIDE:
-            remarks.append(f"{name} known to {widest / 1e3:.0f} km")
-        if widest < _EXACT:
-            remarks.append(f"{name} known to {1e3 * widest:.0f} mm")
+        remarks += remarks_on(name, covariance)
         if self.elements is not None and abs(days := (t - self.elements.orbit.t) / DAY) > WARN_DAYS:
             remarks.append(f"elements of {name} {abs(days):.0f} d {'old' if days > 0 else 'ahead'}")
         density = trajectory.density.at(t) if trajectory.density and covariance is not None else None

@@ -22,7 +22,7 @@ from opml import __version__
 from opml.base import epochs
 from opml.base.errors import InputError
 from opml.base.files import FilePath, replacing
-from opml.interop import orbit_arcs
+from opml.interop import ndm_xml, orbit_arcs
 
 _TIME = re.compile(r"(\d{4})-(?:(\d\d)-(\d\d)|(\d{3}))T(\d\d):(\d\d):(\d\d(?:\.\d*)?)Z?", re.ASCII)
 _NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+))(?:[eE]([+-]?\d{1,4}))?", re.ASCII)
@@ -66,8 +66,7 @@ class Message:
         except UnicodeDecodeError as reason:
             raise InputError(f"{path}: expected a message in UTF-8 text ({reason})") from None
         lines = [
-            (number, _of_comment(line.strip(), in_comments))
-            for number, line in enumerate(text.splitlines(), start=1)
+            (number, _of_comment(line.strip(), in_comments)) for number, line in ndm_xml.lines(path, text)
         ]
         self._lines = [(n, line) for n, line in lines if line and not re.match(r"COMMENT\b", line)]
         self._next = 0
@@ -84,6 +83,13 @@ class Message:
     def is_over(self) -> bool:
         """Whether no line of the message is left; another message may follow in the file."""
         return not self.peek() or self.peek().startswith(self._version_key)
+
+    def begins_another(self) -> bool:
+        """Pass the first line of a message behind the one that is over, if there is one."""
+        if not self.peek():
+            return False
+        self._begin()
+        return True
 
     def segments(self) -> Iterator["KeyValues"]:
         """Yield the header of each segment, to be read then, of all messages that the file has in a row."""

@@ -42,8 +42,9 @@ def _begins(pattern: bytes) -> Callable[[bytes], bool]:
 
 
 def _message(name: bytes) -> Callable[[bytes], bool]:
-    """Return what recognises a CCSDS message in KVN, of any version."""
-    return _begins(rb"(?:COMMENT\b.*\s*)*CCSDS_" + name + rb"_VERS\b")
+    """Return what recognises a CCSDS message in KVN or XML, of any version."""
+    in_xml = rb"(?=<)(?s:.*?)<(?:\w+:)?" + name + rb"\b"
+    return _begins(rb"(?:(?:COMMENT\b.*\s*)*CCSDS_" + name + rb"_VERS\s*=|" + in_xml + rb")")
 
 
 def _of_text(read: Callable[[FilePath, str], Iterator[Any]]) -> Callable[[FilePath, bytes], Iterator[Any]]:
@@ -66,9 +67,8 @@ FORMATS = (
     Format("Space-Track: an error", _OTHER, _begins(rb"\[?\s*\{\s*\"error\"\s*:")),
     Format("TLE", ELEMENTS, tle.matches, _of_text(tle.pieces)),
     Format("OMM", ELEMENTS, _begins(rb"[\[{]"), _of_text(omm.read_json)),
-    Format("OMM", ELEMENTS, _begins(rb"(?=<)(?s:.*?)<(?:\w+:)?omm\b"), _of_text(omm.read_xml)),
+    Format("OMM", ELEMENTS, _message(b"OMM"), _of_text(omm.read_messages)),
     Format("OMM", ELEMENTS, omm.is_csv, _of_text(omm.read_csv)),
-    Format("OMM", ELEMENTS, _message(b"OMM"), _of_text(omm.read_kvn)),
     Format("OEM", ORBIT, _message(b"OEM"), oem.read),
     Format("SP3", ORBIT, _begins(rb"#[a-z][PV]\d{4}"), sp3.read),
     Format("CPF", ORBIT, _begins(rb"H1\s+CPF\b"), cpf.read),

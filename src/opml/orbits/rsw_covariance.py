@@ -52,6 +52,15 @@ def rates(states: np.ndarray) -> np.ndarray:
     return np.asarray(momentum / np.sum(states[:, :3] ** 2, axis=1))
 
 
+def least_variances(covariances: np.ndarray) -> np.ndarray:
+    """Return the least variance (...) in any direction of covariances (..., k, k), of axes scaled to 1.
+
+    It is below 0 where a covariance is none, 0 where it has no extent in a direction.
+    """
+    sigma = np.sqrt(np.maximum(np.diagonal(covariances, axis1=-2, axis2=-1), np.finfo(float).tiny))
+    return np.asarray(np.linalg.eigvalsh(covariances / (sigma[..., None] * sigma[..., None, :]))[..., 0])
+
+
 def mahalanobis(errors: np.ndarray, covariance: np.ndarray) -> np.ndarray:
     """Return squared Mahalanobis distances (n,) of errors (n, k) under covariances (n, k, k)."""
     solved = np.linalg.solve(covariance, errors[:, :, None])[:, :, 0]

@@ -49,13 +49,13 @@ def message(tmp_path):
 
 @pytest.mark.parametrize("number", PUBLISHED)
 def test_published_cases_have_their_probability(number):
-    conjunction = cdm.read(shared(f"real/cdm/AlfanoTestCase{number:02d}.cdm"), epoch=EPOCH)
+    conjunction = cdm.read(shared(f"real/cdm/AlfanoTestCase{number:02d}.cdm"), epoch=EPOCH)[0]
     assert conjunction.t == 0.0
     assert chance(conjunction.encounter).probability == pytest.approx(PUBLISHED[number], rel=1e-4)
 
 
 def test_what_is_written_comes_back(message):
-    found = cdm.read(message, epoch=EPOCH)
+    found = cdm.read(message, epoch=EPOCH)[0]
     assert found.t == pytest.approx(CONJUNCTION.t, abs=1e-6)
     assert found.radius == CONJUNCTION.radius
     for one, other in ((found.first, CONJUNCTION.first), (found.second, CONJUNCTION.second)):
@@ -81,7 +81,7 @@ def test_states_on_the_turning_earth_are_those_of_gcrf(tmp_path):
                 f"\n{name} = {ccsds.number_text(old, -3)} ", f"\n{name} = {1e-3 * float(new)!r} ", 1
             )
     path.write_text(text)
-    found = cdm.read(path, epoch=EPOCH)
+    found = cdm.read(path, epoch=EPOCH)[0]
     np.testing.assert_allclose(found.first.state, CONJUNCTION.first.state, rtol=0.0, atol=1e-3)
     np.testing.assert_allclose(found.second.state, CONJUNCTION.second.state, rtol=0.0, atol=1e-3)
     assert found.chance.probability == pytest.approx(CONJUNCTION.chance.probability, rel=1e-3)
@@ -92,7 +92,7 @@ def test_the_common_error_of_density_comes_back_and_makes_another_probability(tm
     assert together.chance.probability == CONJUNCTION.chance.probability
     path = tmp_path / "one.cdm"
     cdm.write(path, together, epoch=EPOCH)
-    found = cdm.read(path, epoch=EPOCH)
+    found = cdm.read(path, epoch=EPOCH)[0]
     assert found.first.density.uncertainty == 0.1
     np.testing.assert_array_equal(found.second.density.sensitivity, together.second.density.sensitivity)
     (row,) = as_text.table([found], epoch=EPOCH).to_dict("records")
@@ -107,7 +107,7 @@ def test_an_error_of_density_beyond_its_covariance_is_remarked_on_and_not_used(t
     path = tmp_path / "one.cdm"
     cdm.write(path, replace(CONJUNCTION, first=shifted("ours", 300.0)), epoch=EPOCH)
     path.write_text(path.read_text().replace("Pos = 0.0 3", "Pos = 0.0 93", 1))
-    (row,) = as_text.table([cdm.read(path, epoch=EPOCH)], epoch=EPOCH).to_dict("records")
+    (row,) = as_text.table([cdm.read(path, epoch=EPOCH)[0]], epoch=EPOCH).to_dict("records")
     assert row["probability"] == pytest.approx(CONJUNCTION.chance.probability, rel=1e-3)
     assert np.isnan(row["correlated"])
     assert "density error of ours too large" in row["remark"]
@@ -120,7 +120,7 @@ def test_a_damaged_error_of_density_is_told(tmp_path, old, new, expected):
     cdm.write(path, together, epoch=EPOCH)
     path.write_text(path.read_text().replace(old, new, 1))
     with pytest.raises(InputError, match=rf"one\.cdm: line \d+: expected .*{expected}"):
-        cdm.read(path, epoch=EPOCH)
+        cdm.read(path, epoch=EPOCH)[0]
 
 
 def test_keys_of_the_next_version_tell_the_same(tmp_path):
@@ -131,7 +131,7 @@ def test_keys_of_the_next_version_tell_the_same(tmp_path):
     for name, key in cdm._DENSITY_KEYS.items():
         text = text.replace(f"COMMENT {name}", key)
     (tmp_path / "two.cdm").write_text(text)
-    found = cdm.read(tmp_path / "two.cdm", epoch=EPOCH)
+    found = cdm.read(tmp_path / "two.cdm", epoch=EPOCH)[0]
     np.testing.assert_array_equal(found.first.density.effect, together.first.density.effect)
 
 
@@ -154,7 +154,7 @@ def test_damaged_messages_are_told_in_one_line(message, old, new, expected):
     assert old in text
     message.write_text(text.replace(old, new, 1))
     with pytest.raises(InputError, match=expected) as raised:
-        cdm.read(message, epoch=EPOCH)
+        cdm.read(message, epoch=EPOCH)[0]
     assert str(raised.value).startswith(str(message))
     assert "\n" not in str(raised.value)
 
@@ -162,7 +162,7 @@ def test_damaged_messages_are_told_in_one_line(message, old, new, expected):
 def test_a_message_that_ends_at_once_is_told(tmp_path):
     (tmp_path / "one.cdm").write_text("CCSDS_CDM_VERS = 1.0\n")
     with pytest.raises(InputError, match=r"one\.cdm: line 1: expected KEY = value, got nothing"):
-        cdm.read(tmp_path / "one.cdm", epoch=EPOCH)
+        cdm.read(tmp_path / "one.cdm", epoch=EPOCH)[0]
 
 
 def test_a_name_stays_within_the_folder(tmp_path):
@@ -179,11 +179,11 @@ def test_a_name_stays_within_the_folder(tmp_path):
 @pytest.mark.parametrize("text", ["20.0", "20.0 [m]", "0.02 [km]", "0.02[km]"])
 def test_the_radius_has_the_unit_that_it_tells(message, text):
     message.write_text(message.read_text().replace("HBR = 20.0", f"HBR = {text}"))
-    assert cdm.read(message, epoch=EPOCH).radius == pytest.approx(20.0)
+    assert cdm.read(message, epoch=EPOCH)[0].radius == pytest.approx(20.0)
 
 
 def test_the_caller_knows_the_radius_better(message, capsys):
-    assert cdm.read(message, epoch=EPOCH, radius=5.0).radius == 5.0
+    assert cdm.read(message, epoch=EPOCH, radius=5.0)[0].radius == 5.0
     message.write_text(message.read_text().replace("COMMENT HBR = 20.0\n", ""))
     assert cli.main(["screen", str(message), "--radius", "20", "--csv"]) == 0
     assert f"{CONJUNCTION.chance.probability:.6}"[:6] in capsys.readouterr().out
@@ -195,7 +195,7 @@ def test_ids_travel_through_messages(tmp_path):
     identity = ObjectId("SAT", "1998-067UR", 55124)
     pair = replace(CONJUNCTION.first, identity=identity), CONJUNCTION.second
     cdm.write(tmp_path / "one.cdm", Conjunction(0.0, *pair, 20.0), epoch=EPOCH)
-    assert cdm.read(tmp_path / "one.cdm", epoch=EPOCH).first.identity == identity
+    assert cdm.read(tmp_path / "one.cdm", epoch=EPOCH)[0].first.identity == identity
     text = (tmp_path / "one.cdm").read_text()
     assert "OBJECT_DESIGNATOR = 55124\nCATALOG_NAME = SATCAT\nOBJECT_NAME = SAT\n" in text
     assert "INTERNATIONAL_DESIGNATOR = 1998-067UR\n" in text
@@ -204,7 +204,7 @@ def test_ids_travel_through_messages(tmp_path):
 def test_a_message_has_the_date_of_what_it_is_made_from(tmp_path, monkeypatch):
     cdm.write(tmp_path / "one.cdm", replace(CONJUNCTION, known=3600.0), epoch=EPOCH)
     assert "CREATION_DATE = 2000-01-01T01:00:00.000000\n" in (tmp_path / "one.cdm").read_text()
-    assert cdm.read(tmp_path / "one.cdm", epoch=EPOCH).known == 3600.0
+    assert cdm.read(tmp_path / "one.cdm", epoch=EPOCH)[0].known == 3600.0
     monkeypatch.setenv("SOURCE_DATE_EPOCH", "86400")
     cdm.write(tmp_path / "one.cdm", CONJUNCTION, epoch=EPOCH)
     assert "CREATION_DATE = 1970-01-02T00:00:00.000000\n" in (tmp_path / "one.cdm").read_text()
@@ -222,7 +222,7 @@ def test_real_conjunctions_have_nasas_probability_by_monte_carlo():
     """Within its interval of 95 %, or to 5 %: two by 3D-Nc, the others by 2D-Nc."""
     methods = []
     for row in pd.read_csv(shared(CARA_TABLE), sep="\t").itertuples():
-        conjunction = cdm.read(shared(f"real/cara/{row.Conjunction_ID}.cdm.gz"), epoch=EPOCH)
+        conjunction = cdm.read(shared(f"real/cara/{row.Conjunction_ID}.cdm.gz"), epoch=EPOCH)[0]
         ratio = conjunction.chance.probability / row.PcSDMC
         methods.append(conjunction.method)
         within = 0.13 if row.Conjunction_ID == FAR_FROM_ITS_MONTE_CARLO else 0.05
@@ -236,13 +236,13 @@ def test_real_conjunctions_have_nasas_probability_by_monte_carlo():
 def test_a_covariance_that_is_none_is_told(sign, tmp_path):
     """Position and velocity of a real object agree; with another sign no errors have such covariances."""
     name = "000020580_conj_000002017_20230613_001923_20230608_063715"
-    real = cdm.read(shared(f"real/cara/{name}.cdm.gz"), epoch=EPOCH)
+    real = cdm.read(shared(f"real/cara/{name}.cdm.gz"), epoch=EPOCH)[0]
     covariance = real.first.covariance.copy()
     covariance[[0, 1], [1, 0]] *= sign
     cdm.write(
         tmp_path / "one.cdm", replace(real, first=replace(real.first, covariance=covariance)), epoch=EPOCH
     )
-    (row,) = as_text.table([cdm.read(tmp_path / "one.cdm", epoch=EPOCH)], epoch=EPOCH).to_dict("records")
+    (row,) = as_text.table([cdm.read(tmp_path / "one.cdm", epoch=EPOCH)[0]], epoch=EPOCH).to_dict("records")
     assert ("covariance not positive definite" in row["remark"]) == (sign < 0.0)
     assert 0.0 <= row["correlated"] <= row["probability"] < 1e-3
 
@@ -263,3 +263,83 @@ def test_of_a_hyperbola_the_states_are_taken(tmp_path):
     assert gone.chance == chance(gone.encounter)
     cdm.write(tmp_path / "gone.cdm", gone, epoch=EPOCH)
     assert "COLLISION_PROBABILITY_METHOD = FOSTER-1992\n" in (tmp_path / "gone.cdm").read_text()
+
+
+def test_messages_in_a_row_and_in_a_folder_are_all_read(message, tmp_path, capsys):
+    text = message.read_text()
+    both = tmp_path / "cdms" / "both.txt"
+    both.parent.mkdir()
+    both.write_text(text + text.replace("HBR = 20.0", "HBR = 5.0 [m]").replace("= other", "= third"))
+    (both.parent / "one.cdm").write_text(text)
+    assert [one.radius for one in cdm.read(both, epoch=EPOCH)] == [20.0, 5.0]
+    assert cli.main(["screen", str(both.parent), "--csv"]) == 0
+    assert [line.split(",")[2] for line in capsys.readouterr().out.splitlines()] == [
+        "second", "other", "third", "other"
+    ]  # fmt: skip
+
+
+def without(text, *keys):
+    return "".join(line for line in text.splitlines(True) if not line.startswith(keys))
+
+
+@pytest.mark.parametrize("damage", ["no rows of velocities", "correlations of velocities beyond 1"])
+def test_positions_are_all_that_a_probability_in_two_dimensions_needs(message, damage):
+    """As of the example of CCSDS 508.0-B-1, whose velocities have correlations beyond 1."""
+    text = message.read_text()
+    begin = text.index("CRDOT_R = ")
+    line = text[begin : text.index("\n", begin)]
+    rows = ("CRDOT", "CTDOT", "CNDOT")
+    changed = without(text, *rows) if damage.startswith("no") else text.replace(line, "CRDOT_R = 1e9", 1)
+    whole = cdm.read(message, epoch=EPOCH)[0]
+    message.write_text(changed)
+    (found,) = cdm.read(message, epoch=EPOCH)
+    assert found.method == "2D-Pc"
+    assert found.chance.probability == pytest.approx(chance(whole.encounter).probability, rel=1e-12)
+    (row,) = as_text.table([found], epoch=EPOCH).to_dict("records")
+    assert f"covariance of ours of its position alone: {damage}" in row["remark"]
+
+
+def test_a_message_without_covariances_has_its_miss(message):
+    message.write_text(without(message.read_text(), "CR", "CT_", "CTDOT", "CN_", "CNDOT"))
+    (found,) = cdm.read(message, epoch=EPOCH)
+    assert found.chance is None
+    assert np.linalg.norm(found.relative[:3]) == pytest.approx(50.0, rel=1e-3)
+
+
+def test_a_covariance_of_zeros_is_remarked_on(message):
+    text = message.read_text()
+    first, second = text.split("OBJECT = OBJECT2")
+    zeros = "".join(
+        f"{line.split(' = ')[0]} = 0.0\n"
+        if line.startswith("C") and "_" in line[:8] and " [m**2" in line
+        else line
+        for line in second.splitlines(True)
+    )
+    message.write_text(f"{first}OBJECT = OBJECT2{zeros}")
+    (row,) = as_text.table(cdm.read(message, epoch=EPOCH), epoch=EPOCH).to_dict("records")
+    assert "covariance of other zero, as where it is unknown" in row["remark"]
+
+
+def test_a_message_in_xml_is_the_same(message):
+    """As 505.0-B-2 has it: a segment of each object, units as attributes."""
+    expected = cdm.read(message, epoch=EPOCH)[0]
+    elements = []
+    for line in message.read_text().splitlines()[1:]:
+        key, _, value = line.removeprefix("COMMENT ").partition(" = ")
+        if line.startswith("COMMENT"):
+            elements.append(f"<COMMENT>{key} = {value}</COMMENT>")
+            continue
+        value, _, unit = value.partition(" [")
+        if key == "OBJECT":
+            elements.append("</segment><segment><metadata>")
+        elements.append(f'<{key} units="{unit[:-1]}">{value}</{key}>' if unit else f"<{key}>{value}</{key}>")
+        if key == "REF_FRAME":
+            elements.append("</metadata>")
+    body = "\n".join(elements).replace("</segment>", "", 1)
+    message.write_text(
+        f'<?xml version="1.0"?>\n<cdm id="CCSDS_CDM_VERS" version="1.0">{body}</segment></cdm>\n'
+    )
+    (found,) = cdm.read(message, epoch=EPOCH)
+    np.testing.assert_array_equal(found.first.covariance, expected.first.covariance)
+    np.testing.assert_array_equal(found.second.state, expected.second.state)
+    assert (found.radius, found.t) == (20.0, expected.t)

@@ -156,7 +156,7 @@ def test_a_collision_far_along_the_orbits_is_that_of_drawn_ones():
     ],
 )
 def test_real_conjunctions_are_those_of_importance_sampling(name):
-    conjunction = cdm.read(shared(f"real/cara/{name}.cdm.gz"), epoch="2000-01-01T00:00:00")
+    conjunction = cdm.read(shared(f"real/cara/{name}.cdm.gz"), epoch="2000-01-01T00:00:00")[0]
     together = conjunction.correlated
     for one in (conjunction, together):
         pair = (one.first, one.second)

@@ -70,7 +70,7 @@ def test_the_command_prints_a_line_of_each_and_writes_messages(files, tmp_path, 
     assert f"{miss:.0f}" in [line.split()[3] for line in lines]
     messages = sorted(folder.iterdir())
     assert len(messages) == len(lines)
-    assert cdm.read(messages[0], epoch=EPOCH).radius == 15.0
+    assert cdm.read(messages[0], epoch=EPOCH)[0].radius == 15.0
     assert cli.main(["screen", str(messages[0]), "--csv"]) == 0
     table = pd.read_csv(io.StringIO(capsys.readouterr().out))
     assert list(table)[:5] == ["tca", "first", "second", "miss_m", "r_m"]
@@ -279,7 +279,7 @@ def test_covariances_do_not_reach_beyond_their_times(tmp_path):
     ("times", "known"),
     [
         (1e6, "other known to [0-9]{3} km"),
-        (0.0, "other known to 0 mm"),
+        (0.0, "covariance of other zero, as where it is unknown"),
         (1e-8, "other known to [1-9][0-9]* mm"),
     ],
     ids=["metres for kilometres", "none", "centimetres"],

@@ -9,18 +9,16 @@ import io
 import json
 import math
 import re
-import xml.sax
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import zip_longest
 from typing import Any, NamedTuple
-from xml.sax.handler import ContentHandler, LexicalHandler, property_lexical_handler
 
 from sgp4 import omm
 from sgp4.api import Satrec
 
 from opml.base.errors import InputError
 from opml.base.files import FilePath
-from opml.interop import ccsds
+from opml.interop import ccsds, ndm_xml
 from opml.interop.element_sets.element_set import (
     PER_DAY,
     ElementSet,
@@ -71,7 +69,6 @@ _UNITS = {
 _LONGEST = 10_000  # bytes of a line of columns
 _MOST_DIGITS = 9  # of a catalogue number
 _FIRST_YEAR, _LAST_YEAR = "1957", "2099"
-_REPEATED = ("COMMENT", "USER_DEFINED")
 _PAIR = re.compile(r"([A-Z][A-Z0-9_]*)\s*=(.*)", re.ASCII)
 _VALUE = re.compile(r"[^\s\[\],]")
 
@@ -215,10 +212,14 @@ def time_text(values: Mapping[str, str], key: str) -> str | None:
     return ccsds.utc_text(".".join(part.rjust(6, "0") for part in parts).replace(" ", "T"))
 
 
-def read_kvn(path: FilePath, text: str) -> Iterator[Record]:
-    """Yield the sets of messages in KVN; a line without a key is an error of its set."""
+def read_messages(path: FilePath, text: str) -> Iterator[Record]:
+    """Yield the sets of messages in KVN or XML; a line without a key is an error of its set.
+
+    Raises InputError, naming the line, for broken XML.
+    """
     record = None
-    for number, line in enumerate(map(str.strip, text.splitlines()), start=1):
+    for number, line in ndm_xml.lines(path, text):
+        line = line.strip()
         if not line or re.match(r"COMMENT\b", line):
             continue
         match = _PAIR.fullmatch(line)
@@ -273,59 +274,6 @@ def _pairs(line: int, value: Any) -> list[Pair]:
     if not isinstance(value, _Members):
         return [Pair(line, None, str(value))]
     return [Pair(line, key, "" if member is None else str(member).strip()) for key, member in value]
-
-
-def read_xml(path: FilePath, text: str) -> Iterator[Record]:
-    """Yield the messages in a text. Raises InputError, naming the line, for what is no XML."""
-    messages, parser = _Messages(), xml.sax.make_parser()
-    parser.setContentHandler(messages)
-    parser.setProperty(property_lexical_handler, messages)
-    try:
-        parser.parse(io.StringIO(text))
-    except xml.sax.SAXParseException as reason:
-        raise line_error(path, reason.getLineNumber() or 1, "OMMs in XML", reason.getMessage()) from None
-    yield from messages.records
-
-
-class _Messages(ContentHandler, LexicalHandler):
-    """Collector of the elements without children in each element `omm`."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.records: list[Record] = []
-        self._leaf, self._text, self._unit, self._inside = "", "", "", False
-
-    def setDocumentLocator(self, locator: Any) -> None:
-        """Keep what names the line."""
-        self._place = locator
-
-    def startDTD(self, *_: Any) -> None:
-        """Refuse definitions: entities that stand for each other many times take for ever."""
-        raise xml.sax.SAXParseException("a document type", None, self._place)
-
-    def startElement(self, name: str, attrs: Any) -> None:
-        """Begin a message at `omm`, and a value at every element."""
-        self._leaf, self._text, self._unit = name.split(":")[-1], "", attrs.get("units", "")
-        if self._leaf == "omm":
-            self._inside = True
-            versions = [attrs["version"]] if "version" in attrs else []
-            self.records.append(Record(self._line, [Pair(self._line, _VERSION, one) for one in versions]))
-
-    def characters(self, content: str) -> None:
-        """Take a part of a value."""
-        self._text += content
-
-    def endElement(self, name: str) -> None:
-        """End a value, where no element began since its own beginning."""
-        key, self._leaf = self._leaf, ""
-        if self._inside and key == name.split(":")[-1] and key not in _REPEATED:
-            value = _without_unit(key, f"{self._text}[{self._unit}]")
-            self.records[-1].pairs.append(Pair(self._line, key, value))
-        self._inside &= name.split(":")[-1] != "omm"
-
-    @property
-    def _line(self) -> int:
-        return int(self._place.getLineNumber())
 
 
 def is_csv(content: bytes) -> bool:
