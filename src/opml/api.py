@@ -6,7 +6,7 @@ example goes on where the one before it stopped, in the order of this file.
 """
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from importlib import import_module
@@ -15,6 +15,7 @@ from typing import Any
 
 import pandas as pd
 
+from opml.base import epochs
 from opml.base.constants import BODIES, DAY, HOUR
 from opml.base.errors import InputError
 from opml.base.files import FilePath, project_file
@@ -410,8 +411,10 @@ def predict(
     >>> bool(made.to_pandas()["sigma_s"].is_monotonic_increasing)
     True
     """
-    paths = [files] if isinstance(files, (str, os.PathLike)) else list(files)
-    name = None if object is None else str(object)
+    paths, name = _paths("predict", files), None if object is None else str(object)
+    date = None if date is None else epochs.instant(str(date))
+    if not isinstance(days, (int, float)):
+        raise InputError(f"predict: days: expected a number, got {days!r}")
     if formats.kind_of(paths[0], formats.ELEMENTS, formats.ORBIT, formats.TRACKS) != formats.ELEMENTS:
         request = Request(paths, days, name, date, weather, stations, area_to_mass)
         return measured_prediction.of_measurements(request, progress=lambda line: None)
@@ -421,9 +424,17 @@ def predict(
         object=name,
         date=date,
         weather=weather,
-        catalogue=catalogue,
+        catalogue=_paths("predict", catalogue) if catalogue else (),
         trained=trained,
     )
+
+
+def _paths(what: str, files: FilePath | Iterable[FilePath]) -> list[FilePath]:
+    """Return one path or several as a list. Raises InputError for none."""
+    paths = [files] if isinstance(files, (str, os.PathLike)) else list(files)
+    if not paths:
+        raise InputError(f"{what}: expected files, got none")
+    return paths
 
 
 def read_orbit(*paths: FilePath, object: str | int | None = None) -> KnownOrbit:
@@ -438,10 +449,11 @@ def read_orbit(*paths: FilePath, object: str | int | None = None) -> KnownOrbit:
     >>> orbit.to_pandas().columns.tolist()
     ['utc', 'x', 'y', 'z', 'vx', 'vy', 'vz', 'sigma_r', 'sigma_s', 'sigma_w']
     """
-    return known_orbits.read(paths, None if object is None else str(object))
+    together = [one for each in _paths("read_orbit", paths) for one in _paths("read_orbit", each)]
+    return known_orbits.read(together, None if object is None else str(object))
 
 
-def compare(ours: KnownOrbit, other: KnownOrbit) -> pd.DataFrame:
+def compare(ours: KnownOrbit | PredictedOrbit, other: KnownOrbit | PredictedOrbit) -> pd.DataFrame:
     """Compare two orbits: the table `comparison`, ours less the other in RSW [m], at the other's times.
 
     It has our standard deviations, and the part of our ellipsoid's probability that each error is within.
@@ -451,7 +463,7 @@ def compare(ours: KnownOrbit, other: KnownOrbit) -> pd.DataFrame:
     >>> bool((apart["sigma_s"] > 0.0).all())
     True
     """
-    return comparison.compare(ours, other)
+    return comparison.compare(*map(known_orbits.of, (ours, other)))
 
 
 def predict_tracks(

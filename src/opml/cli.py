@@ -4,7 +4,6 @@ import argparse
 import io
 import logging
 import os
-import re
 import sys
 from collections.abc import Callable, Sequence
 from datetime import UTC, date, datetime
@@ -186,12 +185,13 @@ def _compare(options: argparse.Namespace) -> None:
 
 
 _WEATHER = "space weather, CSSI (that of `opml fetch`, else that of the package)"
-_UTC = "UTC, as 2026-07-15 or 2026-07-15T06:00:00"
+_UTC = "UTC, as 2026-07-15 or 2026-07-15T06:00:00Z"
 
 
 def _instant(text: str) -> str:
-    """Return UTC text, of a day alone when it begins."""
-    return f"{text}T00:00:00" if re.fullmatch(r"[\d-]{10}", text) else text
+    from opml.base import epochs
+
+    return epochs.instant(text)
 
 
 def _add_improve(parser: argparse.ArgumentParser) -> None:
@@ -341,6 +341,8 @@ def _train(options: argparse.Namespace) -> None:
     populations: dict[str, list[str]] = {}
     for one in options.sets:
         name, is_named, path = one.rpartition("=")
+        if is_named and not name:
+            raise InputError(f"{one}: expected NAME=PATH or PATH, got no name")
         populations.setdefault(name if is_named else "all", []).append(path)
     suffix_of(options.output, [trained_model.SUFFIX])
     check_distinct_files([options.output], [options.weather, *chain.from_iterable(populations.values())])

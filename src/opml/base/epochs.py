@@ -19,9 +19,12 @@ from numpy.typing import ArrayLike
 from opml.base.constants import DAY
 from opml.base.errors import InputError
 
+Time = str | date | np.datetime64  # UTC, of a day when it begins
 JulianDate = tuple[np.ndarray, np.ndarray]  # whole days and their fractions; the date is the sum
 MJD_ZERO = 2400000.5  # Julian date at which the modified Julian days begin
 
+_DAY_TEXT = re.compile(r"[\d-]{10}", re.ASCII)
+_MINUTE_TEXT = re.compile(r"[\d-]{10}T\d\d:\d\d", re.ASCII)
 _UTC_TEXT = re.compile(r"(\d{4})-(\d\d)-(\d\d)T(\d\d):(\d\d):(\d\d(?:\.\d+)?)", re.ASCII)
 
 
@@ -97,12 +100,28 @@ def seconds_between(epoch: str, later: str) -> float:
     return round(float((later_day - day) + (later_fraction - fraction)) * DAY, 9)
 
 
-def seconds_to(epoch: str, time: str | datetime) -> np.ndarray:
-    """Return the SI seconds (1,) from an epoch to a time, UTC. Raises InputError on a malformed text."""
+def seconds_to(epoch: str, time: Time) -> np.ndarray:
+    """Return the SI seconds (1,) from an epoch to a time, UTC, a day when it begins.
+
+    Raises InputError on a malformed text, and for what is no time.
+    """
     if isinstance(time, datetime):
         aware = time if time.tzinfo else time.replace(tzinfo=UTC)
-        time = aware.astimezone(UTC).replace(tzinfo=None).isoformat()
-    return np.array([seconds_between(epoch, time.removesuffix("Z"))])
+        time = aware.astimezone(UTC).replace(tzinfo=None)
+    text = time.isoformat() if isinstance(time, date) else time
+    if isinstance(time, np.datetime64) and not np.isnat(time):
+        text = str(time.astype("M8[ns]"))
+    if not isinstance(text, str):
+        raise InputError(f"time: expected UTC text, a datetime or numpy.datetime64, got {time!r}")
+    return np.array([seconds_between(epoch, instant(text))])
+
+
+def instant(text: str) -> str:
+    """Return UTC text as `parse` has it, of a day alone when it begins, of a blank for the T, or with a Z."""
+    text = text.strip().removesuffix("Z").replace(" ", "T")
+    if _DAY_TEXT.fullmatch(text):
+        return f"{text}T00:00:00"
+    return f"{text}:00" if _MINUTE_TEXT.fullmatch(text) else text
 
 
 def days_of_year(epoch: str, duration_s: float) -> tuple[float, np.ndarray]:

@@ -19,6 +19,8 @@ _COPIED = 0.01  # distance from the truth [m] that no prediction has: sets alone
 _LEAST_SHIFT = 0.5  # [s] along the track
 _ALIKE = 0.15  # of a shift: how far half of the answers may be from it
 _BETTER = 0.1  # what another frame leaves of the distances
+_FAR = 1e6  # distance [m] of answers that are of other objects
+_FAST = 1500.0  # difference of velocities [m/s] that no error below _FAR makes
 _GROWS = 1.2  # times the error of the shortest lead, as errors at the longest are at least
 _MANY = 100  # answers to a lead, of which a tenth may say something
 
@@ -31,7 +33,9 @@ def sentences(task: BenchmarkTask, answers: Answers, errors: pd.DataFrame, truth
     """
     found = [*_missing(task, answers), *_stray(answers), *_later_inputs(task, answers)]
     if answers.is_answered.any():
-        found += [*_copied(answers, truth), *_frame(task, answers, truth)]
+        frame = [*_frame(task, answers, truth)]
+        found += [*_copied(answers, truth), *frame]
+        found += [*_of_others(answers, truth)] if not frame else []
         shifted = [*_shifted(errors, truth[answers.is_answered])]
         found += shifted or [*_without_growth(errors)]
     return found
@@ -97,6 +101,19 @@ def _from_earth(time: np.ndarray) -> np.ndarray:
     """Return the rotations (n, 3, 3) from the turning Earth to TEME at times [s since EPOCH]."""
     angle = erfa.gmst82(*epochs.utc(tasks.EPOCH, time))
     return np.asarray(erfa.rz(-angle, np.eye(3)))
+
+
+def _of_others(answers: Answers, truth: np.ndarray) -> Iterator[str]:
+    """Tell of positions, or of velocities alone, that are not those of the objects."""
+    apart = answers.states[answers.is_answered] - truth[answers.is_answered]
+    far, fast = (float(np.median(np.linalg.norm(part, axis=1))) for part in np.split(apart, 2, axis=1))
+    if far > _FAR:
+        yield f"object: answers are {far / 1e3:.0f} km from the truth: are they of other objects?"
+    elif fast > _FAST:
+        yield (
+            f"velocities: they are {fast:.0f} m/s off where positions are {far / 1e3:.3g} km off: "
+            "they are not those of the orbits, and turn covariances"
+        )
 
 
 def _shifted(errors: pd.DataFrame, truth: np.ndarray) -> Iterator[str]:

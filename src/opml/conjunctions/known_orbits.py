@@ -10,13 +10,13 @@ import logging
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from datetime import datetime
 from functools import cached_property
 
 import numpy as np
 import pandas as pd
 
 from opml.base import epochs
+from opml.base.arrays import read_only
 from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.files import FilePath
@@ -29,6 +29,7 @@ from opml.interop.object_ids import UNKNOWN, ObjectId
 from opml.interop.orbit_arcs import Arc
 from opml.interop.orbit_from_files import OrbitFiles, arcs_of_files
 from opml.interop.orbit_segments import covariances_in_rsw
+from opml.interop.predicted_orbit import PredictedOrbit
 from opml.orbits.state_polynomials import FEWEST
 from opml.tables import STATE, read_kind, read_metadata, read_table
 
@@ -92,11 +93,11 @@ class KnownOrbit(ABC):
         """Return covariances (n, 6, 6) in RSW [m, m/s] at times (n,), NaN where none is known."""
         return np.full((len(t), 6, 6), np.nan)
 
-    def state(self, time: str | datetime) -> np.ndarray:
+    def state(self, time: epochs.Time) -> np.ndarray:
         """Return the GCRF state (6,) [m, m/s] at a time (UTC), NaN where nothing is known."""
         return self.at(epochs.seconds_to(EPOCH, time))[0]
 
-    def covariance(self, time: str | datetime) -> np.ndarray:
+    def covariance(self, time: epochs.Time) -> np.ndarray:
         """Return the covariance (6, 6) in RSW [m, m/s] at a time (UTC), NaN where none is known."""
         return self.covariances(epochs.seconds_to(EPOCH, time))[0]
 
@@ -120,7 +121,7 @@ class States(KnownOrbit):
     @cached_property
     def t(self) -> np.ndarray:
         """Times (n,) of all states [s since EPOCH]."""
-        return np.unique(np.concatenate([one.t for one in self.stretches]))
+        return read_only(np.unique(np.concatenate([one.t for one in self.stretches])))
 
     def at(self, t: np.ndarray) -> np.ndarray:
         """Return states as `KnownOrbit.at`."""
@@ -148,7 +149,7 @@ class Sets(KnownOrbit):
     @property
     def t(self) -> np.ndarray:
         """Epochs (n,) [s since EPOCH]."""
-        return np.asarray(self.sets["t"])
+        return read_only(self.sets["t"].to_numpy())
 
     def at(self, t: np.ndarray) -> np.ndarray:
         """Return states as `KnownOrbit.at`; a set is propagated 30 days at most."""
@@ -175,6 +176,16 @@ def read(paths: Sequence[FilePath], wanted: str | None = None) -> KnownOrbit:
     return _of_tables(paths) if kind == formats.TABLE else _of_files(OrbitFiles(paths, EPOCH, np.inf, wanted))
 
 
+def of(orbit: KnownOrbit | PredictedOrbit) -> KnownOrbit:
+    """Return an orbit that was read, or a prediction as one. Raises InputError for what is neither."""
+    if isinstance(orbit, PredictedOrbit):
+        since = epochs.seconds_between(EPOCH, orbit.date)
+        return States(orbit.way, stretches_of(orbit.segment(), since), identity=orbit.identity)
+    if not isinstance(orbit, KnownOrbit):
+        raise InputError(f"compare: expected orbits or predictions, got {type(orbit).__name__}")
+    return orbit
+
+
 def _of_files(files: OrbitFiles) -> States:
     arcs = [_in_one_unit(arc) for arc in arcs_of_files(files)]
     stretches = [
@@ -191,8 +202,7 @@ def _of_tables(paths: Sequence[FilePath]) -> States:
             raise InputError(f"{path}: expected a table of {', '.join(oem.SEGMENTS)}, got one of {kind}")
         since = epochs.seconds_between(EPOCH, read_metadata(path)["epoch"])
         for one in oem.segments_of(read_table(path, kind), kind, identity):
-            moved = replace(one, t=one.t + since, covariance_t=one.covariance_t + since)
-            stretches += stretches_of(moved)
+            stretches += stretches_of(one, since)
     return States(str(paths[0]), stretches, identity=identity)
 
 
@@ -209,8 +219,12 @@ def _in_one_unit(arc: Arc) -> Arc:
     return arc.without_velocities()
 
 
-def stretches_of(segment: oem.Segment) -> list[Stretch]:
-    """Return the stretches of a segment, times since EPOCH, with covariances in RSW."""
+def stretches_of(segment: oem.Segment, since: float = 0.0) -> list[Stretch]:
+    """Return the stretches of a segment, times since EPOCH, with covariances in RSW.
+
+    since: when the segment's times begin to count [s since EPOCH]
+    """
+    segment = replace(segment, t=segment.t + since, covariance_t=segment.covariance_t + since)
     stretches = _stretches(segment.name, segment.t, segment.states)
     t, covariances = covariances_in_rsw(segment, States(segment.name, stretches).at)
     return [replace(one, covariance_t=t, covariances=covariances) for one in stretches]

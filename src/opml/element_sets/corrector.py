@@ -241,8 +241,10 @@ def _boosted(rows: pd.DataFrame, target: np.ndarray, seed: int, *, loss: str, le
         min_samples_leaf=min(_ROWS_A_LEAF, max(20, len(rows) // 50)),
         random_state=int(derive(seed, "trees").integers(2**31)),
     )
+    # An object alone in its band is its own median: it has nothing to teach.
+    weights = np.divide(1.0, sizes, out=np.zeros(len(rows)), where=sizes.to_numpy() > 0.0)
     with threadpool_limits(limits=1):  # sums in one order, whatever the machine
-        machine.fit(rows[list(FEATURES)].to_numpy(), target, 1.0 / sizes.to_numpy())
+        machine.fit(rows[list(FEATURES)].to_numpy(), target, weights)
     return boosting.from_machine(machine, FEATURES)
 
 

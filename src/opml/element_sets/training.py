@@ -48,6 +48,9 @@ def train(
     found = {name: catalogues.find_files(paths) for name, paths in populations.items()}
     end = np.inf if date is None else modified_julian_day(date)
     sets = {name: catalogues.read(files).until(end).daily() for name, files in found.items()}
+    for name, known_sets in sets.items():
+        if known_sets.table.empty:
+            raise InputError(f"{name}: expected sets that were public on {date}, got none")
     measured = known_weather.read(weather)
     known = density.clean(measured if date is None else measured.keep_known(end))
     progress("densities of the thermosphere since 2002")

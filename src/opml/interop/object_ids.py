@@ -8,11 +8,14 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
+from sgp4.alpha5 import from_alpha5
+
 from opml.base.files import FilePath
 from opml.tables import read_metadata
 
 _DESIGNATOR = re.compile(r"(\d{4}|\d{2})-?(\d{3})-?([A-Z]{1,3})", re.ASCII)
 _NUMBER = re.compile(r"\d{1,9}", re.ASCII)
+_ALPHA_5 = re.compile(r"[A-HJ-NP-Z]\d{4}", re.ASCII)  # a number as TLEs have it
 _FIRST_YEAR = 57  # two digits of the year of the first launch
 _UNKNOWN = ("", "UNKNOWN", "NONE", "N/A")
 
@@ -57,8 +60,11 @@ class ObjectId:
         return f"{match[1][-2:]}{match[2]}{match[3]}" if match else ""
 
     def is_called(self, wanted: str) -> bool:
-        """Return whether a user's word is its catalogue number, name or designator, in any case."""
-        words = {_normal(wanted.upper()), wanted.upper()} - {"", "0"}
+        """Return whether a user's word is its number, as A0001 and 00005, too, its name or designator."""
+        words = {_normal(wanted.upper()), wanted.upper()}
+        if _NUMBER.fullmatch(wanted) or _ALPHA_5.fullmatch(wanted.upper()):
+            words.add(str(from_alpha5(wanted.upper())))
+        words -= {"", "0"}
         return not words.isdisjoint({str(self.number), self.name.upper(), self.designator.upper()})
 
     def is_same(self, other: "ObjectId") -> bool:

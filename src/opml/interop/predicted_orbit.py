@@ -2,13 +2,13 @@
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from datetime import datetime
 from functools import cached_property
 
 import numpy as np
 import pandas as pd
 
 from opml.base import epochs
+from opml.base.arrays import read_only
 from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.files import FilePath
@@ -80,11 +80,11 @@ class PredictedOrbit(ABC):
         """Return the part of the covariances at times (n,) that other objects share, None where unknown."""
         return None
 
-    def state(self, time: str | datetime) -> np.ndarray:
+    def state(self, time: epochs.Time) -> np.ndarray:
         """Return the GCRF state (6,) [m, m/s] at a time (UTC). Raises InputError as `states` does."""
         return self.states(epochs.seconds_to(self.date, time))[0]
 
-    def covariance(self, time: str | datetime) -> np.ndarray:
+    def covariance(self, time: epochs.Time) -> np.ndarray:
         """Return the covariance (6, 6) in RSW [m, m/s] at a time (UTC); raises as `states` does."""
         t = epochs.seconds_to(self.date, time)
         return self.covariances(t, self.states(t))[0]
@@ -92,7 +92,7 @@ class PredictedOrbit(ABC):
     @cached_property
     def t(self) -> np.ndarray:
         """Times (n,) of the ephemeris [s since the date]."""
-        return STEP * np.arange(int((DAY * self.days + _ROUNDED) / STEP) + 1)
+        return read_only(STEP * np.arange(int((DAY * self.days + _ROUNDED) / STEP) + 1))
 
     def to_pandas(self) -> pd.DataFrame:
         """Return the ephemeris, a row a minute: utc, GCRF state [m, m/s], sigma_r, sigma_s, sigma_w [m]."""

@@ -277,6 +277,30 @@ def test_copies_of_the_truth_are_told(any_task, any_truth, tmp_path):
     assert any(one.startswith(peeking) for one in told)
 
 
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda v: np.tile([7000.0, 0.0, 0.0], (len(v), 1)),
+        lambda v: v[:, [2, 1, 0]],
+        lambda v: -v,
+    ],
+    ids=["alike", "axes", "sign"],
+)
+def test_velocities_of_no_orbit_are_told(change, any_task, any_truth, tmp_path):
+    name, task = any_task
+    wrong = np.hstack([any_truth[:, :3] + 30.0, change(any_truth[:, 3:])])
+    told = suspicions(of_states(wrong, task, tmp_path), name)
+    assert any(one.startswith("velocities: they are ") for one in told)
+
+
+def test_states_of_other_objects_are_told(any_task, any_truth, tmp_path):
+    name, task = any_task
+    told = suspicions(
+        of_states(np.roll(any_truth, len(task.questions) // 2 + 1, axis=0), task, tmp_path), name
+    )
+    assert any(one.startswith("object: answers are ") for one in told)
+
+
 def test_inputs_after_t_are_told(sgp4, tmp_path):
     def known(rows):
         return [r | {"known": "2026-01-07T00:00:00" if r["t"] < "2026-01" else r["t"]} for r in rows]
@@ -611,6 +635,11 @@ def test_a_hidden_month_is_asked_answered_and_scored(sgp4, tmp_path, monkeypatch
     assert cli.main(["truth", "month", "all.tle"]) == 0
     asked = len(tasks.read("month").questions)
     assert f"month-truth: the truth of {asked} questions" in capsys.readouterr().out
+    frozen = tasks.digest(tmp_path / "month-truth" / "truth.csv")
+    assert cli.main(["truth", "month", "all.tle"]) == 1
+    assert f"expected no truth yet, got that of SHA-256 {frozen}" in capsys.readouterr().err
+    assert cli.main(["truth", "SAMPLE", "all.tle"]) == 1
+    assert "sample: expected a hidden task, got one whose truth is frozen" in capsys.readouterr().err
     assert cli.main(["score", "month", "mine.csv", "-o", "mine.json"]) == 0
     rows = json.loads((tmp_path / "mine.json").read_text())["scores"]
     judged = benchmark.score(tasks.SAMPLE, sgp4).scores

@@ -1,9 +1,11 @@
 """A prediction from element sets: nothing later counts, its covariance is its past's, all files agree."""
 
+import copy
 import json
+import pickle
 import re
 from dataclasses import replace
-from datetime import UTC, datetime
+from datetime import UTC, date, datetime
 from functools import partial
 
 import numpy as np
@@ -12,7 +14,7 @@ import pytest
 import sinking_histories
 from browser import laid_out
 from element_histories import history, tle_text
-from support import EPOCH, REPOSITORY
+from support import EPOCH, REPOSITORY, refusal
 
 import opml
 from opml import cli
@@ -80,6 +82,55 @@ def test_times_are_text_or_clocks_and_lie_within(made):
     np.testing.assert_array_equal(made.state("2026-01-10T06:00:00Z"), made.state(clock))
     with pytest.raises(InputError, match=r"expected a time from 2026-01-08T06.* to 2026-01-15T06"):
         made.state("2026-01-15T06:00:01")
+
+
+def test_what_is_handed_out_cannot_change_the_prediction(made, tmp_path):
+    hours = made.t
+    with pytest.raises(ValueError, match="read-only"):
+        hours /= 3600.0
+    made.to_oem(tmp_path / "made.oem")
+    orbit = opml.read_orbit(tmp_path / "made.oem")
+    for t in (orbit.t, opml.read_orbit(tmp_path / "made.oem").t):
+        with pytest.raises(ValueError, match="read-only"):
+            t -= t[0]
+
+
+def test_copies_and_pickles_propagate_alike(made):
+    for again in (copy.deepcopy(made), pickle.loads(pickle.dumps(made))):
+        np.testing.assert_allclose(again.states(made.t), made.states(made.t), rtol=0, atol=1e-3)
+
+
+def test_a_prediction_is_compared_as_it_is(made, tmp_path):
+    made.to_oem(tmp_path / "made.oem")
+    apart = opml.compare(made, opml.read_orbit(tmp_path / "made.oem"))
+    assert apart["distance"].max() < 1e-3
+    assert "expected orbits or predictions, got int" in refusal(opml.compare, made, 7)
+
+
+def test_times_of_every_kind_are_taken(made):
+    expected = made.state("2026-01-10T00:00:00")
+    times = (
+        np.datetime64("2026-01-10"),
+        date(2026, 1, 10),
+        "2026-01-10",
+        "2026-01-10 00:00Z",
+        datetime(2026, 1, 10),
+    )
+    for time in times:
+        np.testing.assert_array_equal(made.state(time), expected)
+
+
+@pytest.mark.parametrize("time", [3600.0, None, ["2026-01-10"], np.datetime64("NaT")], ids=str)
+def test_what_is_no_time_is_refused(made, time):
+    assert "time: expected UTC text, a datetime or numpy.datetime64, got" in refusal(made.state, time)
+
+
+def test_what_is_no_file_or_number_is_refused(file):
+    assert refusal(opml.predict, []) == "predict: expected files, got none"
+    assert refusal(opml.read_orbit) == "read_orbit: expected files, got none"
+    assert refusal(opml.predict, file, days="2") == "predict: days: expected a number, got '2'"
+    assert "nowhere.tle: no such file" in refusal(opml.predict, file, catalogue="/nowhere.tle")
+    assert opml.read_orbit([file]).identity.number == NUMBER
 
 
 @pytest.mark.parametrize(("days", "minutes"), [(2.3, 3312), (0.0101, 14)])

@@ -3,9 +3,12 @@
 import gzip
 import json
 import logging
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
+import sgp4
 from sgp4.api import Satrec
 from support import refusal, refusals, shared
 
@@ -472,3 +475,44 @@ def test_real_histories_are_read_whole(name):
         if k % 100 == 50
     ]
     assert np.median(np.linalg.norm(steps, axis=1)) < 10e3
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda line: f"{line}      0.00      4320.0        360.00",
+        lambda line: f"{line}\\",
+        lambda line: line[:-1],
+    ],
+    ids=["times to propagate to", "backslash", "no checksum"],
+)
+def test_what_programs_add_to_a_line_or_omit_is_no_damage(change, tmp_path):
+    given, plain = tmp_path / "given.tle", tmp_path / "plain.tle"
+    first, second = tle()
+    plain.write_text(f"{first}\n{second}\n")
+    given.write_text(f"{change(first)}\n{change(second)}\n")
+    (one,), (other,) = mean_elements.read_sets(given), mean_elements.read_sets(plain)
+    assert histories._elements(one) == histories._elements(other)
+
+
+def test_the_verification_of_sgp4_is_read(caplog):
+    """30 of its 33 sets have the checksums of their lines."""
+    damaged = []
+    sets = mean_elements.read_sets(Path(sgp4.__file__).with_name("SGP4-VER.TLE"), damaged)
+    assert (len(sets), len(damaged)) == (30, 3)
+    assert all("expected the checksum" in str(error) for error in damaged)
+
+
+def test_columns_that_were_collapsed_are_shown_as_they_are(tmp_path):
+    path = tmp_path / "sets.tle"
+    path.write_text("\n".join(" ".join(line.split()) for line in tle()))
+    told = refusal(mean_elements.read_sets, path)
+    assert re.search(
+        r"line 1: expected line 1 of a TLE, got '1 12345U 20001A .*: \d\d columns, not 69$", told
+    )
+
+
+@pytest.mark.parametrize(("key", "value"), [("NORAD_CAT_ID", "+12345"), ("REV_AT_EPOCH", "+0")])
+def test_whole_numbers_may_have_a_sign(key, value, tmp_path):
+    (tmp_path / "one.kvn").write_text(kvn(omm(**{key: value})))
+    assert mean_elements.read_sets(tmp_path / "one.kvn")[0].number == 12345

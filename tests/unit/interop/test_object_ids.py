@@ -74,3 +74,11 @@ def test_the_first_table_that_tells_an_object_counts(tmp_path):
     paths = [tmp_path / name for name in told]
     assert of_tables(paths, name="iss") == ObjectId("iss", "1998-067A")
     assert of_tables(paths[:2], name="iss") == of_tables([], name="iss") == ObjectId("iss")
+
+
+@pytest.mark.parametrize(
+    ("number", "word"), [(5, "00005"), (5, "5"), (100_001, "A0001"), (100_001, "a0001"), (339_999, "Z9999")]
+)
+def test_a_number_is_called_as_files_write_it(number, word):
+    assert ObjectId("X", number=number).is_called(word)
+    assert not ObjectId("X", number=number + 1).is_called(word)

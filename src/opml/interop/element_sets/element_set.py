@@ -1,11 +1,12 @@
 """A set of mean elements for SGP4, from whatever format, and the reading of one set after the other."""
 
+import copyreg
 import logging
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from datetime import datetime, timedelta
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import erfa
 import numpy as np
@@ -82,8 +83,8 @@ def with_drag(satellite: Satrec, bstar: float) -> Satrec:
 
 def changed(satellite: Satrec, motion: float, bstar: float) -> Satrec:
     """Return a set with another mean motion [rad/min] and B*."""
-    angles = satellite.inclo, satellite.nodeo, satellite.argpo, satellite.mo
-    return _initialised(_days(satellite), [motion, satellite.ecco, *angles, bstar])
+    _, (days, (_, *shape, _)) = _reduced(satellite)
+    return _initialised(days, [motion, *shape, bstar])
 
 
 def _days(satellite: Satrec) -> float:
@@ -159,6 +160,15 @@ def _initialised(days: float, elements: Sequence[float]) -> Satrec:
         node,
     )
     return made
+
+
+def _reduced(satellite: Satrec) -> tuple[Any, ...]:
+    """Return what makes the orbit of a set again, for copies and pickles, which sgp4 has not."""
+    angles = satellite.inclo, satellite.nodeo, satellite.argpo, satellite.mo
+    return _initialised, (_days(satellite), [satellite.no_kozai, satellite.ecco, *angles, satellite.bstar])
+
+
+copyreg.pickle(Satrec, _reduced)
 
 
 def elements_epoch(satellite: Satrec) -> str:

@@ -314,4 +314,5 @@ def _is_finite(text: str) -> bool:
 
 
 def _is_whole(text: str) -> bool:
-    return text.isascii() and text.isdigit() and len(text) <= _MOST_DIGITS
+    digits = text.removeprefix("+")
+    return digits.isascii() and digits.isdigit() and len(digits) <= _MOST_DIGITS

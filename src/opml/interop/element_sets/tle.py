@@ -4,6 +4,7 @@ Source: Vallado, Crawford, Hujsak & Kelso 2006, Revisiting Spacetrack Report #3 
 Space-Track, Alpha-5: a letter other than I and O is the first two digits of a number from 100000 to 339999.
 """
 
+import logging
 import re
 from calendar import isleap
 from collections.abc import Iterator, Sequence
@@ -32,10 +33,14 @@ EPHEMERIS_TYPES = ("0", "2", "3")
 _FIRST_DAY, _JULIAN_1957, _YEARS = date(1957, 1, 1), 2435839.5, 100
 _DAY_PARTS = 10**8  # of a day that an epoch resolves
 _FIRST_YEAR = 57  # two digits of the first year of a TLE, 1957; smaller ones are of this century
+_COLUMNS = 69  # of a line
 _LONGEST_NAME = 68  # letters of a name: a text as long as a line of a TLE is a damaged one
 
 _WORTH = bytes(int(chr(k)) if chr(k) in "0123456789" else chr(k) == "-" for k in range(256))
 """What each byte counts in a checksum: digits their value, minus signs one."""
+
+
+_log = logging.getLogger(__name__)
 
 
 def _right(width: int) -> str:
@@ -79,7 +84,7 @@ def pieces(path: FilePath, text: str) -> Iterator[list[Line]]:
     is a piece of its own.
     """
     doubtful: list[list[Line]] = []
-    for piece in _cut(text):
+    for piece in _cut(path, text):
         kinds = "".join(line[0] for _, line in piece[-2:])
         if kinds.endswith("1"):
             yield from ([line] for pair in doubtful for line in pair)
@@ -92,12 +97,12 @@ def pieces(path: FilePath, text: str) -> Iterator[list[Line]]:
     yield from doubtful
 
 
-def _cut(text: str) -> Iterator[list[Line]]:
+def _cut(path: FilePath, text: str) -> Iterator[list[Line]]:
     """Yield lines up to a line 2, or to where another set begins."""
     piece: list[Line] = []
     has_first = False
     for number, line in enumerate(text.splitlines(), start=1):
-        line = line.rstrip()
+        line = _without_additions(path, number, line)
         if not line or line.startswith("#"):
             continue
         kind = _kind(line)
@@ -111,6 +116,22 @@ def _cut(text: str) -> Iterator[list[Line]]:
             piece, has_first = [], False
     if piece:
         yield piece
+
+
+def _without_additions(path: FilePath, number: int, line: str) -> str:
+    """Return a line without what some programs add to its 69 columns, with the checksum that some omit.
+
+    These are times to propagate to, as in the verification of SGP4, and a backslash.
+    """
+    line = line.rstrip().removesuffix("\\").rstrip()
+    if not line.startswith(("1 ", "2 ")) or len(line) < _COLUMNS - 1:
+        return line
+    if len(line) > _COLUMNS and line[_COLUMNS].isspace() and _PATTERNS[line[0]].fullmatch(line[:_COLUMNS]):
+        return line[:_COLUMNS]
+    if len(line) == _COLUMNS - 1 and _PATTERNS[line[0]].fullmatch(f"{line}0"):
+        _log.warning("%s: line %d: no checksum, taken as it is", path, number)
+        return _summed(line)
+    return line
 
 
 def element_set(path: FilePath, piece: Sequence[Line]) -> ElementSet:
@@ -232,7 +253,8 @@ def _check_line(path: FilePath, last: int, line: Line | None, kind: str) -> None
         raise line_error(path, last, f"line {kind} of a TLE after this line", "none")
     number, text = line
     if not _PATTERNS[kind].fullmatch(text):
-        raise line_error(path, number, f"line {kind} of a TLE", repr(text))
+        error = line_error(path, number, f"line {kind} of a TLE", repr(text))
+        raise error if len(text) == _COLUMNS else InputError(f"{error}: {len(text)} columns, not {_COLUMNS}")
     if _checksum(text) != int(text[68]):
         raise line_error(path, number, f"the checksum {_checksum(text)}", text[68])
 
