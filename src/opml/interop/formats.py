@@ -12,9 +12,10 @@ from typing import Any, cast
 
 from opml.base.errors import InputError
 from opml.base.files import FilePath
-from opml.interop import cpf, fixes_csv, oem, sp3
+from opml.interop import fixes_csv, oem
 from opml.interop.element_sets import omm, tle
 from opml.interop.orbit_arcs import contents, excerpt
+from opml.interop.orbit_formats import cpf, itc, sp3, stk
 from opml.tables import is_table
 
 ORBIT, TRACKS, ELEMENTS = "an orbit", "tracks", "element sets"
@@ -72,6 +73,8 @@ FORMATS = (
     Format("OEM", ORBIT, _message(b"OEM"), oem.read),
     Format("SP3", ORBIT, _begins(rb"#[a-z][PV]\d{4}"), sp3.read),
     Format("CPF", ORBIT, _begins(rb"H1\s+CPF\b"), cpf.read),
+    Format("modified ITC", ORBIT, _begins(rb"created:\s*\d{4}-"), itc.read),
+    Format("STK", ORBIT, _begins(rb"stk\.v\."), stk.read),
     Format("TDM", TRACKS, _message(b"TDM")),
     Format("CDM", CONJUNCTION, _message(b"CDM")),
     Format("Parquet", TABLE, is_table),

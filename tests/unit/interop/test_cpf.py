@@ -6,8 +6,8 @@ from orbit_files import cpf as written
 from support import EPOCH, edited, refusal, refusals, shared
 
 from opml.base.errors import InputError
-from opml.interop import cpf
 from opml.interop.orbit_arcs import contents
+from opml.interop.orbit_formats import cpf
 
 T = np.array([15.0, 195.0, 43020.0, 43200.0])  # across midnight
 STATES = np.random.default_rng(1).uniform(-7e6, 7e6, (4, 6)) * np.repeat([1.0, 1e-3], 3)

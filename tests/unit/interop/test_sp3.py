@@ -7,8 +7,8 @@ from orbit_files import sp3 as written
 from support import EPOCH, edited, refusal, refusals
 
 from opml.base.errors import InputError
-from opml.interop import sp3
 from opml.interop.orbit_arcs import contents
+from opml.interop.orbit_formats import sp3
 
 T = np.array([0.0, 60.0, 120.0, 180.0])
 STATES = np.random.default_rng(1).uniform(-7e6, 7e6, (4, 6)) * np.repeat([1.0, 1e-3], 3)

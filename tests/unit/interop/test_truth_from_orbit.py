@@ -20,10 +20,11 @@ from opml.catalog.propagator import Propagator
 from opml.catalog.simulate import truth
 from opml.environment import earth_orientation as eop
 from opml.environment import nodes as environment_nodes
-from opml.interop import ccsds, cpf, oem, orbit_from_files, sp3, truth_from_orbit
+from opml.interop import ccsds, oem, orbit_from_files, truth_from_orbit
 from opml.interop.curves import orbit_curve
 from opml.interop.curves.gravity_interpolation import bridge
 from opml.interop.orbit_arcs import contents
+from opml.interop.orbit_formats import cpf, sp3
 from opml.interop.orbit_from_files import OrbitFiles
 from opml.tables import STATE
 
