@@ -37,7 +37,7 @@ def test_a_file_has_the_format_that_it_begins_as(name):
     ("content", "got"),
     [
         (b"#dV2019  9  2 23 59 42", "SP3"),
-        (b"GP data has not updated since your last download\n", "'GP data has not updated since your last d"),
+        (b"GP data has not updated since your last download\n", "CelesTrak: not updated"),
         (b"CCSDS_OPM_VERS = 2.0", "'CCSDS_OPM_VERS = 2.0'"),
         (b" \n", "an empty file"),
         (b"\xff\xfe\0", "bytes that are no text in UTF-8"),
