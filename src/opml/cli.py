@@ -15,8 +15,8 @@ from opml import __version__
 from opml.base.errors import InputError
 from opml.base.files import check_distinct_files, check_folder, suffix_of
 from opml.base.progress import clear, counted, on_stderr
-from opml.commands import benchmark
-from opml.commands.command import Command
+from opml.commands import benchmark, orbit
+from opml.commands.command import UTC_TEXT, WEATHER, Command, instant
 
 if TYPE_CHECKING:
     from opml.base.progress import Progress
@@ -185,23 +185,13 @@ def _compare(options: argparse.Namespace) -> None:
     print(comparison.summary(table))
 
 
-_WEATHER = "space weather, CSSI (that of `opml fetch`, else that of the package)"
-_UTC = "UTC, as 2026-07-15 or 2026-07-15T06:00:00Z"
-
-
-def _instant(text: str) -> str:
-    from opml.base import epochs
-
-    return epochs.instant(text)
-
-
 def _add_improve(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("sets", nargs="*", help="files and folders of {elements} (all that was fetched)")
     parser.add_argument("-o", "--output", required=True, help="better sets: .tle, .json, .csv, .xml or .kvn")
     parser.add_argument("--table", help="what was done, and the errors expected: .csv, .json or .parquet")
-    parser.add_argument("--date", type=_instant, help=f"{_UTC}: only what was public then counts (now)")
+    parser.add_argument("--date", type=instant, help=f"{UTC_TEXT}: only what was public then counts (now)")
     parser.add_argument("--latency", type=float, help="hours from epoch to publication (6; 0 without --date)")
-    parser.add_argument("--weather", default="NEWEST", help=_WEATHER)
+    parser.add_argument("--weather", default="NEWEST", help=WEATHER)
     parser.add_argument("--model", help="a model of `opml train` (that of the package)")
 
 
@@ -235,8 +225,8 @@ def _add_predict(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("-o", "--output", action="append", default=[], help=_PREDICTED)
     parser.add_argument("--object", help="name, designator or number, where the files have several objects")
     parser.add_argument("--days", type=float, default=7.0, help="length of the prediction (7)")
-    parser.add_argument("--date", type=_instant, help=f"{_UTC} (when the newest was known)")
-    parser.add_argument("--weather", default="NEWEST", help=_WEATHER)
+    parser.add_argument("--date", type=instant, help=f"{UTC_TEXT} (when the newest was known)")
+    parser.add_argument("--weather", default="NEWEST", help=WEATHER)
     parser.add_argument("--station", action="append", default=[], help="latitude,longitude,altitude [deg, m]")
     sets = parser.add_argument_group("of element sets")
     sets.add_argument("--catalogue", nargs="+", default=[], help="sets of other objects, to compare with")
@@ -332,7 +322,9 @@ def _fetch(options: argparse.Namespace) -> None:
 def _add_train(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("sets", nargs="+", metavar="[NAME=]PATH", help="files and folders by population")
     parser.add_argument("-o", "--output", required=True, help="the model, .parquet")
-    parser.add_argument("--date", type=_instant, help=f"{_UTC}; what became known later is not learned from")
+    parser.add_argument(
+        "--date", type=instant, help=f"{UTC_TEXT}; what became known later is not learned from"
+    )
     parser.add_argument("--weather", default="OBSERVED", help="space weather, CSSI (that of the package)")
 
 
@@ -413,6 +405,7 @@ GROUPS = {
         Command("fetch", "fetch space weather, Earth orientation and element sets", _add_fetch, _fetch),
         Command("predict", "predict an object from element sets, points or tracks", _add_predict, _predict),
         Command("improve", "improve element sets, as a catalogue taught", _add_improve, _improve),
+        Command("orbit", "where objects were, by the orbits inside their sets", orbit.add, orbit.run),
         Command("compare", "compare two orbits over time", _add_compare, _compare),
         Command("screen", "find close approaches of ephemerides", _add_screen, _screen),
     ),

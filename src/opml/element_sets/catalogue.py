@@ -48,6 +48,11 @@ class ElementCatalogue:
         day = self.table["number"].to_numpy() * _MOST_DAYS + np.floor(self.table["t"].to_numpy())
         return self.take(np.flatnonzero(np.append(day[1:], np.inf)[: len(day)] != day))
 
+    def newest(self) -> "ElementCatalogue":
+        """Return the last set of each object."""
+        number = self.table["number"].to_numpy()
+        return self.take(np.flatnonzero(np.append(number[1:] != number[:-1], True)[: len(number)]))
+
     def take(self, rows: np.ndarray) -> "ElementCatalogue":
         """Return the sets of some rows, in order."""
         return ElementCatalogue(

@@ -13,6 +13,7 @@ import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -104,22 +105,7 @@ class InsideNow:
     @property
     def doubt(self) -> str:
         """Why the sets have no orbit inside, in words; '' where they have one."""
-        if self.agreement is None:
-            is_old = self.date < MODERN
-            return (
-                "its sets are of years when publishers fitted otherwise, and too few to tell"
-                if is_old
-                else ""
-            )
-        own, by_sgp4 = (
-            float(np.hypot(*self.errors[list(axes)].median())) for axes in (("r", "w"), ("sgp4_r", "sgp4_w"))
-        )
-        is_little = decay(self.orbit.beginning.satellite) < LITTLE_DRAG
-        if self.agreement.w > (FARTHEST if is_little else FARTHEST_DRAGGED):
-            return f"orbits of its sets agree to {self.agreement.w:.0f} m across the track"
-        if own > by_sgp4 * (AGREED if self.span.is_centred else AGREED_BEFORE):
-            return f"orbits of its sets agree to {own:.0f} m, SGP4's to {by_sgp4:.0f} m"
-        return ""
+        return doubt(self.agreement, self.errors, self.orbit.beginning.satellite, self.date)
 
     def ahead_of_sgp4(self, days: np.ndarray) -> np.ndarray:
         """Return how far SGP4 from the newest set is ahead of the orbit (n,) [m], a revolution's mean.
@@ -171,6 +157,51 @@ class InsideNow:
 _MOTION, _LATITUDE = 0, 5  # places of elements among the numbers
 
 
+def doubt(agreement: Agreement | None, errors: pd.DataFrame, newest: Satrec, date: str) -> str:
+    """Return why sets of a date have no orbit inside, in words; '' where they have one.
+
+    errors: of the orbits, as `PastOrbits.errors` has them; newest: the last of the sets
+    """
+    if agreement is None:
+        is_old = date < MODERN
+        return "its sets are of years when publishers fitted otherwise, and too few to tell" if is_old else ""
+    own, by_sgp4 = (
+        float(np.hypot(*errors[list(axes)].median())) for axes in (("r", "w"), ("sgp4_r", "sgp4_w"))
+    )
+    if agreement.w > (FARTHEST if decay(newest) < LITTLE_DRAG else FARTHEST_DRAGGED):
+        return f"orbits of its sets agree to {agreement.w:.0f} m across the track"
+    if own > by_sgp4 * (AGREED if agreement.span.is_centred else AGREED_BEFORE):
+        return f"orbits of its sets agree to {own:.0f} m, SGP4's to {by_sgp4:.0f} m"
+    return ""
+
+
+class DailyOrbits(NamedTuple):
+    """Orbits beside sets of some weeks, a set a day at most, and what makes them the ones inside.
+
+    span: by their agreement, or the usual one where that is None; numbers: changes (n, 8) over it
+    """
+
+    past: PastOrbits
+    agreement: Agreement | None
+    span: FitSpan
+    numbers: np.ndarray
+
+
+def daily_orbits(daily: Sequence[KnownSet], forces: Forces, now: float) -> DailyOrbits:
+    """Return the orbits inside sets, by epoch, one of a day.
+
+    now: the time from which those of the sets count [s since the epoch of the forces]
+    """
+    newest = daily[-1].satellite
+    little = decay(newest) < LITTLE_DRAG
+    longest = LONGEST if little else _SHORT
+    past = _past(daily, forces, now, longest=longest, is_lit=little)
+    spans = [one for one in SPANS if max(one.before, one.after) <= longest]
+    told = past_orbits.agreement(past, spans, axes=("r", "w") if decay(newest) < STEADY else ("w",))
+    span = told.span if told else centred(usual_half_span(newest))
+    return DailyOrbits(past, told, span, past.numbers(span, past.sunlight(span) if little else 0.0))
+
+
 def find(
     public: Sequence[KnownSet], *, date: str, weather: str | Path, threads: int | None = None
 ) -> InsideNow:
@@ -182,7 +213,7 @@ def find(
     Raises InputError for weather that does not reach.
     """
     newest = public[-1]
-    daily = _thinned([one for one in _last_of_days(public) if one.t >= newest.t - DAY * PAST])
+    daily = _thinned([one for one in last_of_days(public) if one.t >= newest.t - DAY * PAST])
     today = float(np.sum(epochs.utc(date, 0.0)) - epochs.MJD_ZERO)
     forces = inside_forces.read(
         weather,
@@ -191,15 +222,8 @@ def find(
         threads=threads or os.cpu_count() or 1,
     )
     now = forces.time(date)
-    little = decay(newest.satellite) < LITTLE_DRAG
-    longest = LONGEST if little else _SHORT
-    past = _past(daily, forces, now, longest=longest, is_lit=little)
-    spans = [one for one in SPANS if max(one.before, one.after) <= longest]
-    steady = decay(newest.satellite) < STEADY
-    told = past_orbits.agreement(past, spans, axes=("r", "w") if steady else ("w",))
-    span = told.span if told else centred(usual_half_span(newest.satellite))
-    numbers = past.numbers(span, past.sunlight(span) if little else 0.0)
-    before = BEFORE if steady else 0.0
+    past, told, span, numbers = daily_orbits(daily, forces, now)
+    before = BEFORE if decay(newest.satellite) < STEADY else 0.0
     counted = [one for one in public if newest.t - one.t <= DAY * before]
     [orbit] = orbits_beside(
         forces,
@@ -239,7 +263,8 @@ def unsuited(satellite: Satrec) -> str:
     return "" if perigee > LOWEST else f"perigee below {LOWEST / 1e3:g} km"
 
 
-def _last_of_days(sets: Sequence[KnownSet]) -> list[KnownSet]:
+def last_of_days(sets: Sequence[KnownSet]) -> list[KnownSet]:
+    """Return the last set of each day."""
     return list({np.floor(one.t / DAY): one for one in sets}.values())
 
 

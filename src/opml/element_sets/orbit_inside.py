@@ -196,10 +196,10 @@ def orbits_beside(
     families = 3 if is_lit else 2
     starts = np.array([one.t for one in beginnings])
     first, last = (EVERY * np.round(end / EVERY) for end in (starts - back, starts + ahead))
-    halves = [_paths(forces, beginnings, end, way, families) for end, way in ((first, -1.0), (last, 1.0))]
+    flown = paths(forces, beginnings, np.stack([first, last]), families=families)
     orbits = []
     for k, begin in enumerate(beginnings):
-        arcs = [_whole(begin, halves, k + family * len(beginnings)) for family in range(families)]
+        arcs = flown[k :: len(beginnings)]
         t = first[k] + EVERY * np.arange(len(arcs[0]))
         changes = [bent_rsw(other[:, :3], arcs[0])[..., None] for other in arcs[1:]]
         none = [np.zeros((len(t), 3, 1))] * (3 - families)
@@ -208,14 +208,36 @@ def orbits_beside(
     return orbits
 
 
-def _paths(
-    forces: Forces, beginnings: Sequence[Beginning], ends: np.ndarray, way: float, families: int
-) -> Arcs:
-    """Return arcs one way in time (1 or -1): of all beginnings, of all with more drag, and with more
+def paths(
+    forces: Forces,
+    beginnings: Sequence[Beginning],
+    ends: np.ndarray,
+    *,
+    every: float = EVERY,
+    families: int = 1,
+) -> list[np.ndarray]:
+    """Return the states (n, 6) [m, m/s] of orbits at even times, those of all with more drag, and with more
     light.
+
+    ends: (2, orbits) first and last times [s], multiples of `every`, which divides EVERY
+    families: 1 for the orbits alone, 2 or 3 for the others, too
     """
+    halves = [
+        _half(forces, beginnings, end, way * every, families)
+        for end, way in zip(ends, (-1.0, 1.0), strict=True)
+    ]
+    return [
+        _whole(beginnings[arc % len(beginnings)], halves, arc) for arc in range(families * len(beginnings))
+    ]
+
+
+def _half(
+    forces: Forces, beginnings: Sequence[Beginning], ends: np.ndarray, step: float, families: int
+) -> Arcs:
+    """Return arcs one way in time, in steps above or below 0 [s]."""
     starts = np.array([one.t for one in beginnings])
-    epochs = np.arange((way * starts).min(), (way * ends).max() + 0.5 * EVERY, EVERY)
+    way, every = np.sign(step), abs(step)
+    epochs = np.arange((way * starts).min(), (way * ends).max() + 0.5 * every, every)
     drag, steps, light = np.array([(one.ballistic, one.drag_step, one.reflection) for one in beginnings]).T
     outlook = forces.model.newest_outlook(np.array([one.known for one in beginnings]))
     departures = Departures(

@@ -13,7 +13,6 @@ import math
 import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 import pandas as pd
@@ -31,6 +30,7 @@ from opml.element_sets import (
     improve,
     inside_now,
     inside_sizes,
+    known_sets,
     trained_model,
     weighting,
 )
@@ -44,17 +44,7 @@ from opml.environment.space_weather import INTERVALS
 from opml.interop import ccsds
 from opml.interop.element_sets import mean_elements, rewriting, sgp4_errors
 from opml.interop.element_sets.burns_in_sets import KnownSet, burns_among
-from opml.interop.element_sets.element_set import (
-    ElementSet,
-    changed,
-    decay,
-    each,
-    elements_epoch,
-    numbered,
-    of_files,
-    seconds_since,
-)
-from opml.interop.object_ids import ObjectId
+from opml.interop.element_sets.element_set import ElementSet, changed, decay, elements_epoch, seconds_since
 from opml.interop.predicted_orbit import LEADS, PredictedOrbit
 from opml.orbits.density_error import DensityErrors
 from opml.orbits.elements import bent_rsw
@@ -93,7 +83,6 @@ OWN_PART = {1: 0.2, 3: 0.3, 5: 0.4, 7: 0.5}
 Chosen on 150 objects below 600 km in spring 2026, with a corrector trained on others.
 """
 
-_TOLD = 10
 _FEW_JUDGED = f"fewer than {FEWEST} of its predictions have a later set to judge them"
 _GROSS = 4.0  # sigmas that a past error counts at most: some are burns
 _MINUTE, _DAY = 60.0, len("2016-09-28")
@@ -247,12 +236,12 @@ def predict(
     if not 0.0 < days <= LEADS[-1]:
         raise InputError(f"predict: expected more than 0 and at most {LEADS[-1]} days, got {days:g}")
     paths = [sets] if isinstance(sets, (str, os.PathLike)) else list(sets)
-    history = _history(paths, None if object is None else str(object))
+    history = known_sets.of_object(paths, None if object is None else str(object))
     newest = history[-1]
     latency = 0.0 if date is None else catalogues.LATENCY
     date = _known(newest) if date is None else date
     known = improve.read([*paths, *catalogue], date=date, weather=str(weather), latency=latency)
-    public = public_sets(history, date, latency)
+    public = known_sets.since(date, history, latency=latency, until=0.0)
     burns = burns_before(public, date)
     better = improve.improve(known, trained_model.read(trained), progress=progress)
     (place,) = np.flatnonzero(better.table["number"] == newest.number)
@@ -263,7 +252,7 @@ def predict(
     errors = errors_of_sets(own, date)
     if past.empty:
         past = errors[["morning", "lead"]].assign(error=errors["s"], left=errors["s"], sigma=np.nan)
-    identity = ObjectId.of(newest.name or str(newest.number), newest.designator, str(newest.number))
+    identity = known_sets.identity(newest)
     published = own.satellites[-1]
     usual = _usual(published, how["age"])
     is_alone = len(errors) < FEWEST and not _is_corrected(how)
@@ -374,29 +363,6 @@ def _basis(past: pd.DataFrame) -> str:
     )
 
 
-def _history(paths: Sequence[FilePath], wanted: str | None) -> list[ElementSet]:
-    """Return the sets of one object in the order of their epochs."""
-    files = catalogues.find_files(paths)
-    damaged: list[InputError] = []
-    found = of_files(files, partial(mean_elements.read_sets, damaged=damaged))
-    sets = [*each(found, numbered, damaged)]
-    if damaged and not sets:
-        raise damaged[0]
-    sets.sort(key=lambda one: (elements_epoch(one.satellite), one.created))
-    newest = {one.number: one for one in sets}
-    named = {
-        number
-        for number, one in newest.items()
-        if wanted is None or ObjectId.of(one.name, one.designator, str(number)).is_called(wanted)
-    }
-    if len(named) != 1:
-        there = ", ".join(f"{number} {one.name}".strip() for number, one in sorted(newest.items())[:_TOLD])
-        more = ", ..." if len(newest) > _TOLD else ""
-        expected = "--object for one of several objects" if wanted is None else f"one object {wanted}"
-        raise InputError(f"{paths[0]}: expected {expected}, got {there or 'no set'}{more}")
-    return [one for one in sets if one.number in named]
-
-
 def _known(one: ElementSet) -> str:
     """Return when a set was known, in whole seconds of UTC: when it was made, else its epoch."""
     latest = np.datetime64(max(one.created, elements_epoch(one.satellite)), "us")
@@ -446,24 +412,6 @@ def _after_storm(kp: np.ndarray, height: float) -> float:
         return 1.0
     ap = nrlmsis.ap_of_kp(kp[-INTERVALS * STORM_DAYS :]).reshape(STORM_DAYS, INTERVALS).mean(axis=1)
     return math.hypot(1.0, ap.max() / STORM)
-
-
-def public_sets(history: Sequence[ElementSet], date: str, latency: float) -> list[KnownSet]:
-    """Return the sets of one object that were known on a date, in the order of their epochs.
-
-    latency: days from epoch to publication of sets that do not say when they were made
-    """
-    t = seconds_since(date, [one.satellite for one in history])
-    made = [
-        epochs.seconds_between(date, one.created) if one.created else epoch + DAY * latency
-        for one, epoch in zip(history, t, strict=True)
-    ]
-    known = {
-        epoch: KnownSet(epoch, at, one.satellite)
-        for epoch, at, one in zip(t, made, history, strict=True)
-        if at <= 0.0
-    }
-    return list(known.values())
 
 
 def burns_before(public: Sequence[KnownSet], date: str) -> list[str]:

@@ -7,6 +7,7 @@ the set was published, is a prediction of its own, which SGP4's is compared with
 """
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
@@ -51,70 +52,102 @@ _GAUGED = 30.0  # days for which the Cd A/m of one set begins those of the other
 
 def build(catalogue: ElementCatalogue, forces: Forces) -> pd.DataFrame:
     """Return COLUMNS of the sets of a catalogue, by its rows; NaN where no orbit is found."""
-    table = catalogue.table
-    rows = pd.DataFrame(np.nan, index=table.index, columns=list(COLUMNS))
-    t = seconds_since(forces.epoch, catalogue.satellites)
-    known = t + DAY * (table["known"] - table["t"]).to_numpy()
-    gauged = _gauged(catalogue, forces, t, known)
-    for members in _batches(np.argsort(t, kind="stable")):
-        begins = [_begin(catalogue, forces, t, known, row, gauged[row]) for row in members]
-        solved = list(_solved(begins, forces, members, t, ahead=AHEAD))
-        states = _at_epochs(forces, [orbit.begin_again(numbers) for _, orbit, numbers in solved], t[members])
-        for state, (row, orbit, numbers) in zip(states, solved, strict=True):
-            rows.loc[row] = [*state, orbit.ballistic(numbers), *_means(orbit, numbers, t[row])]
+    times = _Times.of(catalogue, forces)
+    rows = pd.DataFrame(np.nan, index=catalogue.table.index, columns=list(COLUMNS))
+    for row, state, orbit, numbers in _orbits(times, _gauged(times), ahead=AHEAD):
+        rows.loc[row] = [*state, orbit.ballistic(numbers), *_means(orbit, numbers, times.t[row])]
     return rows
+
+
+def states(catalogue: ElementCatalogue, forces: Forces, ballistic: np.ndarray) -> pd.DataFrame:
+    """Return STATE and ballistic as of COLUMNS.
+
+    ballistic: (sets,) Cd A/m that each is sought from, as of the day before [m2/kg]; NaN where none is known
+    """
+    unknown = np.flatnonzero(np.isnan(ballistic))
+    begin = ballistic.copy()
+    if len(unknown):
+        begin[unknown] = _gauged(_Times.of(catalogue.take(unknown), forces))
+    rows = pd.DataFrame(np.nan, index=catalogue.table.index, columns=list(COLUMNS[: -len(MEANS)]))
+    for row, state, orbit, numbers in _orbits(_Times.of(catalogue, forces), begin, ahead=0.0):
+        rows.loc[row] = [*state, orbit.ballistic(numbers)]
+    return rows
+
+
+@dataclass(frozen=True, eq=False)
+class _Times:
+    """Sets of a catalogue under forces, their epochs and when they were known (sets,) [s]."""
+
+    catalogue: ElementCatalogue
+    forces: Forces
+    t: np.ndarray
+    known: np.ndarray
+
+    @classmethod
+    def of(cls, catalogue: ElementCatalogue, forces: Forces) -> "_Times":
+        t, table = seconds_since(forces.epoch, catalogue.satellites), catalogue.table
+        return cls(catalogue, forces, t, t + DAY * (table["known"] - table["t"]).to_numpy())
+
+    def begin(self, row: int, ballistic: float) -> Beginning:
+        """Return where the orbit of a set begins to be sought."""
+        return begin_at(
+            self.catalogue.satellites[row],
+            self.forces.epoch,
+            set_epoch=float(self.t[row]),
+            known=float(self.known[row]),
+            ballistic=ballistic,
+            reflection=LIGHT,
+        )
+
+
+def _orbits(
+    times: _Times, ballistic: np.ndarray, *, ahead: float
+) -> Iterator[tuple[int, np.ndarray, NearbyOrbit, np.ndarray]]:
+    """Yield the rows of sets with the states (6,) at their epochs, as of `_solved` in batches."""
+    for members in _batches(np.argsort(times.t, kind="stable")):
+        begins = [times.begin(row, ballistic[row]) for row in members]
+        solved = list(_solved(begins, times, members, ahead=ahead))
+        again = [orbit.begin_again(numbers) for _, orbit, numbers in solved]
+        at_epochs = _at_epochs(times.forces, again, times.t[members])
+        for state, (row, orbit, numbers) in zip(at_epochs, solved, strict=True):
+            yield row, state, orbit, numbers
 
 
 def _batches(rows: np.ndarray) -> Iterator[np.ndarray]:
     yield from (rows[k : k + _BATCH] for k in range(0, len(rows), _BATCH))
 
 
-def _begin(
-    catalogue: ElementCatalogue,
-    forces: Forces,
-    t: np.ndarray,
-    known: np.ndarray,
-    row: int,
-    ballistic: float,
-) -> Beginning:
-    return begin_at(
-        catalogue.satellites[row],
-        forces.epoch,
-        set_epoch=float(t[row]),
-        known=float(known[row]),
-        ballistic=ballistic,
-        reflection=LIGHT,
-    )
-
-
-def _gauged(catalogue: ElementCatalogue, forces: Forces, t: np.ndarray, known: np.ndarray) -> np.ndarray:
+def _gauged(times: _Times) -> np.ndarray:
     """Return the Cd A/m (sets,) that each set's is sought from: that of one set of its object and month."""
-    table = catalogue.table
+    table, t = times.catalogue.table, times.t
     groups = table.groupby(["number", np.floor((table["t"] - table["t"].min()) / _GAUGED)]).ngroup()
     gauged = np.full(len(table), np.nan)
     first = np.array([group[len(group) // 2] for group in table.groupby(groups).indices.values()])
     first = first[np.argsort(t[first], kind="stable")]
     ballistic = np.maximum(_BSTAR * np.abs(table["bstar"].to_numpy()), _LEAST)
     for members in _batches(first):
-        begins = [_begin(catalogue, forces, t, known, row, ballistic[row]) for row in members]
+        begins = [times.begin(row, ballistic[row]) for row in members]
         for _ in range(2):
-            done = list(_solved(begins, forces, members, t, ahead=0.0))
-            begins = [orbit.begin_again(numbers) for _, orbit, numbers in done]
+            solved = _solved(begins, times, members, ahead=0.0)
+            begins = [orbit.begin_again(numbers) for _, orbit, numbers in solved]
         gauged[members] = [one.ballistic for one in begins]
     return pd.Series(gauged).groupby(groups.to_numpy()).transform("max").to_numpy()
 
 
 def _solved(
-    begins: list[Beginning], forces: Forces, members: np.ndarray, t: np.ndarray, *, ahead: float
+    begins: list[Beginning], times: _Times, members: np.ndarray, *, ahead: float
 ) -> Iterator[tuple[int, NearbyOrbit, np.ndarray]]:
-    """Yield row, orbit beside and the changes of its numbers, NaN without a solution."""
+    """Yield row, orbit beside and the changes of its numbers, NaN without a solution.
+
+    ahead: days after the epochs of the sets (members,) that the orbits reach at least
+    """
     spans = np.array([usual_half_span(one.satellite) for one in begins])
     after = np.maximum(spans, DAY * ahead + _AROUND) + EVERY
-    orbits = orbits_beside(forces, begins, back=spans + EVERY, ahead=after)
+    orbits = orbits_beside(times.forces, begins, back=spans + EVERY, ahead=after)
     for row, span, orbit in zip(members, spans, orbits, strict=True):
         equations = orbit.equations(orbit.displacements(orbit.beginning.satellite))
         try:
-            numbers = solve(orbit, [equations.over(t[row] - span, t[row] + span)])
+            numbers = solve(orbit, [equations.over(times.t[row] - span, times.t[row] + span)])
         except NoOrbitError:
             numbers = np.full(NUMBERS, np.nan)
         yield int(row), orbit, numbers

@@ -5,6 +5,7 @@ from functools import partial
 
 import numpy as np
 import pytest
+from publisher import BALLISTIC, HALF, SUNLIT, begun, published, small_forces, true_orbit
 from support import EPOCH
 from weather_files import other_after
 
@@ -12,50 +13,21 @@ from opml.base.constants import DAY, HOUR
 from opml.element_sets import catalogue, inside_forces, inside_now, inside_sizes, orbit_inside, past_orbits
 from opml.element_sets.orbit_inside import NoOrbitError
 from opml.element_sets.past_orbits import PastOrbits, centred
-from opml.interop.element_sets import element_fits, element_set, mean_elements
+from opml.interop.element_sets import element_set, mean_elements
 from opml.interop.element_sets.burns_in_sets import KnownSet
 from opml.orbits.elements import bent_rsw, positions_beside
 
-HALF = 48.0 * HOUR
-BALLISTIC, SUNLIT = 0.02, 0.03
 DAYS = np.arange(0.0, 15.0, 1.5)  # epochs of the sets after EPOCH
 
 
 @pytest.fixture(scope="module")
 def forces():
-    return inside_forces.read("OBSERVED", first=57659.0, last=57676.0, degree=8)
+    return small_forces()
 
 
 @pytest.fixture(scope="module")
 def truth(forces):
-    """An orbit under these forces at 700 km, with 18 days on both sides."""
-    motion = 2.0 * np.pi / 98.7
-    satellite = element_set.satellite(EPOCH, [motion, 1e-3, 1.7, 0.5, 1.0, 0.3, 1e-4])
-    begin = begun(forces, satellite, day=0.0, ballistic=BALLISTIC, reflection=SUNLIT)
-    [orbit] = orbit_inside.orbits_beside(
-        forces, [begin], back=np.array([3.0 * DAY]), ahead=np.array([24.0 * DAY])
-    )
-    return orbit
-
-
-def begun(forces, satellite, *, day, ballistic=0.01, reflection=SUNLIT):
-    t = forces.time(EPOCH) + DAY * day
-    known = t + 30.0 * DAY  # under the weather of the truth
-    return orbit_inside.begin_at(
-        satellite, forces.epoch, set_epoch=t, known=known, ballistic=ballistic, reflection=reflection
-    )
-
-
-def published(forces, truth, day):
-    """Return the set that a publisher makes of an orbit: SGP4 fitted to it over HALF on both sides."""
-    at = forces.time(EPOCH) + DAY * day
-    near = np.abs(truth.t - at) <= HALF
-    positions, velocities = element_fits.in_teme(truth.states[near], forces.epoch, truth.t[near])
-    centre = int(np.argmin(np.abs(truth.t[near] - at)))
-    known = np.concatenate([positions[centre], velocities[centre]])
-    return element_fits.fit(
-        truth.t[near], positions, at=truth.t[near][centre], known=known, epoch=forces.epoch
-    )
+    return true_orbit(forces)
 
 
 @pytest.fixture(scope="module")

@@ -21,7 +21,15 @@ from opml import cli
 from opml.base import epochs
 from opml.base.constants import DAY
 from opml.base.errors import InputError
-from opml.element_sets import catalogue, corrector, inside_forces, prediction, station_passes, weighting
+from opml.element_sets import (
+    catalogue,
+    corrector,
+    inside_forces,
+    known_sets,
+    prediction,
+    station_passes,
+    weighting,
+)
 from opml.interop import orbit_segments
 from opml.interop.element_sets import element_set, mean_elements, sgp4_errors, tle
 from opml.report.results import with_unit
@@ -398,11 +406,11 @@ def test_an_object_that_burned_lately_is_wide_and_says_so(tmp_path):
 def test_a_burn_that_is_not_yet_known_or_long_ago_does_not_count(tmp_path):
     path = burned_sets(tmp_path / "sets.tle", 25, 1000.0)
     day = np.datetime64(EPOCH) + np.timedelta64(25, "D")
-    sets = prediction._history([path], None)
+    sets = known_sets.of_object([path], None)
     counts = []
     for later in (1, 3, 22):
         date = str(day + np.timedelta64(later, "D"))
-        counts.append(len(prediction.burns_before(prediction.public_sets(sets, date, 0.25), date)))
+        counts.append(len(prediction.burns_before(known_sets.since(date, sets, until=0.0), date)))
     assert counts == [0, 1, 0]
 
 

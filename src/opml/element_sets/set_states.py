@@ -1,0 +1,95 @@
+"""A table of states of many objects: the orbit inside each of their public sets, at its epoch."""
+
+import logging
+import os
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from opml.base.constants import HOUR
+from opml.base.files import FilePath
+from opml.base.progress import Progress
+from opml.element_sets import inside_forces, inside_now, set_orbits
+from opml.element_sets.catalogue import ElementCatalogue
+from opml.element_sets.inside_sizes import FLOOR, typical
+from opml.element_sets.orbit_inside import usual_half_span
+from opml.interop.element_sets.element_set import decay, elements_epoch
+from opml.tables import STATE, read_table
+
+SCHEMA = "set_states"
+NO_ORBIT = "no orbit under full forces fits"
+OLD = f"published before {inside_now.MODERN}"
+
+_MONTH = 30.0  # days of sets that share their forces
+_NUMBERS = [*STATE, "ballistic"]
+
+_log = logging.getLogger(__name__)
+
+
+def build(
+    catalogue: ElementCatalogue,
+    *,
+    weather: str | Path,
+    before: pd.Series | None = None,
+    progress: Progress = lambda line: None,
+) -> pd.DataFrame:
+    """Return the table `set_states` of the sets of a catalogue.
+
+    before: Cd A/m by object as `read_before` has it; with it half of the work is done
+
+    Reasons why sets are as published are counted in the log. Raises InputError where the weather does not
+    reach.
+    """
+    satellites = catalogue.satellites
+    epochs = [elements_epoch(one) for one in satellites]
+    table = pd.DataFrame(
+        {
+            "number": catalogue.table["number"],
+            "utc": epochs,
+            **dict.fromkeys(_NUMBERS, np.nan),
+            "half_span": [usual_half_span(one) / HOUR for one in satellites],
+            **_sigmas(catalogue),
+            "why": [
+                inside_now.unsuited(one) or (OLD if epoch < inside_now.MODERN else "")
+                for one, epoch in zip(satellites, epochs, strict=True)
+            ],
+        }
+    )
+    sought = np.flatnonzero(table["why"] == "")
+    months = np.floor(catalogue.table["t"].to_numpy()[sought] / _MONTH)
+    ballistic = table["number"].map(before if before is not None else {}).to_numpy(float)
+    for month in np.unique(months):
+        rows = sought[months == month]
+        progress(f"the orbits inside {len(rows)} sets of 30 days from {table['utc'][rows].min()[:10]} on")
+        table.loc[rows, _NUMBERS] = _states(catalogue.take(rows), weather, ballistic[rows])
+    table.loc[(table["why"] == "") & table[_NUMBERS].isna().any(axis=1), "why"] = NO_ORBIT
+    published = table["why"] != ""
+    table.loc[published, [*_NUMBERS, "half_span", "sigma_r", "sigma_s", "sigma_w"]] = np.nan
+    for reason, count in table.loc[published, "why"].value_counts().items():
+        _log.warning("sets as published: %d: %s", count, reason)
+    return table
+
+
+def _states(catalogue: ElementCatalogue, weather: str | Path, ballistic: np.ndarray) -> np.ndarray:
+    t = catalogue.table["t"]
+    forces = inside_forces.read(weather, first=t.min(), last=t.max(), threads=os.cpu_count() or 1)
+    return set_orbits.states(catalogue, forces, ballistic)[_NUMBERS].to_numpy()
+
+
+def _sigmas(catalogue: ElementCatalogue) -> dict[str, np.ndarray]:
+    """Return standard deviations (sets,) at the epochs [m], which are typical of the drag of each set."""
+    none = np.zeros(1)
+    sizes = np.array(
+        [
+            typical(decay(one), none, one.no_kozai / 60.0)[list("rsw")].to_numpy()[0]
+            for one in catalogue.satellites
+        ]
+    ).reshape(-1, 3)
+    return {f"sigma_{axis}": np.hypot(sizes[:, k], FLOOR[axis]) for k, axis in enumerate("rsw")}
+
+
+def read_before(path: FilePath) -> pd.Series:
+    """Return Cd A/m [m2/kg] by object of the last set in a table `set_states`; raises as `read_table`."""
+    table = read_table(path, SCHEMA).dropna(subset="ballistic").sort_values("utc", kind="stable")
+    return table.groupby("number")["ballistic"].last()

@@ -1,0 +1,48 @@
+"""A publisher of element sets: SGP4 fitted to an orbit under full forces, on both sides of each epoch."""
+
+import numpy as np
+from support import EPOCH
+
+from opml.base.constants import DAY, HOUR
+from opml.element_sets import inside_forces, orbit_inside
+from opml.interop.element_sets import element_fits, element_set
+
+HALF = 48.0 * HOUR
+BALLISTIC, SUNLIT = 0.02, 0.03
+
+
+def small_forces(weather="OBSERVED", *, first=57659.0, last=57676.0, threads=1):
+    """Forces with a small field about EPOCH."""
+    return inside_forces.read(weather, first=first, last=last, threads=threads, degree=8)
+
+
+def true_orbit(forces):
+    """An orbit under these forces at 700 km, from 3 days before EPOCH to 24 days after it."""
+    motion = 2.0 * np.pi / 98.7
+    satellite = element_set.satellite(EPOCH, [motion, 1e-3, 1.7, 0.5, 1.0, 0.3, 1e-4])
+    begin = begun(forces, satellite, day=0.0, ballistic=BALLISTIC, reflection=SUNLIT)
+    [orbit] = orbit_inside.orbits_beside(
+        forces, [begin], back=np.array([3.0 * DAY]), ahead=np.array([24.0 * DAY])
+    )
+    return orbit
+
+
+def begun(forces, satellite, *, day, ballistic=0.01, reflection=SUNLIT):
+    """Where the orbit of a set begins to be sought, under the weather of the truth."""
+    t = forces.time(EPOCH) + DAY * day
+    known = t + 30.0 * DAY
+    return orbit_inside.begin_at(
+        satellite, forces.epoch, set_epoch=t, known=known, ballistic=ballistic, reflection=reflection
+    )
+
+
+def published(forces, truth, day):
+    """The set that a publisher makes of an orbit: SGP4 fitted to it over HALF on both sides."""
+    at = forces.time(EPOCH) + DAY * day
+    near = np.abs(truth.t - at) <= HALF
+    positions, velocities = element_fits.in_teme(truth.states[near], forces.epoch, truth.t[near])
+    centre = int(np.argmin(np.abs(truth.t[near] - at)))
+    known = np.concatenate([positions[centre], velocities[centre]])
+    return element_fits.fit(
+        truth.t[near], positions, at=truth.t[near][centre], known=known, epoch=forces.epoch
+    )
