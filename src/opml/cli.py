@@ -3,12 +3,13 @@
 import argparse
 import io
 import logging
+import math
 import os
 import re
 import sys
 from collections.abc import Callable, Sequence
 from datetime import UTC, date, datetime
-from itertools import chain
+from itertools import chain, groupby
 from typing import TYPE_CHECKING
 
 from opml import __version__
@@ -164,7 +165,9 @@ def _screen(options: argparse.Namespace) -> None:
 
 def _add_compare(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("ours", help="an orbit: {orbit}, {elements}")
-    parser.add_argument("other", nargs="+", help="another, such as the truth, in one file or several")
+    parser.add_argument(
+        "other", nargs="+", help="the truth, in one file or several; before it orbits of other formats"
+    )
     parser.add_argument("--object", help="name or number of the object in the first, where it has several")
     parser.add_argument("--other-object", help="the same of the second")
     parser.add_argument("-o", "--output", help="every time: .csv, .json or .parquet")
@@ -173,16 +176,26 @@ def _add_compare(parser: argparse.ArgumentParser) -> None:
 def _compare(options: argparse.Namespace) -> None:
     from opml import tables
     from opml.conjunctions import comparison, known_orbits
+    from opml.interop import formats
+    from opml.interop.orbit_arcs import contents
 
+    kinds = (formats.ORBIT, formats.ELEMENTS, formats.TABLE)
+    groups = groupby(options.other, lambda path: formats.of(path, contents(path), *kinds).name)
+    *between, truth = (list(paths) for _, paths in groups)
     if options.output:
         suffix_of(options.output, tables.TABLE_SUFFIXES)
         check_distinct_files([options.output], [options.ours, *options.other])
-    ours = known_orbits.read([options.ours], options.object)
-    table = comparison.compare(ours, known_orbits.read(options.other, options.other_object))
+    other = known_orbits.read(truth, options.other_object)
+    compared = {
+        paths[0]: comparison.compare(known_orbits.read(paths, options.object), other)
+        for paths in ([options.ours], *between)
+    }
     if options.output:
-        metadata = {"ours": options.ours, "other": options.other}
-        tables.write_as(options.output, table, "comparison", metadata=metadata)
-    print(comparison.summary(table))
+        metadata = {"ours": options.ours, "other": truth}
+        tables.write_as(options.output, compared[options.ours], "comparison", metadata=metadata)
+    print(comparison.summary(compared[options.ours]))
+    if between:
+        print(comparison.side_by_side(compared, truth[0]))
 
 
 def _add_improve(parser: argparse.ArgumentParser) -> None:
@@ -228,6 +241,8 @@ def _add_predict(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--date", type=instant, help=f"{UTC_TEXT} (when the newest was known)")
     parser.add_argument("--weather", default="NEWEST", help=WEATHER)
     parser.add_argument("--station", action="append", default=[], help="latitude,longitude,altitude [deg, m]")
+    parser.add_argument("--mask", type=float, default=5.0, help="least elevation of passes [deg] (5)")
+    parser.add_argument("--passes", metavar="FILE", help="passes over all stations: .csv, .json or .parquet")
     sets = parser.add_argument_group("of element sets")
     sets.add_argument("--catalogue", nargs="+", default=[], help="sets of other objects, to compare with")
     sets.add_argument("--model", help="a model of `opml train` (that of the package)")
@@ -247,21 +262,30 @@ def _predict(options: argparse.Namespace) -> None:
 
     prediction_files.check(options.output)
     check_distinct_files(
-        options.output,
+        [*options.output, *filter(None, [options.passes])],
         [*options.files, *options.catalogue, options.radars, *filter(None, (options.weather, options.model))],
     )
+    if options.passes:
+        prediction_files.check_passes(options.passes)
     places = [station_passes.place(text) for text in options.station]
     with on_stderr() as progress:
         _fetch_object(options, progress)
         kind = formats.kind_of(options.files[0], formats.ELEMENTS, formats.ORBIT, formats.TRACKS)
         made = (_propagate_sets if kind == formats.ELEMENTS else _fit)(options, progress)
+    over = {place: station_passes.passes(made, place, math.radians(options.mask)) for place in places}
     for path in options.output:
-        prediction_files.write(path, made, places)
+        prediction_files.write(path, made, over)
+    if options.passes:
+        prediction_files.write_passes(options.passes, over)
     print(f"{made.identity} from {made.date} UTC: {made.way} ({made.reason})")
     expected = made.expected().dropna(axis="columns", how="all").replace({"utc": r"\.0+$"}, "", regex=True)
     print(expected.to_string(index=False, float_format="{:.0f}".format))
     print(f"{'one sigma [m]; ' * ('along_track' in expected)}{UNKNOWABLE}")
-    for path in options.output:
+    if line := made.past_in_words:
+        print(line)
+    if over:
+        print(station_passes.text(over))
+    for path in [*options.output, *filter(None, [options.passes])]:
         print(f"{path} is written")
 
 

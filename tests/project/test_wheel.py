@@ -1,5 +1,6 @@
 """The package as others install it: a wheel that holds the workflow, and a project that is begun from it."""
 
+import math
 import os
 import re
 import shutil
@@ -11,12 +12,14 @@ from importlib.metadata import distribution, distributions
 from pathlib import Path
 
 import pytest
-import sinking_histories
+from data_server import as_csv, serving
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 from project import ROOT, jobs
 
 from opml.environment import solar_activity
+from opml.interop.element_sets import tle
+from opml.interop.element_sets.element_set import satellite
 
 pytestmark = pytest.mark.slow
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -138,15 +141,24 @@ def python(installed, tmp_path_factory):
     return folder / "bin" / "python"
 
 
-def test_what_readme_installs_runs_what_it_shows(python, tmp_path):
-    (tmp_path / "gp").mkdir()
-    sinking_histories.write(tmp_path / "gp" / "sets.tle", range(101, 104), 45)
-    sinking_histories.write(tmp_path / "sets.tle", range(101, 102), 45)
-    sinking_histories.write(tmp_path / "truth.sp3", range(101, 102), 52)
-    shutil.copy(solar_activity.resolve("OBSERVED"), tmp_path / "SW-All.csv")
-    shown = re.findall(r"^    opml ((?:improve|predict|compare) .*?)(?: *#.*)?$", README, re.MULTILINE)
-    assert len(shown) == 3
-    for command in shown:
-        dated = ["--date", "2026-01-03T06:00:00"] if command.startswith("improve") else []
-        run(python, "-m", "opml", *command.split(), *dated, cwd=tmp_path)
-    assert {"better.tle", "mine.oem", "mine.html"} <= {path.name for path in tmp_path.iterdir()}
+def test_what_readme_installs_runs_what_it_shows(python, tmp_path, monkeypatch):
+    """The object is a geostationary one: no kernel is compiled for it."""
+    lines = [line for day in range(3) for line in geostationary(day)]
+    (tmp_path / "truth.sp3").write_text("\n".join(lines[-2:]) + "\n")
+    shown = re.findall(r"^    opml ((?:predict|compare) .*?)(?: *#.*)?$", README, re.MULTILINE)
+    assert len(shown) == 2
+    with serving(monkeypatch, tmp_path / "data") as server:
+        server.sets("CATNR=25544", as_csv(lines))
+        weather = solar_activity.read_text(solar_activity.resolve("OBSERVED"))
+        server.answers["/SpaceData/SW-Last5Years.csv"] = (200, weather.encode())
+        for command in shown:
+            told = run(python, "-m", "opml", *command.split(), cwd=tmp_path)
+    assert "root mean squares from 2026-01-0" in told
+    assert {"iss.oem", "iss.html"} <= {path.name for path in tmp_path.iterdir()}
+
+
+def geostationary(day):
+    """Lines of a set of the object 25544 on a day of January 2026."""
+    motion = 2.0 * math.pi * 1.0027 / 1440.0
+    made = satellite(f"2026-01-0{day + 4}T02:00:00", [motion, 2e-4, 0.001, 1.0, 1.0, 1.0 + 0.017 * day, 0.0])
+    return tle.lines(made, 25544)

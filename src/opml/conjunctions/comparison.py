@@ -7,6 +7,7 @@ Orbits are those of `known_orbits`.
 """
 
 import logging
+from collections.abc import Mapping
 
 import numpy as np
 import pandas as pd
@@ -25,6 +26,8 @@ LEVELS = (0.5, 0.9)  # shares that the ellipsoids of a covariance hold which a s
 _FLAT = 1e-12  # least variance of scaled axes that makes an ellipsoid, but for rounding
 MOST_ROWS = 14  # largest number of rows of a summary
 _SPACINGS = (0.1, 0.5, 1.0, 3.0, 6.0, 12.0, 24.0, 72.0, 240.0, 720.0, 2400.0)  # [h]
+
+_WHOLE = 10.0  # length from which on whole metres tell enough [m]
 
 _log = logging.getLogger(__name__)
 
@@ -71,20 +74,12 @@ def compare(ours: KnownOrbit, other: KnownOrbit) -> pd.DataFrame:
 
 def summary(table: pd.DataFrame) -> str:
     """Return root mean squares by time as aligned text, and how much lies inside the covariance."""
-    hours = table["hours"]
-    spacing = next((one for one in _SPACINGS if hours.iloc[-1] < MOST_ROWS * one), _SPACINGS[-1])
-    last = max(np.ceil(hours.iloc[-1] / spacing) - 1.0, 0.0)
-    begins = spacing * np.minimum(np.floor(hours / spacing), last)
     columns = ["r", "s", "w", "distance", "sigma_r", "sigma_s", "sigma_w"]
+    begins = _begins(table["hours"], table["hours"].iloc[-1])
     rows = np.sqrt((table[columns] ** 2).groupby(begins).mean())
     rows.insert(0, "times", table.groupby(begins).size())
-    rows.insert(1, "from_h", rows.index)
     rows = rows.dropna(axis="columns", how="all").rename(columns={name: f"{name}_m" for name in columns})
-    formats = dict.fromkeys(rows.columns, "{:.0f}".format) | {"from_h": "{:g}".format}
-    lines = [
-        f"root mean squares from {table['utc'].iloc[0]} UTC on",
-        rows.to_string(index=False, formatters=formats, na_rep="-"),
-    ]
+    lines = [f"root mean squares from {table['utc'].iloc[0]} UTC on", _aligned(rows)]
     inside = table["ellipsoid"].dropna()
     if len(inside):
         shares = ", ".join(
@@ -92,6 +87,39 @@ def summary(table: pd.DataFrame) -> str:
         )
         lines.append(f"covariance: {shares}")
     return "\n".join(lines)
+
+
+def side_by_side(tables: Mapping[str, pd.DataFrame], other: str) -> str:
+    """Return root mean square distances [m] of several orbits from another by time, as aligned text.
+
+    tables: of `compare` by the orbit's name, with the same other orbit; times that all have count
+    """
+    distances = [one.set_index("utc")["distance"].rename(name) for name, one in tables.items()]
+    rows = pd.concat(distances, axis="columns", join="inner")
+    if rows.empty:
+        raise InputError(f"compare: expected orbits of the same time, got none that {other} shares with all")
+    hours = next(iter(tables.values())).set_index("utc")["hours"].loc[rows.index]
+    begins = _begins(hours, hours.iloc[-1])
+    shown = np.sqrt((rows**2).groupby(begins).mean())
+    return f"root mean square distances [m] from {other}, from {rows.index[0]} UTC on\n{_aligned(shown)}"
+
+
+def _begins(hours: pd.Series, end: float) -> pd.Series:
+    """Return where the stretch of time begins [h] that each time is of, of MOST_ROWS stretches at most."""
+    spacing = next((one for one in _SPACINGS if end < MOST_ROWS * one), _SPACINGS[-1])
+    last = max(np.ceil(end / spacing) - 1.0, 0.0)
+    return spacing * np.minimum(np.floor(hours / spacing), last)
+
+
+def _aligned(rows: pd.DataFrame) -> str:
+    rows.insert(0, "from_h", rows.index)
+    formats = dict.fromkeys(rows.columns, _metres) | {"from_h": "{:g}".format, "times": "{:.0f}".format}
+    return rows.to_string(index=False, formatters=formats, na_rep="-")
+
+
+def _metres(length: float) -> str:
+    """Return a length [m] with the digits that matter."""
+    return f"{length:.0f}" if length >= _WHOLE else f"{length:.2f}"
 
 
 def _times(ours: KnownOrbit, other: KnownOrbit) -> np.ndarray:

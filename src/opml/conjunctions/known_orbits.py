@@ -70,7 +70,7 @@ class Stretch:
         return np.asarray(self.states[np.abs(t[:, None] - self.t).argmin(axis=1)])
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class KnownOrbit(ABC):
     """An orbit of one object.
 
@@ -79,6 +79,12 @@ class KnownOrbit(ABC):
 
     source: str
     identity: ObjectId = field(default=UNKNOWN, kw_only=True)
+
+    def __repr__(self) -> str:
+        """Return the object, and from when to when it is known, in two lines."""
+        begin, end = ccsds.utc_texts(EPOCH, self.t[[0, -1]])
+        kind = type(self).__name__.lower()
+        return f"<{self.identity or self.source}, {len(self.t)} {kind}\n {begin} to {end} UTC>"
 
     @property
     @abstractmethod
@@ -109,7 +115,7 @@ class KnownOrbit(ABC):
         return states.assign(**dict(zip(("sigma_r", "sigma_s", "sigma_w"), sigmas.T, strict=True)))
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class States(KnownOrbit):
     """An orbit of states, interpolated between those that are at most five minutes apart.
 
@@ -140,7 +146,7 @@ class States(KnownOrbit):
         return found
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Sets(KnownOrbit):
     """An orbit of mean elements: at each time the set is propagated, by SGP4, whose epoch is nearest."""
 
@@ -244,6 +250,11 @@ def _of_sets(paths: Sequence[FilePath], wanted: str | None) -> Sets:
 
 def _number(path: FilePath, history: histories.History, wanted: str | None) -> int | None:
     """Return the catalogue number of what is wanted: a number, a name or a designator."""
+    if wanted is None and len(history.objects) > 1:
+        first = ", ".join(map(str, [*history.objects][:_SHOWN]))
+        raise InputError(
+            f"{path}: expected one object, named by --object or --other-object, got {first}, ..."
+        )
     if wanted is None:
         return None
     called = [number for number, one in history.objects.items() if one.is_called(wanted)]

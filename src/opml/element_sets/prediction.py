@@ -112,7 +112,7 @@ class OrbitInside:
         return f"fits over {span.before / HOUR:g} h {side} its sets {agreed}"
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Prediction(PredictedOrbit):
     """An object from the date on when its newest set was known.
 
@@ -168,6 +168,19 @@ class Prediction(PredictedOrbit):
         rows = self.sizes.loc[leads, [*names]].rename(columns=names)
         rows.insert(0, "utc", self._texts(DAY * np.array(leads, float)))
         return rows.rename_axis("lead").reset_index()
+
+    @property
+    def past_in_words(self) -> str:
+        """What SGP4 and the improved set missed along the track on past mornings, at the longest lead."""
+        judged = self.past.dropna(subset=["sigma"])
+        if judged.empty:
+            return ""
+        rows = judged[judged["lead"] == judged["lead"].max()]
+        sgp4, improved = (rows[name].abs().median() / 1e3 for name in ("error", "left"))
+        return (
+            f"its last {ALONG_MORNINGS} mornings at {rows['lead'].iloc[0]:g} d: SGP4 {sgp4:.1f} km, "
+            f"improved set {improved:.1f} km (n = {len(rows)})"
+        )
 
     @property
     def remark(self) -> str:

@@ -1,13 +1,14 @@
 """Passes of a predicted object over a place, and how many seconds early or late they may be."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import erfa
 import numpy as np
 import pandas as pd
 
-from opml.base.constants import DAY
+from opml.base import epochs
+from opml.base.constants import DAY, WGS84_A
 from opml.base.errors import InputError
 from opml.catalog.simulate.observing import horizon, observe
 from opml.dynamics.frames import gcrf_to_itrf
@@ -15,9 +16,11 @@ from opml.environment import earth_orientation, nodes
 from opml.interop import ccsds
 from opml.interop.predicted_orbit import PredictedOrbit
 from opml.orbits.rsw_covariance import half_width
+from opml.tables import SCHEMAS
 
-LOWEST = np.radians(5.0)  # elevation above which an object passes [rad]
+MASK = float(np.radians(5.0))  # elevation above which an object passes [rad]
 LEVEL = 0.9  # share of passes that are no earlier or later than told
+_SHOWN = 5  # passes of a text
 _STEP = 20.0  # between looks [s]
 _WGS84 = 1
 _BOUNDS = ((-90.0, 90.0), (-180.0, 360.0), (-500.0, 10_000.0))
@@ -53,35 +56,69 @@ def place(text: str) -> Place:
 
 def in_itrf(prediction: PredictedOrbit, t: np.ndarray) -> np.ndarray:
     """Return positions (n, 3) in ITRF [m] at times (n,) [s since the date of the prediction]."""
+    return np.asarray(np.einsum("nij,nj->ni", _turns(prediction, t), prediction.states(t)[:, :3]))
+
+
+def _turns(prediction: PredictedOrbit, t: np.ndarray) -> np.ndarray:
+    """Return the rotations (n, 3, 3) from GCRF to ITRF at times (n,) [s since the date]."""
     hours = nodes(prediction.date, DAY * prediction.days)
-    turns = gcrf_to_itrf(earth_orientation.tabulate(prediction.date, hours), t)
-    return np.asarray(np.einsum("nij,nj->ni", turns, prediction.states(t)[:, :3]))
+    return gcrf_to_itrf(earth_orientation.tabulate(prediction.date, hours), t)
 
 
-def passes(prediction: PredictedOrbit, where: Place) -> pd.DataFrame:
-    """Return the passes over a place: rise, highest, set (UTC texts), elevation [deg], early_or_late [s].
+def passes(prediction: PredictedOrbit, where: Place, mask: float = MASK) -> pd.DataFrame:
+    """Return the table `passes` over a place above an elevation `mask` [rad].
 
     A pass that is under way at the beginning or the end is left out.
     """
     t = np.arange(0.0, DAY * prediction.days, _STEP)
-    elevation = _elevation(prediction, where, t)
+    elevation = _seen(prediction, where, t)[:, 1]
     rows = []
-    for first, last in _spans(elevation > LOWEST):
-        rise, fall = (_crossing(t, elevation, k) for k in (first - 1, last - 1))
+    for first, last in _spans(elevation > mask):
+        rise, fall = (_crossing(t, elevation, k, mask) for k in (first - 1, last - 1))
         fine = np.linspace(rise, fall, max(int(fall - rise), 2))
-        heights = _elevation(prediction, where, fine)
-        top = fine[int(np.argmax(heights))]
-        speed = float(np.linalg.norm(prediction.states(np.array([top]))[0, 3:]))
-        ahead = float(prediction.sigmas(np.array([top]))[0, 1])
-        times = ccsds.utc_texts(prediction.date, np.array([rise, top, fall]))
-        rows.append((*times, float(np.degrees(heights.max())), half_width(LEVEL) * ahead / speed))
-    return pd.DataFrame(rows, columns=["rise", "highest", "set", "elevation", "early_or_late"])
+        top = fine[int(np.argmax(_seen(prediction, where, fine)[:, 1]))]
+        moments = np.array([rise, top, fall])
+        azimuth, heights = np.degrees(_seen(prediction, where, moments)[:, :2]).T
+        state, sigmas = prediction.states(moments[1:2])[0], prediction.sigmas(moments[1:2])[0]
+        sunlit, sun = _light(prediction, top, state[:3], where)
+        late = half_width(LEVEL) * float(sigmas[1]) / float(np.linalg.norm(state[3:]))
+        times = ccsds.utc_texts(prediction.date, moments)
+        rows.append((where.name, *times, *azimuth, float(heights[1]), late, sunlit, sun))
+    return pd.DataFrame(rows, columns=SCHEMAS["passes"].names)
 
 
-def _elevation(prediction: PredictedOrbit, where: Place, t: np.ndarray) -> np.ndarray:
-    position = _site(where)
-    seen = observe(in_itrf(prediction, t), position, horizon(where.longitude, where.latitude))
-    return np.asarray(seen[:, 1])
+def joined(passes: Mapping[Place, pd.DataFrame]) -> pd.DataFrame:
+    """Return the passes over several stations in the order of their rises."""
+    return pd.concat(passes.values(), ignore_index=True).sort_values(["rise", "station"], ignore_index=True)
+
+
+def text(passes: Mapping[Place, pd.DataFrame]) -> str:
+    """Return the first passes as aligned text, or that there is none."""
+    rows = joined(passes)
+    shown = rows.head(_SHOWN).replace(dict.fromkeys(("rise", "highest", "set"), r"\..*$"), "", regex=True)
+    told = shown.to_string(index=False, float_format="{:.1f}".format) if len(shown) else "none"
+    return f"passes, the first of {len(rows)}, UTC, [deg], [s]:\n{told}"
+
+
+def _seen(prediction: PredictedOrbit, where: Place, t: np.ndarray) -> np.ndarray:
+    """Return azimuth, elevation [rad] and range [m] (n, 3) at times (n,) [s since the date]."""
+    return observe(in_itrf(prediction, t), _site(where), horizon(where.longitude, where.latitude))
+
+
+def _light(prediction: PredictedOrbit, t: float, position: np.ndarray, where: Place) -> tuple[bool, float]:
+    """Return whether the Sun shines on a position (3,) in GCRF [m], and its elevation over a place [deg].
+
+    The Earth's shadow is a cylinder: the penumbra lasts seconds. Source: erfa.epv00.
+    """
+    with epochs.strict_erfa():
+        heliocentric, _ = erfa.epv00(*epochs.tt(prediction.date, t))
+    sun = -np.asarray(heliocentric["p"])
+    sun /= np.linalg.norm(sun)
+    ahead = float(position @ sun)
+    is_sunlit = ahead > 0.0 or bool(np.linalg.norm(position - ahead * sun) > WGS84_A)
+    (turn,) = _turns(prediction, np.array([t]))
+    up = horizon(where.longitude, where.latitude)[2]
+    return is_sunlit, float(np.degrees(np.arcsin(up @ turn @ sun)))
 
 
 def _site(where: Place) -> np.ndarray:
@@ -97,7 +134,7 @@ def _spans(is_up: np.ndarray) -> Iterator[tuple[int, int]]:
             yield int(begin), int(ends[0])
 
 
-def _crossing(t: np.ndarray, elevation: np.ndarray, k: int) -> float:
-    """Return when the elevation crosses LOWEST between looks k and k + 1, on a straight line [s]."""
-    share = (LOWEST - elevation[k]) / (elevation[k + 1] - elevation[k])
+def _crossing(t: np.ndarray, elevation: np.ndarray, k: int, mask: float) -> float:
+    """Return when the elevation crosses the mask between looks k and k + 1, on a straight line [s]."""
+    share = (mask - elevation[k]) / (elevation[k + 1] - elevation[k])
     return float(t[k] + share * (t[k + 1] - t[k]))

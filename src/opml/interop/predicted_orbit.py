@@ -25,7 +25,7 @@ _ROUNDED = 1e-6  # by what a number of days may miss a minute [s]
 _DENSITY_EVERY = 180  # states: what density does grows slowly
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class PredictedOrbit(ABC):
     """An object from a date on.
 
@@ -48,6 +48,15 @@ class PredictedOrbit(ABC):
     @abstractmethod
     def reason(self) -> str:
         """Why that was used, in words."""
+
+    @property
+    def past_in_words(self) -> str:
+        """What SGP4 and the improved set missed on past mornings, '' where that is unknown."""
+        return ""
+
+    def __repr__(self) -> str:
+        """Return what was predicted, and how, in two lines."""
+        return f"<{self.identity}, {self.days:g} days from {self.date} UTC\n {self.way}>"
 
     @property
     def remark(self) -> str:

@@ -92,7 +92,7 @@ class Request:
         return "tracks" if kind == formats.TRACKS else "fixes"
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class FittedOrbit(PredictedOrbit):
     """An object from a date on, by fits to what measured it.
 

@@ -63,14 +63,14 @@ def _expected(rows: pd.DataFrame) -> Iterator[Block]:
 def _passes(where: Place, rows: pd.DataFrame) -> Iterator[Block]:
     yield Heading(as_it_is(f"Passes over {where.name}"))
     if rows.empty:
-        yield Paragraph("None above 5 degrees.")
+        yield Paragraph("None.")
         return
     cells = [
         [
             _z(row["rise"]),
             *(_z(row[name])[_DATE:] for name in ("highest", "set")),
             f"{row['elevation']:.0f}",
-            f"{row['early_or_late']:.1f}",
+            f"{row['early_or_late']:.1f}" if math.isfinite(row["early_or_late"]) else "-",
         ]
         for row in rows.to_dict("records")
     ]

@@ -17,6 +17,7 @@ from opml.base.constants import EARTH_GM
 from opml.base.errors import InputError
 from opml.conjunctions import comparison, known_orbits
 from opml.interop import oem
+from opml.interop.ccsds import utc_texts
 from opml.interop.object_ids import ObjectId
 from opml.orbits.elements import rsw_rotation
 from opml.tables import SCHEMAS, read_table, write_table
@@ -189,7 +190,9 @@ def test_the_command_writes_and_prints(truth, tmp_path, capsys):
 def test_orbits_of_other_times_and_objects_are_refused(truth, tmp_path):
     ours = known_orbits.read([written(tmp_path / "ours.oem", truth)])
     (tmp_path / "sets.tle").write_text(tle_text(history([100.0])) + tle_text(history([100.0]), number=7))
-    assert "names the object, got objects 7, 25544" in refusal(known_orbits.read, [tmp_path / "sets.tle"])
+    assert "expected one object, named by --object or --other-object, got 7, 25544" in refusal(
+        known_orbits.read, [tmp_path / "sets.tle"]
+    )
     assert "sets.tle: expected one object 8, got" in refusal(known_orbits.read, [tmp_path / "sets.tle"], "8")
     with pytest.raises(InputError, match=r"expected two orbits of the same time, got .*ours"):
         comparison.compare(ours, known_orbits.read([tmp_path / "sets.tle"], "7"))
@@ -247,3 +250,21 @@ def test_covariances_along_the_velocity_are_turned(truth, tmp_path):
     in_gcrf = rsw_rotation(orbit).transpose(0, 2, 1) @ found[:, :3, :3] @ rsw_rotation(orbit)
     for axis, variance in ((along, 400.0), (np.cross(across, along), 9.0), (across, 1.0)):
         np.testing.assert_allclose(np.einsum("ni,nij,nj->n", axis, in_gcrf, axis), variance, rtol=1e-6)
+
+
+def test_three_orbits_stand_side_by_side(truth, tmp_path, capsys):
+    """The truth is the last; what is of another format before it is compared with it, too."""
+    states = truth + np.array([3.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+    for name, moved in (("mine", states), ("truth", truth)):
+        table = pd.DataFrame(moved, columns=STATE_COLUMNS).assign(t=T)
+        write_table(tmp_path / f"{name}.parquet", table, "truth", metadata={"epoch": RUN})
+    lines = ["x_gcrf_m,y_gcrf_m,z_gcrf_m,utc"]
+    moved_up = truth[:, :3] + [0.0, 0.0, 40.0]
+    lines += [",".join([*map(str, row), utc]) for row, utc in zip(moved_up, utc_texts(RUN, T), strict=True)]
+    (tmp_path / "sets.csv").write_text("\n".join(lines) + "\n")
+    paths = [str(tmp_path / name) for name in ("mine.parquet", "sets.csv", "truth.parquet")]
+    assert cli.main(["compare", *paths]) == 0
+    head, names, *rows = capsys.readouterr().out.partition("root mean square distances [m]")[2].splitlines()
+    assert head.startswith(f" from {paths[2]}, from 20")
+    assert names.split() == ["from_h", *paths[:2]]
+    assert {tuple(row.split()[1:]) for row in rows} == {("3.00", "40")}

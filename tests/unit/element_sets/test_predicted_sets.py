@@ -64,7 +64,7 @@ def test_it_is_the_better_set_flown_by_sgp4(file, tmp_path, monkeypatch):
     monkeypatch.setattr(weighting, "weights", lambda rows, tried: weights)
     made = prediction.predict(file, date=DATE)
     assert made.way == "set improved by forecast density"
-    prediction_files.write(tmp_path / "better.tle", made, [])
+    prediction_files.write(tmp_path / "better.tle", made, {})
     t = DAY * np.array([0.0, 3.0, 7.0])
     flown = mean_elements.states(mean_elements.read(tmp_path / "better.tle"), epoch=DATE, t=t)
     # A TLE rounds the mean motion to 1e-8 revolutions a day.
@@ -255,16 +255,54 @@ def test_passes_rise_and_set_at_five_degrees(made):
     assert len(found) > 20
     for row in found.head(5).to_dict("records"):
         t = tuple(epochs.seconds_to(made.date, row[name]) for name in ("rise", "highest", "set"))
-        low, high, end = (float(np.degrees(station_passes._elevation(made, place, one)[0])) for one in t)
+        seen = np.degrees([station_passes._seen(made, place, one)[0, :2] for one in t])
+        low, high, end = seen[:, 1]
+        names = ("rise_azimuth", "highest_azimuth", "set_azimuth")
+        assert [row[name] for name in names] == pytest.approx(seen[:, 0], abs=1e-3)
         assert (low, end) == pytest.approx((5.0, 5.0), abs=0.2)
         assert high == pytest.approx(row["elevation"], abs=1e-3)
-        around = station_passes._elevation(made, place, t[1] + np.array([-60.0, 60.0]))
+        around = station_passes._seen(made, place, t[1] + np.array([-60.0, 60.0]))[:, 1]
         assert np.degrees(around).max() < high
     late = found["early_or_late"].to_numpy()
     assert late[-1] > late[0]
     assert late[0] == pytest.approx(
         1.645 * made.sigmas(epochs.seconds_to(made.date, found["highest"][0]))[0, 1] / 7600, rel=0.02
     )
+
+
+def test_passes_of_southern_stations_above_a_mask_are_a_table(file, tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(prediction, "_inside", lambda *_: "no orbit inside it")
+    path = tmp_path / "passes.csv"
+    call = ["predict", str(file), "--date", f"{DATE}Z", "--days", "2", "--mask", "30", "--passes", str(path)]
+    assert cli.main([*call, "--station", "-33.4,-70.6,500", "--station", "52.2,21.0,110"]) == 0
+    rows = pd.read_csv(path)
+    # A cell of CSV begins with no sign that a spreadsheet would compute.
+    assert {*rows["station"]} == {"'-33.4,-70.6,500", "52.2,21.0,110"}
+    assert rows["rise"].is_monotonic_increasing
+    assert (rows["elevation"] > 30.0).all()
+    assert f"passes, the first of {len(rows)}," in capsys.readouterr().out
+    assert cli.main(call) == 1
+    assert "--passes: expected a --station, got none" in capsys.readouterr().err
+
+
+def test_the_sun_shines_on_what_is_not_behind_the_earth(made):
+    """On 2026-01-08 the Sun stands 22.3 degrees south, and seven minutes late of noon."""
+    place = station_passes.place("52.2,0.0,0")
+    noon = epochs.seconds_to(DATE, "2026-01-08T12:07:00")[0]
+    _, elevation = station_passes._light(made, noon, np.array([7e6, 0.0, 0.0]), place)
+    assert elevation == pytest.approx(90.0 - 52.2 - 22.3, abs=0.3)
+    _, midnight = station_passes._light(made, noon + DAY / 2, np.array([7e6, 0.0, 0.0]), place)
+    assert midnight == pytest.approx(52.2 - 90.0 - 22.3, abs=0.3)
+    # The Sun is at a right ascension of some 289 degrees.
+    sun = np.array([np.cos(np.radians(289.4)), np.sin(np.radians(289.4)), -np.tan(np.radians(22.3))])
+    for position, is_sunlit in ((sun, True), (-sun, False), (np.cross(sun, [0.0, 0.0, 1.0]), True)):
+        at = 7e6 * position / np.linalg.norm(position)
+        assert station_passes._light(made, noon, at, place)[0] == is_sunlit
+
+
+def test_a_prediction_is_shown_in_two_lines(made):
+    assert repr(made) == f"<101, 7 days from {DATE} UTC\n {made.way}>"
+    assert re.fullmatch(r"its last 20 mornings at 7 d: SGP4 \d+\.\d km, .* \(n = \d+\)", made.past_in_words)
 
 
 @pytest.mark.parametrize("text", ["52.2", "91,0,0", "a,b,c", "1,2,3,4"])
@@ -318,7 +356,8 @@ def test_the_lines_of_the_readme_run(file, made, tmp_path, monkeypatch, capsys):
 
 
 def test_a_phone_shows_all_of_the_page(made, tmp_path):
-    prediction_files.write(tmp_path / "mine.html", made, [station_passes.place("52.2,21.0,110")])
+    place = station_passes.place("52.2,21.0,110")
+    prediction_files.write(tmp_path / "mine.html", made, {place: station_passes.passes(made, place)})
     page = laid_out((tmp_path / "mine.html").read_text(), tmp_path, width=390)
     assert page["across"] <= 390
     assert len(page["pictures"]) == 2
@@ -328,7 +367,7 @@ def test_a_phone_shows_all_of_the_page(made, tmp_path):
 
 
 def test_the_page_begins_with_the_errors_to_expect(made, tmp_path):
-    prediction_files.write(tmp_path / "mine.html", made, [])
+    prediction_files.write(tmp_path / "mine.html", made, {})
     _, _, page = (tmp_path / "mine.html").read_text().partition("</h1>")
     error = made.expected().set_index("lead")["along_track"].loc[1]
     assert page.lstrip().startswith("<p>Expected error along the track, one sigma: ")
