@@ -179,12 +179,12 @@ def _compare(options: argparse.Namespace) -> None:
     from opml.interop import formats
     from opml.interop.orbit_arcs import contents
 
-    kinds = (formats.ORBIT, formats.ELEMENTS, formats.TABLE)
-    groups = groupby(options.other, lambda path: formats.of(path, contents(path), *kinds).name)
-    *between, truth = (list(paths) for _, paths in groups)
     if options.output:
         suffix_of(options.output, tables.TABLE_SUFFIXES)
         check_distinct_files([options.output], [options.ours, *options.other])
+    kinds = (formats.ORBIT, formats.ELEMENTS, formats.TABLE)
+    groups = groupby(options.other, lambda path: formats.of(path, contents(path), *kinds).name)
+    *between, truth = (list(paths) for _, paths in groups)
     other = known_orbits.read(truth, options.other_object)
     compared = {
         paths[0]: comparison.compare(known_orbits.read(paths, options.object), other)
