@@ -4,7 +4,7 @@ import numpy as np
 from support import EPOCH
 
 from opml.base.constants import DAY, HOUR
-from opml.element_sets import inside_forces, orbit_inside
+from opml.element_sets.inside import inside_forces, orbit_inside
 from opml.interop.element_sets import element_fits, element_set
 
 HALF = 48.0 * HOUR

@@ -48,7 +48,7 @@ def _check_unused(options: argparse.Namespace, *names: str) -> None:
 
 
 def _past(options: argparse.Namespace, progress: Progress) -> None:
-    from opml.element_sets import orbit_history
+    from opml.element_sets.inside import orbit_history
 
     asked = {name: getattr(options, name) for name in ("object", "begin", "end", "weather")}
     history = orbit_history.find(options.sets, **asked, progress=progress)
@@ -59,7 +59,7 @@ def _past(options: argparse.Namespace, progress: Progress) -> None:
 
 def _table(options: argparse.Namespace, progress: Progress) -> None:
     from opml.element_sets import catalogue as catalogues
-    from opml.element_sets import set_states
+    from opml.element_sets.inside import set_states
     from opml.tables import write_as
 
     catalogue = catalogues.read(options.sets)

@@ -11,7 +11,7 @@ at that height.
 
 import math
 import os
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,31 +24,21 @@ from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.base.progress import Progress
 from opml.element_sets import catalogue as catalogues
-from opml.element_sets import (
-    corrector,
-    density,
-    improve,
-    inside_now,
-    inside_sizes,
-    known_sets,
-    trained_model,
-    weighting,
-)
+from opml.element_sets import corrector, density, improve, known_sets, trained_model, weighting
 from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day
 from opml.element_sets.improve import Improved
-from opml.element_sets.inside_now import InsideNow
-from opml.element_sets.orbit_inside import NoOrbitError
-from opml.element_sets.set_errors import OLDEST
+from opml.element_sets.inside import orbit_prediction
+from opml.element_sets.inside.inside_sizes import lower
+from opml.element_sets.inside.orbit_prediction import OrbitInside
 from opml.environment import nrlmsis
 from opml.environment.space_weather import INTERVALS
 from opml.interop import ccsds
 from opml.interop.element_sets import mean_elements, rewriting, sgp4_errors
 from opml.interop.element_sets.burns_in_sets import KnownSet, burns_among
-from opml.interop.element_sets.element_set import ElementSet, changed, decay, elements_epoch, seconds_since
+from opml.interop.element_sets.element_set import ElementSet, changed, elements_epoch, seconds_since
 from opml.interop.predicted_orbit import LEADS, PredictedOrbit
 from opml.orbits.density_error import DensityErrors
 from opml.orbits.elements import bent_rsw
-from opml.orbits.state_polynomials import StatePolynomials
 
 MORNINGS = 12  # mornings before the date whose predictions tell an object's own sizes, radial and cross-track
 
@@ -77,39 +67,10 @@ BURNED = 20.0  # days before the date whose burns count: those of the mornings t
 LOW = 600e3
 """Height below which drag outweighs what else changes the size of an orbit: B* below 0 is thrust [m]."""
 
-OWN_PART = {1: 0.2, 3: 0.3, 5: 0.4, 7: 0.5}
-"""Part of its own position along the track that the orbit inside keeps against the learned one, by lead [d].
-
-Chosen on 150 objects below 600 km in spring 2026, with a corrector trained on others.
-"""
-
 _FEW_JUDGED = f"fewer than {FEWEST} of its predictions have a later set to judge them"
 _GROSS = 4.0  # sigmas that a past error counts at most: some are burns
 _MINUTE, _DAY = 60.0, len("2016-09-28")
 _REACH = 0.5  # of a set that judges from the time predicted [d]
-
-
-@dataclass(frozen=True, eq=False)
-class OrbitInside:
-    """The orbit inside an object's sets from a date on.
-
-    path: function of times [s since the date] that returns GCRF states; now: as it was found; is_corrected:
-    whether its along-track position is as learned
-    """
-
-    path: Callable[[np.ndarray], np.ndarray]
-    now: InsideNow
-    is_corrected: bool
-
-    @property
-    def reason(self) -> str:
-        """How well it is known to be there, in words."""
-        told, span = self.now.agreement, self.now.span
-        side = "on both sides of" if span.is_centred else "before"
-        agreed = (
-            f"agree to {told.r:.0f} m outwards and {told.w:.0f} m across" if told else "are too few to tell"
-        )
-        return f"fits over {span.before / HOUR:g} h {side} its sets {agreed}"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -273,9 +234,9 @@ def predict(
     thrusts = thrusting(public) if how["height"] < LOW else 0
     sizes = _sizes(how, past, measured, _after_storm(known.weather.kp, how["height"]))
     sizes = across_burns(sizes, past) if burns or thrusts else sizes
-    inside = _inside(public, newest.number, better, date, days, str(weather))
+    inside = orbit_prediction.predict(public, newest.number, better, days=days, weather=str(weather))
     if isinstance(inside, OrbitInside):
-        sizes = _inside_sizes(inside, sizes, _after_storm(known.weather.kp, how["height"]))
+        sizes = inside.sizes(sizes, _after_storm(known.weather.kp, how["height"]))
     made = Prediction(
         identity,
         date,
@@ -293,71 +254,6 @@ def predict(
     )
     made.states(made.t)  # no errors are told of what decays before
     return made
-
-
-def _inside(
-    public: Sequence[KnownSet], number: int, better: Improved, date: str, days: float, weather: str
-) -> OrbitInside | str:
-    """Return the orbit inside the sets of an object, or why there is none, in words."""
-    newest = public[-1]
-    if newest.t < -DAY * OLDEST:
-        return f"newest set older than {OLDEST:g} d"
-    if reason := inside_now.unsuited(newest.satellite):
-        return reason
-    # The first sets after a burn are made of tracks from both sides of it: those since it is known count.
-    begin = max((one.counts_from for one in burns_among(public, epoch=date)), default=-np.inf)
-    sets = [one for one in public if one.t >= begin] or [newest]
-    try:
-        now = inside_now.find(sets, date=date, weather=weather)
-    except NoOrbitError as reason:
-        return str(reason)
-    if now.doubt:
-        return now.doubt
-    rows = better.corrections[better.corrections["number"] == number]
-    is_corrected = len(rows) == len(LEADS) - 1
-    shift = _shift(now, rows) if is_corrected else None
-    return OrbitInside(StatePolynomials(*now.predict(days, shift)).at, now, is_corrected)
-
-
-def _inside_sizes(inside: OrbitInside, improved: pd.DataFrame, after_storm: float) -> pd.DataFrame:
-    """Return the sizes of errors of an orbit inside, as in `Prediction`.
-
-    improved: those of the improved set; after_storm: of `_after_storm`
-    """
-    sizes = inside_sizes.sizes(inside.now, improved.index.to_numpy(float)).set_axis(improved.index)
-    sizes["s"] *= after_storm
-    if inside.is_corrected:
-        sizes["s"] = np.minimum(sizes["s"], improved["s"])
-    sizes["r"] = np.hypot(sizes["r"], _lower(sizes["s"], inside.now.orbit.beginning.satellite.no_kozai))
-    by_sgp4 = inside_sizes.sgp4_along(inside.now, improved.index.to_numpy(float))
-    return sizes.assign(sgp4=np.where(np.isfinite(by_sgp4), by_sgp4, improved["sgp4"]))
-
-
-def _lower(along: pd.Series, motion: float) -> np.ndarray:
-    """Return by what orbits (leads,) are too low [m] that gain so much along the track [m]; motion [rad/min].
-
-    An orbit that is too low by x gains 3/2 of its rate times x.
-    """
-    gained = np.gradient(np.maximum.accumulate(along), along.index.to_numpy(float)) / DAY
-    return np.asarray(gained / (1.5 * motion / _MINUTE))
-
-
-def _shift(now: InsideNow, corrections: pd.DataFrame) -> np.ndarray:
-    """Return by what the orbit inside is to be ahead of where it goes by itself, as `InsideNow.predict` takes
-    it.
-
-    The corrected position of SGP4 along the track counts against its own, where drag is small by the inverse
-    of their variances. At the date the orbit stays where it is.
-    """
-    leads = np.append(0.0, corrections["lead"].to_numpy(float))
-    own = inside_sizes.sizes(now, leads)["s"].to_numpy()
-    sigma = np.append(own[0], corrections["sigma"])
-    part = own**2 / (own**2 + sigma**2)
-    if decay(now.orbit.beginning.satellite) >= inside_now.LITTLE_DRAG:
-        part = 1.0 - np.interp(leads, [*OWN_PART], [*OWN_PART.values()])
-    part[0] = 0.0
-    ahead = now.ahead_of_sgp4(leads) - np.append(0.0, corrections["correction"])
-    return np.column_stack([leads, part * ahead, np.minimum(own, sigma)])
 
 
 def _past_of(number: int, better: Improved) -> pd.DataFrame:
@@ -483,7 +379,7 @@ def _sizes(how: pd.Series, past: pd.DataFrame, measured: pd.DataFrame, after_sto
         sizes.loc[LEADS[1:], "sgp4"] = np.hypot(sigma, correction)
         sizes.loc[0, ["s", "sgp4"]] = min(sizes.loc[0, "s"], sizes.loc[1, "s"])
     sizes[["s", "sgp4"]] *= after_storm
-    sizes["r"] = np.hypot(sizes["r"], _lower(sizes["s"], how["motion"]))
+    sizes["r"] = np.hypot(sizes["r"], lower(sizes["s"], how["motion"]))
     unseen = dict(zip(sgp4_errors.AXES, sgp4_errors.UNSEEN, strict=True))
     for name in sizes:
         sizes[name] = np.hypot(np.maximum.accumulate(sizes[name]), unseen["s" if name == "sgp4" else name])

@@ -12,7 +12,8 @@ import pandas as pd
 from opml.base.errors import InputError
 from opml.base.files import FilePath, replacing, suffix_of
 from opml.element_sets import station_passes
-from opml.element_sets.prediction import OrbitInside, Prediction
+from opml.element_sets.inside.orbit_prediction import OrbitInside
+from opml.element_sets.prediction import Prediction
 from opml.element_sets.station_passes import Place
 from opml.interop import czml
 from opml.interop.element_sets import omm, rewriting, tle

@@ -10,9 +10,10 @@ from support import EPOCH
 from weather_files import other_after
 
 from opml.base.constants import DAY, HOUR
-from opml.element_sets import catalogue, inside_forces, inside_now, inside_sizes, orbit_inside, past_orbits
-from opml.element_sets.orbit_inside import NoOrbitError
-from opml.element_sets.past_orbits import PastOrbits, centred
+from opml.element_sets import catalogue
+from opml.element_sets.inside import inside_forces, inside_now, inside_sizes, orbit_inside, past_orbits
+from opml.element_sets.inside.orbit_inside import NoOrbitError
+from opml.element_sets.inside.past_orbits import PastOrbits, centred
 from opml.interop.element_sets import element_set, mean_elements
 from opml.interop.element_sets.burns_in_sets import KnownSet
 from opml.orbits.elements import bent_rsw, positions_beside

@@ -21,15 +21,8 @@ from opml import cli
 from opml.base import epochs
 from opml.base.constants import DAY
 from opml.base.errors import InputError
-from opml.element_sets import (
-    catalogue,
-    corrector,
-    inside_forces,
-    known_sets,
-    prediction,
-    station_passes,
-    weighting,
-)
+from opml.element_sets import catalogue, corrector, known_sets, prediction, station_passes, weighting
+from opml.element_sets.inside import inside_forces
 from opml.interop import orbit_segments
 from opml.interop.element_sets import element_set, mean_elements, sgp4_errors, tle
 from opml.report.results import with_unit

@@ -22,7 +22,7 @@ from opml.base.constants import HOUR
 from opml.base.errors import InputError
 from opml.dynamics.ensemble import Arcs, Departures, propagate
 from opml.dynamics.settings import Integrator
-from opml.element_sets.inside_forces import Forces
+from opml.element_sets.inside.inside_forces import Forces
 from opml.interop.element_sets import mean_elements
 from opml.interop.element_sets.element_set import decay, perturbed
 from opml.orbits.elements import bent_rsw, positions_beside

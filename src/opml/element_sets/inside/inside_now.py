@@ -22,9 +22,9 @@ from sgp4.api import Satrec
 from opml.base import epochs
 from opml.base.constants import DAY, HOUR, WGS84_A
 from opml.dynamics.ensemble import propagate
-from opml.element_sets import inside_forces, past_orbits
-from opml.element_sets.inside_forces import Forces
-from opml.element_sets.orbit_inside import (
+from opml.element_sets.inside import inside_forces, past_orbits
+from opml.element_sets.inside.inside_forces import Forces
+from opml.element_sets.inside.orbit_inside import (
     DRAG,
     EVERY,
     LEAST_DRAG,
@@ -40,7 +40,7 @@ from opml.element_sets.orbit_inside import (
     solve,
     usual_half_span,
 )
-from opml.element_sets.past_orbits import LONGEST, SPANS, Agreement, FitSpan, PastOrbits, centred
+from opml.element_sets.inside.past_orbits import LONGEST, SPANS, Agreement, FitSpan, PastOrbits, centred
 from opml.interop.element_sets.burns_in_sets import KnownSet
 from opml.interop.element_sets.element_set import decay, semi_major_axis
 

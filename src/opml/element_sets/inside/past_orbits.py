@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 
 from opml.base.constants import DAY, HOUR
-from opml.element_sets.orbit_inside import EVERY, LIGHT_STEP, Equations, NearbyOrbit, solve
+from opml.element_sets.inside.orbit_inside import EVERY, LIGHT_STEP, Equations, NearbyOrbit, solve
 from opml.orbits.elements import bent_rsw
 
 

@@ -15,8 +15,8 @@ import pandas as pd
 from opml.base.constants import DAY, HOUR
 from opml.dynamics.ensemble import propagate
 from opml.element_sets.catalogue import ElementCatalogue
-from opml.element_sets.inside_forces import Forces
-from opml.element_sets.orbit_inside import (
+from opml.element_sets.inside.inside_forces import Forces
+from opml.element_sets.inside.orbit_inside import (
     EVERY,
     LIGHT,
     NUMBERS,

@@ -10,10 +10,10 @@ import pandas as pd
 from opml.base.constants import HOUR
 from opml.base.files import FilePath
 from opml.base.progress import Progress
-from opml.element_sets import inside_forces, inside_now, set_orbits
 from opml.element_sets.catalogue import ElementCatalogue
-from opml.element_sets.inside_sizes import FLOOR, typical
-from opml.element_sets.orbit_inside import usual_half_span
+from opml.element_sets.inside import inside_forces, inside_now, set_orbits
+from opml.element_sets.inside.inside_sizes import FLOOR, typical
+from opml.element_sets.inside.orbit_inside import usual_half_span
 from opml.interop.element_sets.element_set import decay, elements_epoch
 from opml.tables import STATE, read_table
 

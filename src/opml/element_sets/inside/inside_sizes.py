@@ -9,13 +9,14 @@ import numpy as np
 import pandas as pd
 
 from opml.base.constants import DAY
-from opml.element_sets.inside_now import InsideNow
+from opml.element_sets.inside.inside_now import InsideNow
 from opml.interop.element_sets.element_set import decay
 
 FLOOR = {"r": 5.0, "s": 30.0, "w": 15.0}
 """Errors that neighbouring sets have in common [m]: of Sentinel-3A and Jason-3, by precise orbits."""
 
 _TYPICAL = 4.0  # errors of the typical size that count with an object's own
+_MINUTE = 60.0
 _FEWEST = 3  # errors that tell a size alone
 _REACH = 0.75  # an error counts for a time that is at most so far from its own [d]
 _ROUND = {"r": 10.0, "w": 18.0}  # typical errors without drag [m]
@@ -70,3 +71,12 @@ def sgp4_along(now: InsideNow, leads: np.ndarray) -> np.ndarray:
 def _near(now: InsideNow, day: float) -> pd.DataFrame:
     """Return the errors of past orbits about so many days after the epochs of their sets."""
     return now.errors[np.abs(now.errors["days"] - max(day, 1.0)) <= _REACH]
+
+
+def lower(along: pd.Series, motion: float) -> np.ndarray:
+    """Return by what orbits (leads,) are too low [m] that gain so much along the track [m]; motion [rad/min].
+
+    An orbit that is too low by x gains 3/2 of its rate times x.
+    """
+    gained = np.gradient(np.maximum.accumulate(along), along.index.to_numpy(float)) / DAY
+    return np.asarray(gained / (1.5 * motion / _MINUTE))
