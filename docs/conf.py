@@ -156,7 +156,7 @@ def write_prediction(app, exception):
     if exception is None:
         made = opml.predict(SAMPLE / "sets.tle", object=101, date=SAMPLE_DATE, weather=SAMPLE / "weather.csv")
         for suffix in ("html", "czml"):
-            prediction_files.write(app.outdir / "_static" / f"prediction.{suffix}", made, [])
+            prediction_files.write(app.outdir / "_static" / f"prediction.{suffix}", made, {})
 
 
 def setup(app):
