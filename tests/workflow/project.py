@@ -54,6 +54,7 @@ def _start(folder: Path, environment: dict[str, str], command: list[str], output
     sys.argv = command
     warnings.simplefilter("error")  # in the jobs, too, which are forks of it
     warnings.simplefilter("ignore", ResourceWarning)  # Snakemake leaves folders to their finalizers
+    warnings.simplefilter("ignore", PendingDeprecationWarning)  # its report names docutils' writers as of old
     import job_forks
 
     job_forks.fork_snakemake()

@@ -67,7 +67,7 @@ def operator(tmp_path_factory):
 
 
 @pytest.mark.dag
-@pytest.mark.parametrize("seconds", [2.0, 5.0, 9.0])
+@pytest.mark.parametrize("seconds", [1.5, 3.0, 4.5])
 def test_an_interrupt_is_told_in_one_line(operator, seconds):
     """The tests below go on in the same folder."""
     line = [sys.executable, "-m", "opml", "day", "--configfile", "mine.yaml", "--date", "2016-09-29"]

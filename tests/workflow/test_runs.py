@@ -40,7 +40,7 @@ READERS = {
     },
 }
 # The module that draws errors states P_ML; it draws the dataset's errors too.
-USES = {"learning/judge/metrics.py": {"error_distribution"}}
+USES = {"learning/judge/metrics.py": {"error_distribution"}, "learning/data/cleaning.py": {"tables"}}
 EVALUATIONS = (
     "svr_training_1station",
     "svr_testing_1station",

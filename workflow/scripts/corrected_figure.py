@@ -5,6 +5,7 @@ from opml.ephemerides.corrected import errors_at_estimates
 from opml.figures import errors_at_later_tracks, style
 from opml.figures.axis_labels import describe_training
 from opml.figures.display_names import describe_run, display_learner
+from opml.learning.judge.error_sizes import LEVEL
 from opml.tables import read_table
 from opml.workflow.jobs import job
 
@@ -14,7 +15,6 @@ class Settings(JobSettings):
     stations: str
     learner: str
     train: str
-    level: float
 
 
 with job(snakemake):
@@ -24,5 +24,5 @@ with job(snakemake):
     settings = Settings(**snakemake.params.settings)
     learner, training = display_learner(settings.learner), describe_training(settings.train)
     note = f"{describe_run(settings.rso, settings.stations)}; corrected by {learner} trained on {training}"
-    figure = errors_at_later_tracks.later_errors(errors, level=settings.level, note=note)
+    figure = errors_at_later_tracks.later_errors(errors, level=LEVEL, note=note)
     style.save_all([figure], [snakemake.output.pdf], [snakemake.output.png])

@@ -88,7 +88,7 @@ class _Messages(ContentHandler, LexicalHandler):
             self._joined |= {} if name == "COMMENT" else {name: value}
         elif name == "COMMENT":
             self._add(f"COMMENT {value}")
-        else:
+        elif not name.endswith("_VERS"):  # the line that begins a message has it already
             self._add(f"{name} = {value} [{self._unit}]" if self._unit else f"{name} = {value}")
 
     def _join(self, name: str, values: dict[str, str]) -> None:

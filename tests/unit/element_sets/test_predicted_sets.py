@@ -22,7 +22,7 @@ from opml.base import epochs
 from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.element_sets import catalogue, corrector, known_sets, prediction, station_passes, weighting
-from opml.element_sets.inside import inside_forces
+from opml.element_sets.inside import inside_forces, orbit_prediction
 from opml.interop import orbit_segments
 from opml.interop.element_sets import element_set, mean_elements, sgp4_errors, tle
 from opml.report.results import with_unit
@@ -221,7 +221,7 @@ ALONE = {  # revolutions a day, eccentricity, inclination [rad], B*; whether err
 @pytest.mark.parametrize("kind", ALONE)
 def test_one_set_of_any_orbit_is_flown_by_sgp4(kind, tmp_path, capsys, monkeypatch):
     """It has the usual sigma where errors of such sets were learned, else no covariance, and says so."""
-    monkeypatch.setattr(prediction, "_inside", lambda *_: "no orbit inside it")
+    monkeypatch.setattr(orbit_prediction, "predict", lambda *_, **__: "no orbit inside it")
     motion, eccentricity, inclination, bstar, is_learned = ALONE[kind]
     elements = [motion * 2.0 * np.pi / 1440.0, eccentricity, inclination, 1.0, 1.0, 1.0, bstar]
     one = element_set.satellite("2026-01-05T02:00:00", elements)
@@ -264,7 +264,7 @@ def test_passes_rise_and_set_at_five_degrees(made):
 
 
 def test_passes_of_southern_stations_above_a_mask_are_a_table(file, tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr(prediction, "_inside", lambda *_: "no orbit inside it")
+    monkeypatch.setattr(orbit_prediction, "predict", lambda *_, **__: "no orbit inside it")
     path = tmp_path / "passes.csv"
     call = ["predict", str(file), "--date", f"{DATE}Z", "--days", "2", "--mask", "30", "--passes", str(path)]
     assert cli.main([*call, "--station", "-33.4,-70.6,500", "--station", "52.2,21.0,110"]) == 0

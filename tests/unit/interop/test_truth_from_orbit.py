@@ -345,7 +345,7 @@ def test_a_satellite_is_chosen(tmp_path, nodes, deviations):
 
 REFUSED = {
     "none": "a.sp3: no such file",
-    "text": r"b.txt: expected an orbit .OEM, SP3, CPF, CSV of points., got 'x'",
+    "text": r"b.txt: expected an orbit .OEM, SP3, CPF, modified ITC, STK, CSV of points., got 'x'",
     "format": r"b.cpf: expected SP3, as .*a.sp3, got CPF",
     "satellite": r"b.sp3: expected satellite L47, as in .*a.sp3, got L48",
     "scale": r"b.sp3: expected time system GPS, as in .*a.sp3, got UTC",
