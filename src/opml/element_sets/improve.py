@@ -31,7 +31,7 @@ from opml.element_sets.weighting import DENSITY, PAST, UNCHANGED
 from opml.environment import known_weather
 from opml.environment.weather import Weather
 from opml.interop.element_sets import rewriting
-from opml.interop.element_sets.element_set import semi_major_axis
+from opml.interop.element_sets.element_set import DEEP_SPACE, semi_major_axis
 from opml.interop.element_sets.rewriting import Better
 from opml.tables import TABLE_SUFFIXES, write_as
 
@@ -40,7 +40,6 @@ OLDEST_WEATHER = 3.0  # days before the date that the weather may end: the forec
 _FEWEST_SETS = 3
 _MOST_BSTAR = 0.1  # of a body that is no balloon, some 0.6 m2/kg; more is a fit that failed
 _PAST_COLUMNS = ["number", "morning", "lead", "error", "left", "sigma"]
-_DEEP = 2.0 * np.pi / 225.0  # mean motion [rad/min] below which SGP4 adds Sun and Moon
 _MINUTES = 1440.0
 _WHERE = ("file", "place", "line")
 
@@ -246,7 +245,7 @@ def reasons(
         f"B* above {_MOST_BSTAR:g}": newest["bstar"] > _MOST_BSTAR,
         "eccentric": newest["eccentricity"] >= features.MOST_ECCENTRICITY,
         "outside the bands of height": ~newest["height"].between(*features.BANDS[[0, -1]], inclusive="left"),
-        "deep space": newest["motion"] < _DEEP,
+        "deep space": newest["motion"] < DEEP_SPACE,
     }
     why = pd.Series("", index=newest.index)
     for reason, holds in found.items():

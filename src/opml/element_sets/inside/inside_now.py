@@ -36,16 +36,16 @@ from opml.element_sets.inside.orbit_inside import (
     NearbyOrbit,
     begin_at,
     departing,
+    first_drag,
     orbits_beside,
     solve,
     usual_half_span,
 )
 from opml.element_sets.inside.past_orbits import LONGEST, SPANS, Agreement, FitSpan, PastOrbits, centred
 from opml.interop.element_sets.burns_in_sets import KnownSet
-from opml.interop.element_sets.element_set import decay, semi_major_axis
+from opml.interop.element_sets.element_set import DEEP_SPACE, decay, semi_major_axis
 
 LOWEST = 180e3  # height of the perigee below which an orbit ends before its span does [m]
-DEEP = 2.0 * np.pi / 225.0  # mean motion [rad/min] below which SGP4 adds Sun and Moon
 PAST = 21.0  # days before the newest set whose sets tell the span and the errors
 MOST = 12  # sets of these, a day apart or more
 
@@ -74,8 +74,6 @@ AGREED_BEFORE = 0.4
 LITTLE_DRAG = 22.0  # decay [m/d] below which light tells more than drag, and spans are long
 _SHORT = 96.0 * HOUR  # half of the longest span that is tried where drag is not small [s]
 _EVERY = 120.0  # between the states of a prediction [s]
-_BSTAR = 12.741621  # Cd A/m of a B* of 1/(6378.135 km), in SGP4's own density [m2/kg]
-_LEAST = 3e-3  # Cd A/m from which one is sought first [m2/kg]
 
 
 @dataclass(frozen=True, eq=False)
@@ -258,7 +256,7 @@ def _past(
 def unsuited(satellite: Satrec) -> str:
     """Return why no orbit is sought inside a set, '' where one is."""
     perigee = semi_major_axis(satellite.no_kozai) * (1.0 - satellite.ecco) - WGS84_A
-    if satellite.no_kozai < DEEP:
+    if satellite.no_kozai < DEEP_SPACE:
         return "deep space"
     return "" if perigee > LOWEST else f"perigee below {LOWEST / 1e3:g} km"
 
@@ -288,7 +286,7 @@ def _begin(one: KnownSet, forces: Forces, now: float, ballistic: float) -> Begin
 def _gauge(newest: KnownSet, forces: Forces, now: float) -> float:
     """Return Cd A/m [m2/kg] of the orbit inside a set over the usual span."""
     half = usual_half_span(newest.satellite)
-    begin = _begin(newest, forces, now, max(_BSTAR * abs(newest.satellite.bstar), _LEAST))
+    begin = _begin(newest, forces, now, float(first_drag(newest.satellite.bstar)))
     for _ in range(2):
         reach = np.array([half + EVERY])
         [orbit] = orbits_beside(forces, [begin], back=reach, ahead=reach)

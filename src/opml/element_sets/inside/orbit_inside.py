@@ -48,6 +48,8 @@ DRAG, SUNLIGHT = 6, 7  # places of the last two
 _UNITS = np.array([1e-7, 1e-5, 1e-5, 1e-5, 1e-5, 1e-5])
 """Steps of the elements: mean motion [its own part], e cos w, e sin w, angles [rad]; some 70 m each."""
 
+_BSTAR = 12.741621  # Cd A/m of a B* of 1/(6378.135 km), in SGP4's own density [m2/kg]
+_LEAST_SOUGHT = 3e-3  # Cd A/m from which one is sought first [m2/kg]
 _DRAG_STEP = 0.1, 1e-3  # step of Cd A/m: a part of it, and at least [m2/kg]
 LIGHT_STEP = 0.005  # of Cr A/m [m2/kg]
 LEAST_DRAG = 1e-4  # [m2/kg]
@@ -280,6 +282,11 @@ def _steps(satellite: Satrec) -> np.ndarray:
 
 def _sums(values: np.ndarray) -> np.ndarray:
     return np.concatenate([np.zeros((1, *values.shape[1:])), np.cumsum(values, axis=0)])
+
+
+def first_drag(bstar: np.ndarray | float) -> np.ndarray:
+    """Return Cd A/m [m2/kg] from which that of sets is sought first, of their B* [1/(6378.135 km)]."""
+    return np.maximum(_BSTAR * np.abs(bstar), _LEAST_SOUGHT)
 
 
 def begin_at(

@@ -26,6 +26,7 @@ from opml.element_sets.inside.orbit_inside import (
     NoOrbitError,
     begin_at,
     departing,
+    first_drag,
     orbits_beside,
     solve,
     usual_half_span,
@@ -44,8 +45,6 @@ COLUMNS = (*STATE, "ballistic", *MEANS)
 """GCRF state of the orbit inside at the set's epoch [m, m/s], its Cd A/m [m2/kg], and MEANS."""
 
 _AROUND = 4.5 * HOUR  # a mean is that of a parabola through so much before and after [s]
-_BSTAR = 12.741621  # Cd A/m of a B* of 1/(6378.135 km), in SGP4's own density [m2/kg]
-_LEAST = 3e-3  # Cd A/m from which one is sought first [m2/kg]
 _BATCH = 256  # sets at a time, of the same days, so that few lanes of a block idle
 _GAUGED = 30.0  # days for which the Cd A/m of one set begins those of the others
 
@@ -124,7 +123,7 @@ def _gauged(times: _Times) -> np.ndarray:
     gauged = np.full(len(table), np.nan)
     first = np.array([group[len(group) // 2] for group in table.groupby(groups).indices.values()])
     first = first[np.argsort(t[first], kind="stable")]
-    ballistic = np.maximum(_BSTAR * np.abs(table["bstar"].to_numpy()), _LEAST)
+    ballistic = first_drag(table["bstar"].to_numpy())
     for members in _batches(first):
         begins = [times.begin(row, ballistic[row]) for row in members]
         for _ in range(2):
