@@ -16,13 +16,13 @@ from sgp4.api import Satrec
 
 from opml.base import epochs
 from opml.base.constants import DAY
-from opml.conjunctions import known_orbits
-from opml.conjunctions.approaches import EPOCH
 from opml.element_sets import catalogue, density, improve, set_errors, trained_model
 from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day
 from opml.element_sets.training import HOUR_OF_MORNING
 from opml.environment import known_weather
 from opml.environment.solar_activity import OBSERVED
+from opml.interop import known_orbits
+from opml.interop.curves.orbit_path import EPOCH
 from opml.interop.element_sets import teme
 from opml.interop.element_sets.element_set import changed, propagate, seconds_since
 

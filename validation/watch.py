@@ -23,9 +23,9 @@ import opml
 from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.conjunctions import screening
-from opml.conjunctions.approaches import EPOCH
 from opml.conjunctions.conjunction import Conjunction
 from opml.element_sets.catalogue import LATENCY
+from opml.interop.curves.orbit_path import EPOCH
 from opml.interop.element_sets.element_set import ElementSet, elements_epoch
 from opml.interop.element_sets.mean_elements import read_sets
 

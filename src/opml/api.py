@@ -28,8 +28,6 @@ from opml.catalog.predict import labels, prediction, weather_spread
 from opml.catalog.predict.weather_spread import Weathers
 from opml.catalog.propagator import Propagator
 from opml.catalog.simulate import tracking, truth
-from opml.conjunctions import comparison, known_orbits
-from opml.conjunctions.known_orbits import KnownOrbit
 from opml.dynamics.forces import build, tabulated
 from opml.dynamics.kernels.surroundings import ForceModel
 from opml.dynamics.run_environment import Environment
@@ -41,8 +39,9 @@ from opml.ephemerides import corrected, replays
 from opml.ephemerides.ephemeris_task import Task, departures
 from opml.ephemerides.known_tables import KnownTables
 from opml.ephemerides.task_part import Grid
-from opml.interop import crd, formats, points_from_files, sinex, tdm
+from opml.interop import comparison, crd, formats, known_orbits, points_from_files, sinex, tdm
 from opml.interop.element_sets import mean_elements
+from opml.interop.known_orbits import KnownOrbit
 from opml.interop.orbit_from_files import OrbitFiles
 from opml.interop.predicted_orbit import PredictedOrbit
 from opml.learning.data import dataset as datasets

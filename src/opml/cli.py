@@ -145,7 +145,7 @@ def _add_screen(parser: argparse.ArgumentParser) -> None:
 def _screen(options: argparse.Namespace) -> None:
     from opml import tables
     from opml.conjunctions import as_text, cdm, from_files
-    from opml.conjunctions.approaches import EPOCH
+    from opml.interop.curves.orbit_path import EPOCH
 
     if options.messages:
         check_folder(os.path.join(options.messages, "*.cdm"))
@@ -175,8 +175,7 @@ def _add_compare(parser: argparse.ArgumentParser) -> None:
 
 def _compare(options: argparse.Namespace) -> None:
     from opml import tables
-    from opml.conjunctions import comparison, known_orbits
-    from opml.interop import formats
+    from opml.interop import comparison, formats, known_orbits
     from opml.interop.orbit_arcs import contents
 
     if options.output:

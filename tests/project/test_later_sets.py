@@ -5,10 +5,10 @@ import pytest
 from catalogue_files import FIRST_DAY, write_sets
 
 from opml.base.constants import DAY
-from opml.conjunctions import known_orbits
 from opml.conjunctions.screening import EPOCH
 from opml.element_sets import catalogue
 from opml.element_sets.catalogue import modified_julian_day
+from opml.interop import known_orbits
 from validation import later_sets
 
 AHEAD = 100.0  # m

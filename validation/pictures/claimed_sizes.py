@@ -17,10 +17,10 @@ from matplotlib.ticker import FuncFormatter
 
 from opml.base.constants import DAY, EARTH_GM, WGS84_A
 from opml.conjunctions import cdm
-from opml.conjunctions.approaches import EPOCH
 from opml.conjunctions.conjunction import Participant
 from opml.figures import style
 from opml.figures.ticks import metres
+from opml.interop.curves.orbit_path import EPOCH
 from opml.interop.element_sets import sgp4_errors
 from opml.interop.orbit_arcs import contents
 from validation.pictures import shrunk

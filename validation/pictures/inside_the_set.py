@@ -14,10 +14,10 @@ from matplotlib.figure import Figure
 
 from opml.base import epochs
 from opml.base.constants import DAY, HOUR
-from opml.conjunctions import known_orbits
-from opml.conjunctions.approaches import EPOCH
 from opml.element_sets import prediction
 from opml.figures import style
+from opml.interop import known_orbits
+from opml.interop.curves.orbit_path import EPOCH
 from opml.interop.element_sets import mean_elements
 from opml.orbits.elements import bent_rsw
 from validation.pictures import shrunk

@@ -21,8 +21,7 @@ from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.benchmark import tasks
 from opml.benchmark.tasks import STATE, BenchmarkTask
-from opml.conjunctions import known_orbits
-from opml.interop import orbit_segments
+from opml.interop import known_orbits, orbit_segments
 from opml.interop.element_sets.teme import teme_to_gcrf
 from opml.orbits.elements import rsw_rotation
 

@@ -6,9 +6,9 @@ from pathlib import Path
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.conjunctions import all_pairs, cdm, screening
-from opml.conjunctions.approaches import EPOCH
 from opml.conjunctions.conjunction import Conjunction
 from opml.interop import formats
+from opml.interop.curves.orbit_path import EPOCH
 
 
 def conjunctions(

@@ -19,7 +19,7 @@ from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.conjunctions import approaches
-from opml.conjunctions.approaches import EPOCH, Approach
+from opml.conjunctions.approaches import Approach
 from opml.conjunctions.conjunction import Conjunction, Participant, check_length, check_radius, remarks_on
 from opml.conjunctions.sieve import Looks, Span
 from opml.conjunctions.trajectories import (
@@ -30,6 +30,7 @@ from opml.conjunctions.trajectories import (
     span_of_days,
 )
 from opml.interop import ccsds, formats, orbit_segments
+from opml.interop.curves.orbit_path import EPOCH
 from opml.interop.element_sets.mean_elements import WARN_DAYS
 from opml.interop.object_ids import ObjectId
 

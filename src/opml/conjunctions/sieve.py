@@ -13,7 +13,7 @@ from scipy.spatial import KDTree
 from sgp4.api import Satrec
 
 from opml.base.constants import WGS84_A
-from opml.conjunctions.approaches import Path
+from opml.interop.curves.orbit_path import Path
 from opml.interop.element_sets.element_set import propagate
 from opml.interop.element_sets.teme import teme_to_gcrf
 

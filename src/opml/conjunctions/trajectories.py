@@ -11,8 +11,8 @@ from opml.base.constants import DAY, WGS84_A
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.conjunctions import approaches
-from opml.conjunctions.approaches import EPOCH, Path, with_velocities
 from opml.conjunctions.sieve import STEEP, Looks, Sgp4Orbit, Span
+from opml.interop.curves.orbit_path import EPOCH, Path, covariances_at, velocities_of, with_velocities
 from opml.interop.element_sets import histories, mean_elements, sgp4_errors
 from opml.interop.element_sets.mean_elements import MOST_DAYS
 from opml.interop.object_ids import ObjectId
@@ -21,30 +21,11 @@ from opml.interop.orbit_segments import covariances_in_rsw
 from opml.orbits.density_error import DensityErrors
 from opml.orbits.state_polynomials import FEWEST
 
-COVARIANCE_HELD = 600.0
-"""Time for which a covariance holds before the first and beyond the last that is known [s]."""
-
 USUAL = "as sets at its height usually err"
 """What is told of a covariance that the object's own past has no part in."""
 
 _LOWEST = 1e-3 * WGS84_A + 80.0  # distance from the Earth's centre below which nothing orbits [km]
 _SPARSE = 10  # states of a path from one of its covariances to the next
-
-
-def covariances_at(known: np.ndarray, covariances: np.ndarray, t: np.ndarray) -> np.ndarray:
-    """Return covariances (n, k, k) at times (n,) [s], linear between those known, NaN far from all.
-
-    known: (m,) ascending [s]; covariances: (m, k, k) in RSW
-    """
-    if not len(known):
-        return np.full((len(t), *covariances.shape[1:]), np.nan)
-    after = np.clip(np.searchsorted(known, t), 1, len(known) - 1) if len(known) > 1 else np.zeros(len(t), int)
-    before = np.maximum(after - 1, 0)
-    share = np.clip((t - known[before]) / np.maximum(known[after] - known[before], 1e-9), 0.0, 1.0)
-    share = share[:, None, None]
-    between = (1.0 - share) * covariances[before] + share * covariances[after]
-    is_near = (t >= known[0] - COVARIANCE_HELD) & (t <= known[-1] + COVARIANCE_HELD)
-    return np.where(is_near[:, None, None], between, np.nan)
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,7 +140,7 @@ def _led(t: np.ndarray, states: np.ndarray) -> np.ndarray:
     """Return states whose velocities lead from one to the next: in a steep descent those of SGP4 do not."""
     if np.linalg.norm(states[:, :3], axis=1).min() > 1e3 * STEEP:
         return states
-    return np.hstack([states[:, :3], approaches.velocities_of(t, states[:, :3])])
+    return np.hstack([states[:, :3], velocities_of(t, states[:, :3])])
 
 
 def read_elements(paths: Sequence[FilePath], span: Span) -> list[PropagatedElements]:

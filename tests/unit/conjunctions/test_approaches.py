@@ -5,7 +5,8 @@ import pytest
 
 from opml.base.constants import DAY, EARTH_GM
 from opml.base.errors import InputError
-from opml.conjunctions.approaches import Path, find
+from opml.conjunctions.approaches import find
+from opml.interop.curves.orbit_path import Path
 from opml.orbits.elements import (
     cartesian_from_coe,
     coe_from_cartesian,

@@ -15,8 +15,7 @@ from test_approaches import kepler
 from opml import cli
 from opml.base.constants import EARTH_GM
 from opml.base.errors import InputError
-from opml.conjunctions import comparison, known_orbits
-from opml.interop import oem
+from opml.interop import comparison, known_orbits, oem
 from opml.interop.ccsds import utc_texts
 from opml.interop.object_ids import ObjectId
 from opml.orbits.elements import rsw_rotation

@@ -9,10 +9,10 @@ from test_approaches import kepler
 
 from opml.base.constants import DAY, EARTH_GM, WGS84_A
 from opml.conjunctions import screening
-from opml.conjunctions.approaches import EPOCH, Path
 from opml.conjunctions.screening import ScreenedObject
 from opml.conjunctions.trajectories import Trajectory
 from opml.interop import oem
+from opml.interop.curves.orbit_path import EPOCH, Path
 from opml.interop.element_sets import element_set, mean_elements, tle
 from opml.interop.object_ids import ObjectId
 

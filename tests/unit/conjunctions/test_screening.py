@@ -15,8 +15,8 @@ from opml import cli
 from opml.base.constants import EARTH_GM
 from opml.base.errors import InputError
 from opml.conjunctions import as_text, cdm, screening
-from opml.conjunctions.approaches import EPOCH
 from opml.interop import ccsds, oem, orbit_segments
+from opml.interop.curves.orbit_path import EPOCH
 from opml.interop.element_sets import element_set, omm, tle
 from opml.interop.object_ids import UNKNOWN, ObjectId
 from opml.orbits.elements import rsw_rotation

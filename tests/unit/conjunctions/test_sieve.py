@@ -13,9 +13,9 @@ from support import shared
 from opml import cli
 from opml.base.constants import EARTH_GM
 from opml.conjunctions import all_pairs, screening
-from opml.conjunctions.approaches import EPOCH
 from opml.conjunctions.trajectories import read_elements, span_of_days
 from opml.interop import oem
+from opml.interop.curves.orbit_path import EPOCH
 from opml.interop.element_sets import element_set, mean_elements, tle
 from opml.interop.object_ids import ObjectId
 

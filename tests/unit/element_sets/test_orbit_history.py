@@ -9,9 +9,9 @@ from support import EPOCH
 from opml import cli
 from opml.base import epochs
 from opml.base.constants import DAY
-from opml.conjunctions import known_orbits
 from opml.element_sets import catalogue
 from opml.element_sets.inside import inside_forces, orbit_history, set_orbits, set_states
+from opml.interop import known_orbits
 from opml.interop.element_sets import element_set, tle
 from opml.orbits.elements import bent_rsw
 from opml.orbits.state_polynomials import StatePolynomials

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from support import EPOCH, refusal
 
-from opml.conjunctions import known_orbits
-from opml.interop import oem, orbit_segments
+from opml.interop import known_orbits, oem, orbit_segments
 from opml.orbits.elements import rsw_rotation
 
 T = np.arange(0.0, 601.0, 60.0)

@@ -15,9 +15,9 @@ from scipy.stats import chi2
 
 from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
-from opml.conjunctions.approaches import EPOCH, STEP
-from opml.conjunctions.known_orbits import KnownOrbit, Sets
 from opml.interop import ccsds
+from opml.interop.curves.orbit_path import EPOCH
+from opml.interop.known_orbits import KnownOrbit, Sets
 from opml.orbits.elements import bent_rsw
 from opml.orbits.rsw_covariance import least_variances, mahalanobis
 
@@ -27,6 +27,7 @@ _FLAT = 1e-12  # least variance of scaled axes that makes an ellipsoid, but for 
 MOST_ROWS = 14  # largest number of rows of a summary
 _SPACINGS = (0.1, 0.5, 1.0, 3.0, 6.0, 12.0, 24.0, 72.0, 240.0, 720.0, 2400.0)  # [h]
 
+_STEP = 60.0  # between times of two orbits of mean elements [s]
 _WHOLE = 10.0  # length from which on whole metres tell enough [m]
 
 _log = logging.getLogger(__name__)
@@ -124,7 +125,7 @@ def _metres(length: float) -> str:
 
 def _times(ours: KnownOrbit, other: KnownOrbit) -> np.ndarray:
     if isinstance(ours, Sets) and isinstance(other, Sets):
-        return np.arange(ours.t[-1], ours.t[-1] + DAY * FLOWN_DAYS, STEP)
+        return np.arange(ours.t[-1], ours.t[-1] + DAY * FLOWN_DAYS, _STEP)
     if isinstance(other, Sets) or not np.isfinite(ours.at(other.t)).any():
         return ours.t
     return other.t

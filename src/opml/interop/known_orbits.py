@@ -20,9 +20,8 @@ from opml.base.arrays import read_only
 from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.files import FilePath
-from opml.conjunctions.approaches import EPOCH, LONGEST_STEP, Path, with_velocities
-from opml.conjunctions.trajectories import covariances_at
 from opml.interop import ccsds, formats, object_ids, oem, orbit_segments
+from opml.interop.curves.orbit_path import EPOCH, LONGEST_STEP, Path, covariances_at, with_velocities
 from opml.interop.element_sets import histories
 from opml.interop.element_sets.mean_elements import MOST_DAYS
 from opml.interop.object_ids import UNKNOWN, ObjectId

@@ -1,0 +1,128 @@
+"""An orbit between states that are known every minute or so.
+
+Between its states a path is the polynomial of Hermite through the four about a time (CCSDS 502.0-B-2,
+5.2.3.5), to which an OEM is written. Covariances are linear between those known.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.interpolate import make_interp_spline
+
+from opml.base.constants import EARTH_GM
+from opml.base.errors import InputError
+from opml.interop import ccsds
+from opml.orbits.state_polynomials import FEWEST, StatePolynomials
+
+EPOCH = "2000-01-01T12:00:00"  # UTC text from which times of files count [s], to a microsecond
+
+LONGEST_STEP = 300.0
+"""Longest time between two states of a path [s]: beyond, the polynomials through them err by metres."""
+
+COVARIANCE_HELD = 600.0
+"""Time for which a covariance holds before the first and beyond the last that is known [s]."""
+
+_VELOCITY_MISS = 1e3  # of a way by the states at its ends [m]
+_STRAYING = 300.0  # the same of a single one [m]: a burn of 10 m/s within a minute
+_TIMES_USUAL = 10.0  # least ratio to the usual miss of a single one that is wrong
+_NEAREST, _FARTHEST = 6e6, 1e9  # from the Earth's centre [m]
+_CLOCK = 1e-5  # to which times are known [s]
+_ROUGH = 0.1  # of a way that the states at its ends may be off
+_SMOOTH = 1e-3  # the same of a single one: twenty times what SGP4 is off
+_DEGREE = 7  # of the polynomials that give velocities to positions
+
+
+def velocities_of(t: np.ndarray, positions: np.ndarray) -> np.ndarray:
+    """Return velocities (n, 3) [m/s] that lead from position to position (n, 3) [m] at times (n,) [s]."""
+    curve = make_interp_spline(t - t[0], positions, k=min(_DEGREE, len(t) - 1 - len(t) % 2))
+    return np.asarray(curve.derivative()(t - t[0]))
+
+
+def with_velocities(t: np.ndarray, states: np.ndarray) -> np.ndarray:
+    """Return states (n, 6) at times (n,) [s], with the velocities to their positions where any is unknown."""
+    if np.isfinite(states).all() or len(t) < FEWEST:
+        return states
+    return np.hstack([states[:, :3], velocities_of(t, states[:, :3])])
+
+
+@dataclass(frozen=True, eq=False)
+class Path:
+    """States of an object, a minute or so apart."""
+
+    name: str
+    t: np.ndarray  # (n,) ascending [s]
+    states: np.ndarray  # (n, 6) GCRF [m, m/s]
+
+    def __post_init__(self) -> None:
+        """Raise InputError for fewer than four states, ones too far apart, and ones that make no orbit."""
+        if len(self.t) < FEWEST:
+            raise InputError(f"{self.name}: expected at least {FEWEST} states, got {len(self.t)}")
+        if not (longest := float(np.diff(self.t).max())) <= LONGEST_STEP + _CLOCK:
+            raise InputError(
+                f"{self.name}: expected states at most {LONGEST_STEP:g} s apart, got {longest:g}"
+            )
+
+        distance = np.linalg.norm(self.states[:, :3], axis=1)
+        low, high = float(distance.min()), float(distance.max())
+        if not _NEAREST <= low <= high <= _FARTHEST:
+            raise InputError(
+                f"{self.name}: expected positions {_NEAREST / 1e3:g} to {_FARTHEST / 1e3:g} km from the "
+                f"Earth's centre, got {low / 1e3:g} to {high / 1e3:g}"
+            )
+        off, ways = self._misses()
+        strays = (off > _STRAYING + _SMOOTH * ways) & (off > _TIMES_USUAL * np.median(off))
+        # A state that is wrong is off what is before and after it, a burn is in one way alone.
+        spikes = np.flatnonzero(strays[1:] & strays[:-1]) + 1
+        wrong = np.append(spikes, np.flatnonzero(off > _VELOCITY_MISS + _ROUGH * ways))
+        if len(wrong):
+            worst = wrong[0]
+            raise InputError(
+                f"{self.name}: expected velocities that lead from position to position, got "
+                f"{off[worst] / 1e3:.3g} km off at {ccsds.utc_texts(EPOCH, self.t[worst : worst + 1])[0]}"
+            )
+
+    def _misses(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return how far velocities lead past each next position, and the ways to them (n - 1,) [m].
+
+        The Earth's attraction at both ends bends the way: what is left is that of other forces.
+        """
+        positions, velocities = self.states[:, :3], self.states[:, 3:]
+        pull = -EARTH_GM * positions / np.linalg.norm(positions, axis=1)[:, None] ** 3
+        steps, moved = np.diff(self.t)[:, None], np.diff(positions, axis=0)
+        led = 0.5 * steps * (velocities[1:] + velocities[:-1]) - steps**2 / 12.0 * np.diff(pull, axis=0)
+        return np.linalg.norm(moved - led, axis=1), np.linalg.norm(moved, axis=1)
+
+    @cached_property
+    def heights(self) -> tuple[float, float]:
+        """Bounds of the distance from the Earth's centre [m], between the states as well.
+
+        On an orbit about the Earth that distance is accelerated by at most the Earth's attraction.
+        """
+        distance = np.linalg.norm(self.states[:, :3], axis=1)
+        sag = EARTH_GM / _NEAREST**2 * float(np.diff(self.t).max()) ** 2 / 8.0
+        return float(distance.min()) - sag, float(distance.max()) + sag
+
+    def at(self, t: np.ndarray) -> np.ndarray:
+        """Return states (n, 6) at times (n,) [s] by the polynomials through the four states about each."""
+        return self._polynomials.at(t)
+
+    @cached_property
+    def _polynomials(self) -> StatePolynomials:
+        return StatePolynomials(self.t, self.states)
+
+
+def covariances_at(known: np.ndarray, covariances: np.ndarray, t: np.ndarray) -> np.ndarray:
+    """Return covariances (n, k, k) at times (n,) [s], linear between those known, NaN far from all.
+
+    known: (m,) ascending [s]; covariances: (m, k, k) in RSW
+    """
+    if not len(known):
+        return np.full((len(t), *covariances.shape[1:]), np.nan)
+    after = np.clip(np.searchsorted(known, t), 1, len(known) - 1) if len(known) > 1 else np.zeros(len(t), int)
+    before = np.maximum(after - 1, 0)
+    share = np.clip((t - known[before]) / np.maximum(known[after] - known[before], 1e-9), 0.0, 1.0)
+    share = share[:, None, None]
+    between = (1.0 - share) * covariances[before] + share * covariances[after]
+    is_near = (t >= known[0] - COVARIANCE_HELD) & (t <= known[-1] + COVARIANCE_HELD)
+    return np.where(is_near[:, None, None], between, np.nan)
