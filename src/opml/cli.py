@@ -228,6 +228,8 @@ def _improve(options: argparse.Namespace) -> None:
         better.write_table(options.table)
     beyond = f", {missing} without a number that a TLE has" if missing else ""
     print(f"{options.output}: {counted(len(better.sets) - missing, 'set')}{beyond}")
+    if better.hindsight:
+        print(better.hindsight)
 
 
 def _add_predict(parser: argparse.ArgumentParser) -> None:

@@ -64,6 +64,7 @@ class Improved:
     past: judged predictions of the mornings before: number, morning (modified Julian day), lead [d], error
         (of SGP4), left (of it, as the object's set is improved now), sigma [m]
     corrections: those of the date: number, lead [d], correction (what SGP4 is ahead of the track), sigma [m]
+    hindsight: a warning where the model was trained on what came after the date, else ''
     """
 
     table: pd.DataFrame  # `improved_sets`, a row an object
@@ -71,6 +72,7 @@ class Improved:
     date: str  # UTC text
     past: pd.DataFrame
     corrections: pd.DataFrame
+    hindsight: str
 
     def write(self, path: FilePath) -> int:
         """Write the sets in the format of the suffix; return how many it cannot hold.
@@ -171,7 +173,8 @@ def improve(known: PublicData, model: CatalogueModel, *, progress: Progress = _l
     judged = rows.loc[np.isfinite(rows["error"]), ["morning", "error"]].join(combined, how="inner")
     past = judged.assign(left=judged["error"] - judged["correction"])[_PAST_COLUMNS].reset_index(drop=True)
     corrections = now[["number", "lead", "correction", "sigma"]].dropna().reset_index(drop=True)
-    return Improved(table.drop(columns=[*_WHERE]), sets, known.date, past, corrections)
+    hindsight = model.hindsight(known.date)
+    return Improved(table.drop(columns=[*_WHERE]), sets, known.date, past, corrections, hindsight)
 
 
 def replayed(known: PublicData, model: CatalogueModel, mornings: np.ndarray) -> pd.DataFrame:

@@ -83,7 +83,7 @@ class Prediction(PredictedOrbit):
     `improved_sets`; sizes: by lead [d] r, s, w, standard deviations of the prediction, and sgp4, that of the
     published set along the track [m]; better: the set as it is written; burns: when its sets show that it
     burned in the last BURNED days, UTC; thrusts: how many of these sets show that it thrusts; inside: the
-    orbit inside the sets, or why SGP4 propagates the improved set.
+    orbit inside the sets, or why SGP4 propagates the improved set; hindsight: of `improve.Improved`.
     """
 
     improved: Satrec
@@ -94,6 +94,7 @@ class Prediction(PredictedOrbit):
     burns: Sequence[str]
     thrusts: int
     inside: OrbitInside | str
+    hindsight: str
 
     def _propagated(self, t: np.ndarray) -> np.ndarray:
         if isinstance(self.inside, OrbitInside):
@@ -171,7 +172,9 @@ class Prediction(PredictedOrbit):
         return "; ".join([inside, str(self.how["why"]) or weight, *self._cautions()])
 
     def _cautions(self) -> Iterator[str]:
-        """Yield what sigmas rest on where no past does, and why they are wide, where they are."""
+        """Yield what the date hides, what sigmas rest on where no past does, and why they are wide."""
+        if self.hindsight:
+            yield self.hindsight
         if self.basis.endswith(_FEW_JUDGED):
             yield self.basis
         if self.burns:
@@ -251,6 +254,7 @@ def predict(
         burns,
         thrusts,
         inside,
+        better.hindsight,
     )
     made.states(made.t)  # no errors are told of what decays before
     return made

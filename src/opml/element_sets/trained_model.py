@@ -39,6 +39,13 @@ class CatalogueModel:
     card: Mapping[str, Any]  # what it was trained on, JSON values
     digest: str = ""  # of the file that it was read from
 
+    def hindsight(self, date: str) -> str:
+        """Return a warning where the model was trained on what came after a date (UTC text), else ''."""
+        days = [population["to"] for population in self.card["populations"].values()]
+        last = max([*days, self.card["weather_to"]])
+        later = date[: len(last)] <= last
+        return f"the model was trained on data up to {last}, later than this date" if later else ""
+
 
 def write(path: FilePath, model: CatalogueModel) -> None:
     """Write a model of trees, whole or not at all."""

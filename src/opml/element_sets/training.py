@@ -66,6 +66,7 @@ def train(
         "populations": cards,
         "seed": seed,
         "weather": _digests([solar_activity.resolve(weather)]),
+        "weather_to": epochs.calendar(np.ceil(density.end_of(known)) - 1.0),
         "software": _software(),
     }
     return CatalogueModel(air.outlook, correctors, model_card | ({"date": date} if date else {}))

@@ -205,7 +205,7 @@ def test_where_nothing_improves_the_own_past_tells(tmp_path):
     (tmp_path / "sets.tle").write_text(tle_text(history(np.arange(30.0), noise=2000.0)))
     made = prediction.predict(tmp_path / "sets.tle")
     assert made.way == "set as published"
-    assert made.reason.endswith("; no B* above 0")
+    assert made.reason.endswith(f"; no B* above 0; {made.hindsight}")
     assert made.sizes.loc[7, "s"] > 1500.0
 
 
@@ -375,7 +375,8 @@ def test_a_day_alone_begins_at_midnight(file, capsys):
 def test_one_set_has_the_usual_errors(file, tmp_path):
     (tmp_path / "one.tle").write_text("".join(file.read_text().splitlines(keepends=True)[-2:]))
     made = prediction.predict(tmp_path / "one.tle", days=1.0)
-    assert made.reason == "fits over 120 h on both sides of its sets are too few to tell; first sets"
+    few = "fits over 120 h on both sides of its sets are too few to tell; first sets"
+    assert made.reason == f"{few}; {made.hindsight}"
     assert np.isfinite(made.sizes.to_numpy(float)).all()
 
 

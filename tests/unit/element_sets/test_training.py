@@ -10,6 +10,7 @@ import catalogue_files
 import pytest
 from project import HUNG
 
+from opml.base import epochs
 from opml.element_sets import trained_model, training
 
 OTHERWISE = {"OMP_NUM_THREADS": "2", "OPENBLAS_NUM_THREADS": "2", "NUMBA_CPU_NAME": "generic"}
@@ -49,7 +50,15 @@ def test_the_card_has_digests_commit_and_versions(files, trained):
     sets, weather = (hashlib.sha256(path.read_bytes()).hexdigest() for path in files)
     assert trained.card["populations"]["all"]["files"] == {"sets.tle": sets}
     assert trained.card["weather"] == {"weather.csv": weather}
+    assert trained.card["weather_to"] == epochs.calendar(catalogue_files.FIRST_DAY + 75)
     software = trained.card["software"]
     assert len(software["code"]) == 64
     assert len(software["commit"]) in (0, 40)  # none in an archive of the source
     assert software["scikit-learn"] == version("scikit-learn")
+
+
+def test_a_date_that_the_packaged_model_has_seen_is_warned_of():
+    model = trained_model.read()
+    warning = "the model was trained on data up to 2026-10-15, later than this date"
+    assert {model.hindsight(date) for date in ("2023-02-09T06:00:00", "2026-10-15T06:00:00")} == {warning}
+    assert model.hindsight("2026-10-16T00:00:00") == ""
