@@ -7,12 +7,16 @@ of the 24-hour periods before.
 from collections.abc import Callable
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from opml.base.setting_types import Count, Positive
 from opml.environment.forecasts.method import Forecast, ForecastMethod, ForecastSettings, Future
 from opml.environment.forecasts.radio_bursts import remove_bursts
 from opml.environment.space_weather import INTERVALS
 from opml.environment.weather import HIGHEST_KP, Weather, trailing_mean
+
+
+_ROWS = 1024  # of a sum that stay in a processor's cache: all at once take three times as long
 
 
 class RegressionSettings(ForecastSettings):
@@ -65,9 +69,14 @@ class _Ridge:
     def fit(cls, x: np.ndarray, y: np.ndarray, ridge: float) -> "_Ridge":
         """Fit the regression to rows x (n, variables) and y (n, targets)."""
         mean, scale, level = x.mean(axis=0), x.std(axis=0) + 1e-12, y.mean(axis=0)
-        z = (x - mean) / scale
-        normal = z.T @ z + ridge * np.eye(z.shape[1])
-        return cls(mean, scale, level, np.linalg.solve(normal, z.T @ (y - level)))
+        normal, products = ridge * np.eye(x.shape[1]), np.zeros((x.shape[1], y.shape[1]))
+        with threadpool_limits(limits=1, user_api="blas"):  # sums in one order, whatever the machine
+            for begin in range(0, len(x), _ROWS):
+                rows = slice(begin, begin + _ROWS)
+                z = (x[rows] - mean) / scale
+                normal += z.T @ z
+                products += z.T @ (y[rows] - level)
+            return cls(mean, scale, level, np.linalg.solve(normal, products))
 
     def predict(self, x: np.ndarray) -> np.ndarray:
         """Return the targets of one row of variables."""
