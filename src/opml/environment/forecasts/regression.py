@@ -15,7 +15,6 @@ from opml.environment.forecasts.radio_bursts import remove_bursts
 from opml.environment.space_weather import INTERVALS
 from opml.environment.weather import HIGHEST_KP, Weather, trailing_mean
 
-
 _ROWS = 1024  # of a sum that stay in a processor's cache: all at once take three times as long
 
 
