@@ -32,7 +32,6 @@ NEED_SETTINGS = (
     "improved_history/",
     "starts/",
     "sgp4/",
-    "conjunctions/",
     "catalogue/",
     "figs/catalogue/",
 )

@@ -5,8 +5,6 @@ STUDY_REPORT = product("study")
 STUDY_ERRORS = product("figs/study/{rso}/{stations}_errors")
 STUDY_RESIDUALS = product("figs/study/{rso}/{stations}_residuals")
 STUDY_CALIBRATION = product("figs/study/{rso}/{stations}_calibration")
-CONJUNCTIONS = product("conjunctions/{rso}/{stations}")
-STUDY_CONJUNCTIONS = product("figs/study/{rso}/{stations}_conjunctions")
 STUDY_DRAG = product("figs/study/{rso}/{stations}_drag")
 STUDY_MODELS = product("figs/study/{rso}/models")
 
@@ -37,41 +35,6 @@ if OWN.is_asked:
         message:
             "Figure: errors of {wildcards.rso} by {wildcards.stations}, with each model"
 
-    rule conjunctions:
-        input:
-            replays=rules.study_residuals.input.replays,
-            judge=rules.study_residuals.input.judge,
-            fits=at_window("", rules.covariances.output[0]),
-        output:
-            CONJUNCTIONS.table,
-        log:
-            CONJUNCTIONS.log,
-        benchmark:
-            CONJUNCTIONS.benchmark
-        conda:
-            "../envs/opml.yaml"
-        params:
-            settings=lambda wildcards: PARAMS.conjunctions(wildcards),
-            code=code("conjunctions.py"),
-        message:
-            "Conjunctions: alarms by predictions of {wildcards.rso} by {wildcards.stations}"
-        script:
-            "../scripts/conjunctions.py"
-
-    use rule errors as study_conjunctions with:
-        input:
-            rules.conjunctions.output[0],
-        output:
-            **figures(STUDY_CONJUNCTIONS, caption="study_conjunctions", section=SECTIONS["study"]),
-        log:
-            STUDY_CONJUNCTIONS.log,
-        benchmark:
-            STUDY_CONJUNCTIONS.benchmark
-        params:
-            **drawing("study_conjunctions", PARAMS.mornings),
-        message:
-            "Figure: alarms and collisions flagged by predictions of {wildcards.rso} by {wildcards.stations}"
-
     use rule errors as study_report with:
         input:
             metrics=paths_of(rules.evaluate.output.metrics, *OWN.experiments.values()),
@@ -84,10 +47,6 @@ if OWN.is_asked:
             ],
             replays=[path_of(rules.replay.output[0], **parts) for parts in OWN.replayed.values()],
             fits=paths_of(rules.fit_calibration.output[0], *OWN.fits.values()),
-            conjunctions=[
-                path_of(rules.conjunctions.output[0], rso=rso, stations=stations)
-                for rso, stations in OWN.crossed
-            ],
             pictures=[
                 path_of(rules.study_residuals.output.png[0], rso=rso, stations=stations)
                 for rso, stations in OWN.fits

@@ -86,7 +86,6 @@ STUDY_FILES = (
             for file in [
                 *rules.study_residuals.output,
                 *rules.study_calibration.output,
-                *(rules.study_conjunctions.output if OWN.conjunctions else []),
             ]
         ),
     ]

@@ -19,7 +19,6 @@ with job(snakemake):
         replays=read_by_key(study.replayed, files.replays, "replay"),
         truths=read_by_key(study.datasets_with_truth, files.truths, "dataset"),
         calibration=read_by_key(study.fits, files.fits, "calibration"),
-        conjunctions=read_by_key(study.crossed, files.conjunctions, "conjunctions"),
         pictures=dict(zip(study.fits, files.pictures, strict=True)),
     )
     blocks = own_study.document(study.report, tables)

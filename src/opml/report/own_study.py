@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import pandas as pd
 
@@ -19,7 +19,7 @@ from opml.learning.judge.model_choice import Mornings
 from opml.learning.models.contract import LearnerSettings
 from opml.learning.models.learners import learns
 from opml.naming import SPLIT, Experiment, parse_test, parse_train, strip_seed
-from opml.report import absurd_fits, answer, conjunctions, measurement_residuals, mornings, texts, uncertainty
+from opml.report import absurd_fits, answer, measurement_residuals, mornings, texts, uncertainty
 from opml.report.answer import Sources
 from opml.report.document import Block, Heading, Paragraph
 from opml.report.mornings import Dataset
@@ -59,7 +59,6 @@ class OwnStudyReport:
     seed: int  # of the resampled days on which a law has to prove its worth
     marks: Sequence[float]  # prediction durations that errors are stated at [days]
     durations: Sequence[float]  # prediction durations that coverage is stated at [days]
-    screening: Mapping[str, Any]  # radius and threshold of conjunctions
     sources: Mapping[Dataset, Sources]  # what the answers point at
     settings: RunFacts
 
@@ -76,7 +75,6 @@ class OwnStudyTables:
     replays: Mapping[ModelKey, pd.DataFrame]
     truths: Mapping[Dataset, pd.DataFrame]  # datasets with true errors, where others hold labels
     calibration: Mapping[Dataset, pd.DataFrame]  # of the fits' own covariances
-    conjunctions: Mapping[Dataset, pd.DataFrame]  # where the study asks for them
     pictures: Mapping[Dataset, FilePath]  # PNGs of the errors of all models
 
 
@@ -113,7 +111,6 @@ def document(report: OwnStudyReport, tables: OwnStudyTables) -> list[Block]:
         *_errors(report, tables),
         *mornings.section(replays, report.marks, report.laws),
         *uncertainty.section(replays, tables.calibration, report.durations),
-        *conjunctions.section(tables.conjunctions, report.screening),
         *_splits(report, Results(tables.metrics), tables.evaluations, papers),
         *_rows(report, tables, papers),
         *measurement_residuals.section(tables.noise, tables.estimates, epoch=report.settings.epoch),

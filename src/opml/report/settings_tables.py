@@ -80,12 +80,6 @@ def weather(environment: EnvironmentSettings) -> str:
     return f"Space weather: {source} as in the file, with measured values of the days predicted to."
 
 
-def weather_word(environment: EnvironmentSettings) -> str:
-    """Return in a word or three what predictions know of the space weather."""
-    words = {"forecast": "forecast", "hindcast": "observed", "monthly": "monthly"}
-    return words.get(environment.knowledge or "", "as in the file")
-
-
 def _knowledge(environment: EnvironmentSettings) -> str:
     """Return as the end of a cell what the assumed model knows of the activity; empty without a setting."""
     match environment.knowledge:

@@ -3,7 +3,6 @@
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 from opml import naming
 from opml.environment import nrlmsis
@@ -203,16 +202,6 @@ class OwnStudy:
         }
 
     @cached_property
-    def conjunctions(self) -> dict[str, Any]:
-        """Radius and threshold of conjunctions, nothing where the study does not ask for them."""
-        return dict(self.study.entry("conjunctions"))
-
-    @property
-    def crossed(self) -> list[tuple[str, str]]:
-        """The datasets whose predictions are looked at in conjunctions."""
-        return list(self.fits) if self.conjunctions else []
-
-    @cached_property
     def windows(self) -> dict[str, str]:
         """Suffixes of the windows of the run's fits and of the fits that models need, by a figure's label."""
         default = float(self.study.settings.run.estimation.window_hours)
@@ -249,7 +238,6 @@ class OwnStudy:
             seed=self.study.settings.run.seed.split,
             marks=self.marks,
             durations=marks(self.study.settings.run.prediction.max_days),
-            screening=self.conjunctions,
             sources={dataset: self._sources(*dataset) for dataset in self.datasets},
             settings=RunFacts(**self.study.settings.values),
         )

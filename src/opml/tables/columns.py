@@ -51,7 +51,6 @@ PLANE, ELLIPSOID, WHOLE = "plane", "ellipsoid", "state"
 
 LEVELS = (0.1, 0.25, 0.5, 0.75, 0.9, 0.95, 0.99)  # levels of the stated uncertainties
 
-ANY_CROSSING = "any"  # of the table `conjunctions`: approaches at whatever angle
 
 TRUTH_GROUPS = "truth_groups"  # kind of the tables that list the RSOs whose truths one job made
 

@@ -16,7 +16,6 @@ from opml.learning.models import learners
 from opml.learning.models.contract import ResolvedSettings
 from opml.naming import Experiment
 from opml.orbits import sheets
-from opml.report.settings_tables import weather_word
 from opml.study.settings.model.catalogue import SeasonSettings
 from opml.study.settings.model.whole import RunSettings
 from opml.workflow.plan import Plan, end_plan
@@ -361,16 +360,6 @@ class Params:
         """Return the params of a trial of the wildcard `learner` on the wildcard `test`."""
         own = {"learner": wildcards.learner, "seed": self.plan.seeds.split}
         return self.catalogue_season(wildcards) | own
-
-    def conjunctions(self, wildcards: Wildcards) -> dict[str, Any]:
-        """Return the params of what a study's predictions are worth in conjunctions."""
-        asked = self.plan.own_study.conjunctions
-        return {
-            **self.mornings(wildcards),
-            "radius_m": asked["radius_m"],
-            "threshold": asked["threshold"],
-            "weather": weather_word(self.plan.settings.run.environment),
-        }
 
     def mornings(self, wildcards: Wildcards) -> dict[str, Any]:
         """Return the params of a figure of a study's replayed mornings."""

@@ -17,7 +17,7 @@ from opml.learning.judge.errors_by_duration import at_days
 from opml.learning.judge.model_choice import Mornings
 from opml.report import absurd_fits, document
 from opml.report import own_study as report
-from opml.report.settings_tables import weather, weather_word
+from opml.report.settings_tables import weather
 from opml.study.own_study import MODELS, MODELS_OF_ELEMENTS, REPLAYED, OwnStudy
 from opml.tables import SIGMA_STATE
 
@@ -180,17 +180,16 @@ def test_the_report_says_what_was_known_of_the_weather():
         "Space weather: MSAFE's monthly figures"
     )
     told = {
-        "forecast": ("up to each estimate, then forecast (`regression`, every 24 h)", "forecast"),
-        "hindcast": ("up to the time predicted to: a hindcast", "observed"),
-        None: ("measured values of the days predicted to", "as in the file"),
+        "forecast": "up to each estimate, then forecast (`regression`, every 24 h)",
+        "hindcast": "up to the time predicted to: a hindcast",
+        None: "measured values of the days predicted to",
     }
-    for knowledge, (words, word) in told.items():
+    for knowledge, words in told.items():
         asked = {"knowledge": knowledge} if knowledge else {}
         environment = EnvironmentSettings(
             **paper_values()["environment"] | {"solar_activity": "OBSERVED"} | asked
         )
         assert words in weather(environment)
-        assert weather_word(environment) == word
 
 
 def test_splits_of_ones_own():
@@ -252,7 +251,7 @@ def report_of(own, table=None, *, evaluations=None, **more):
         datasets={KEY: dataset_of(table)},
         estimates={KEY: estimates_of(table)},
         truths=dict.fromkeys(own.datasets_with_truth, dataset_of(table)),
-        **{name: {} for name in ("noise", "replays", "calibration", "conjunctions", "pictures")} | more,
+        **{name: {} for name in ("noise", "replays", "calibration", "pictures")} | more,
     )
     return document.markdown(report.document(own.report, held))
 

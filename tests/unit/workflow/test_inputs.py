@@ -107,18 +107,6 @@ def test_a_product_says_all_its_paths():
     assert (product.title, Product("results", "study").title) == ("{stations}", "study")
 
 
-def test_a_study_of_conjunctions_is_told_its_weather_and_how_to_look():
-    conjunctions = {"radius_m": 20, "threshold": 1e-4}
-    days = {"train": [0, 8], "test": [8, 12]}
-    asked = params(
-        study={"rsos": ["lares"], "days": days, "conjunctions": conjunctions},
-        environment={"solar_activity": "OBSERVED", "knowledge": "hindcast"},
-    )
-    told = asked.conjunctions(wildcards(rso="lares", stations="eglin-clear-kaena"))
-    assert (told["radius_m"], told["threshold"], told["weather"]) == (20, 1e-4, "observed")
-    assert {"learners", "laws", "seed", "days"} < set(told)
-
-
 @pytest.mark.parametrize(
     ("together", "shares"),
     [

@@ -96,13 +96,6 @@ class TrainAndTestDays(Section):
     test: Days = setting("days of t_j to test on; they follow those to train on")
 
 
-class ConjunctionSettings(Section):
-    """Predictions judged by possible collisions."""
-
-    radius_m: Positive = setting("sum of the radii of two objects", unit="m")
-    threshold: Share = setting("probability from which on an alarm is raised")
-
-
 class Defaults(Section):
     """Defaults of entries."""
 
@@ -275,9 +268,6 @@ class OwnStudySettings(Section):
         see="uncertainty.md",
     )
     cleaning: Absent[Cleaning] = absent("rows that are dropped; none by default")
-    conjunctions: Absent[ConjunctionSettings] = absent(
-        "the benefit of predictions in conjunctions", see="conjunctions.md"
-    )
     span_days: Absent[Days] = absent(
         "window of t_j that random splits draw from; by default the days to train on, or the run"
     )
