@@ -11,10 +11,10 @@ MODIFIED = "Sat, 28 Nov 2026 08:00:00 GMT"
 
 
 class DataServer:
-    """Answers: status and bytes by path with query; requests: paths with query and headers."""
+    """Answers: status and bytes by path with query; requests: paths and headers; sent: what came."""
 
     def __init__(self, address):
-        self.address, self.answers, self.requests = address, {}, []
+        self.address, self.answers, self.requests, self.sent = address, {}, [], []
 
     def sets(self, query, text):
         """Answer a query of element sets."""
@@ -41,6 +41,10 @@ def serving(monkeypatch, folder):
             self.end_headers()
             self.wfile.write(body)
 
+        def do_POST(self):
+            known.sent.append(self.rfile.read(int(self.headers["Content-Length"])).decode())
+            self.do_GET()
+
         def log_message(self, *_):
             pass
 
@@ -48,6 +52,7 @@ def serving(monkeypatch, folder):
         known = DataServer(f"http://127.0.0.1:{server.server_address[1]}")
         threading.Thread(target=server.serve_forever, args=[0.01], daemon=True).start()
         monkeypatch.setenv("OPML_CELESTRAK", known.address)
+        monkeypatch.setenv("OPML_SPACETRACK", f"{known.address}/")
         monkeypatch.setenv("OPML_IERS", f"{known.address}/finals2000A.all")
         monkeypatch.setenv("OPML_DATA", str(folder))
         try:
@@ -56,9 +61,14 @@ def serving(monkeypatch, folder):
             server.shutdown()
 
 
+def as_omms(lines, name="TEST"):
+    """Lines of TLEs as the fields of OMMs."""
+    return [_omm(*pair, name) for pair in zip(lines[::2], lines[1::2], strict=True)]
+
+
 def as_csv(lines, name="TEST"):
     """Lines of TLEs as CelesTrak's CSV."""
-    rows = [_omm(*pair, name) for pair in zip(lines[::2], lines[1::2], strict=True)]
+    rows = as_omms(lines, name)
     keys = [
         key
         for key in rows[0]

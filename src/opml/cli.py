@@ -208,7 +208,7 @@ def _add_improve(parser: argparse.ArgumentParser) -> None:
 
 
 def _improve(options: argparse.Namespace) -> None:
-    from opml.element_sets import improve, trained_model
+    from opml.element_sets import improve, improved_summary, trained_model
     from opml.fetch import public_data
 
     sets = options.sets or [public_data.sets_folder()]
@@ -228,6 +228,7 @@ def _improve(options: argparse.Namespace) -> None:
         better.write_table(options.table)
     beyond = f", {missing} without a number that a TLE has" if missing else ""
     print(f"{options.output}: {counted(len(better.sets) - missing, 'set')}{beyond}")
+    print(improved_summary.text(better.table))
     if better.hindsight:
         print(better.hindsight)
 
@@ -334,12 +335,22 @@ def _add_fetch(parser: argparse.ArgumentParser) -> None:
         "objects", nargs="*", help="numbers and names (without any: all that were fetched before)"
     )
     parser.add_argument("--group", action="append", default=[], help="CelesTrak's, as active or stations")
+    parser.add_argument(
+        "--since",
+        metavar="DATE",
+        type=date.fromisoformat,
+        help="Space-Track's history of numbers from a day on, with your account (extra spacetrack)",
+    )
 
 
 def _fetch(options: argparse.Namespace) -> None:
-    from opml.fetch import public_data
+    from opml.fetch import public_data, space_track
     from opml.fetch.public_data import Query
 
+    if options.since:
+        if strange := [text for text in [*options.group, *options.objects] if not text.isdigit()]:
+            raise InputError(f"--since: expected objects' numbers, got {strange[0]}")
+        space_track.renew(options.objects, options.since, say=print)
     asked = [*map(Query.of, options.objects), *(Query("group", name) for name in options.group)]
     public_data.renew(asked or public_data.queries(), say=print)
 
