@@ -10,7 +10,7 @@ from support import REPOSITORY
 from opml.catalog.fit.first import first_orbit
 from opml.conjunctions import screening
 from opml.element_sets import catalogue as catalogue_of_sets
-from opml.element_sets import features, prediction, weighting
+from opml.element_sets import features, improved_sizes, prediction, weighting
 from opml.interop.curves import orbit_breaks
 from opml.learning.judge import error_sizes
 from opml.mornings import days, verdicts
@@ -181,9 +181,9 @@ def test_the_picture_of_learning_has_every_season_and_satellite():
         ("day", f"errors, {100.0 * verdicts.LEAST_OF_DAY:.0f} % on each day ahead"),
         ("day", f"its last {days.STRIP} verdicts"),
         ("day", f"Below {params.FITS_ABOVE / 1e3:.0f} km fits are"),
-        ("improve", f"scaled by the object's last {prediction.ALONG_MORNINGS} mornings"),
-        ("improve", f"(a/{prediction.STORM:.0f})^2"),
-        ("improve", f"come from its last {prediction.MORNINGS} mornings"),
+        ("improve", f"scaled by the object's last {improved_sizes.ALONG_MORNINGS} mornings"),
+        ("improve", f"(a/{improved_sizes.STORM:.0f})^2"),
+        ("improve", f"come from its last {improved_sizes.MORNINGS} mornings"),
         ("improve", f"errors across burns of the last {prediction.BURNED:.0f} days"),
         ("improve", f"below {prediction.LOW / 1e3:.0f} km those of objects with a negative B*"),
         ("improve", f"after its epoch ({24.0 * catalogue_of_sets.LATENCY:.0f} with `--date`)"),

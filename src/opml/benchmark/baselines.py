@@ -1,12 +1,12 @@
 """Baselines: what a task's own inputs give without effort, written as answers that any tool could give.
 
-Each reads the folder of t alone, and a model where it is told one. Sets are propagated by SGP4; along the
-track sigmas come from the predictions of the mornings before t, radially and across from what sets usually
-err by.
+Each reads the folder of t alone, and a model where it is told one. `predict` answers as `opml predict` does.
+All others propagate sets by SGP4; along the track sigmas come from the predictions of the mornings before t,
+radially and across from what sets usually err by.
 """
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from time import process_time
@@ -24,14 +24,16 @@ from opml.base.progress import Progress
 from opml.benchmark import tasks
 from opml.benchmark.answers import COVARIANCE, REQUIRED, about_file
 from opml.benchmark.tasks import BenchmarkTask
-from opml.element_sets import corrector, improve, set_errors, weighting
+from opml.element_sets import corrector, improve, known_sets, set_errors, weighting
 from opml.element_sets import trained_model as models
 from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day
 from opml.element_sets.features import FEATURES
+from opml.element_sets.prediction import PublicMorning
 from opml.element_sets.trained_model import CatalogueModel
 from opml.element_sets.weighting import DENSITY, UNCHANGED, Ways
 from opml.interop.element_sets import element_fits, mean_elements, sgp4_errors
 from opml.interop.element_sets.element_set import changed, elements_epoch, propagate, seconds_since
+from opml.interop.predicted_orbit import LEADS
 from opml.learning.models import svr
 from opml.learning.models.training_inputs import Training
 from opml.orbits.elements import rsw_rotation
@@ -140,8 +142,9 @@ CORRECTIONS: Mapping[str, Correction] = {
 """Ways that correct the newest sets."""
 
 FIT = "fit"  # the way that fits a new set to the last ones
+PREDICT = "predict"  # the way of `opml predict`
 
-WAYS = (*CORRECTIONS, FIT)
+WAYS = (PREDICT, *CORRECTIONS, FIT)
 
 
 def _check_written(path: FilePath, task: BenchmarkTask, trained: FilePath | None) -> None:
@@ -169,7 +172,10 @@ def write(path: FilePath, task: BenchmarkTask, way: str, trained: FilePath | Non
     model, first = models.read(trained), process_time()
     for t, questions in task.questions.groupby("t", sort=True):
         begin = process_time()
-        lines += _answers(task, str(t), questions, way, model)
+        if way == PREDICT:
+            lines += _predicted(task, str(t), questions, trained)
+        else:
+            lines += _answers(task, str(t), questions, way, model)
         progress(f"{t}: {len(questions)} answers in {process_time() - begin:.1f} s")
     with replacing(path) as temporary:
         tasks.write_csv(temporary, (*REQUIRED, *COVARIANCE), lines)
@@ -181,6 +187,23 @@ def write(path: FilePath, task: BenchmarkTask, way: str, trained: FilePath | Non
     with replacing(about_file(Path(path))) as temporary:
         temporary.write_text(json.dumps(about, indent=1) + "\n", encoding="utf-8")
     return len(lines)
+
+
+def _predicted(
+    task: BenchmarkTask, t: str, questions: pd.DataFrame, trained: FilePath | None
+) -> Iterator[list[str]]:
+    """Yield the rows of the answers to what is asked at a time, as `opml predict` has them."""
+    folder = task.inputs(t)
+    sets = [folder / "sets.tle"]
+    morning = PublicMorning.read(
+        sets, date=t, weather=folder / "weather.csv", trained=trained, latency=task.latency
+    )
+    histories = known_sets.by_object(sets)
+    for number, rows in questions.groupby("object", sort=False):
+        orbit = morning.predict(histories[int(number)], days=LEADS[-1] + set_errors.REACH)
+        for when in rows["time"]:
+            states, covariance = orbit.state(when), orbit.covariance(when)[:3, :3]
+            yield [str(number), t, when, "GCRF", *_cells(states, covariance)]
 
 
 def _answers(
@@ -252,6 +275,11 @@ def _state(satellite: Satrec, time: str, sigma: float | None) -> list[str]:
     sizes = sgp4_errors.usual_sigmas(satellite, days)[0]
     if sigma is not None and np.isfinite(sigma):
         sizes[1] = sigma
+    return _cells(state, np.diag(sizes**2))
+
+
+def _cells(state: np.ndarray, covariance: np.ndarray) -> list[str]:
+    """Return the cells of a GCRF state [m, m/s] and of its position's covariance in RSW (3, 3) [m2]."""
     axes = rsw_rotation(state)
-    covariance = axes.T @ np.diag(sizes**2) @ axes
+    covariance = axes.T @ covariance @ axes
     return [f"{value:.6f}" for value in state] + [f"{value:.9g}" for value in covariance[_UPPER]]

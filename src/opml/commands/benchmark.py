@@ -42,7 +42,7 @@ def truth(options: argparse.Namespace) -> None:
 def add_answer(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of `answer`."""
     parser.add_argument("task", help="a task's folder, or SAMPLE")
-    parser.add_argument("way", help="sgp4, density, improve, learned, svr, trees or fit")
+    parser.add_argument("way", help="predict, sgp4, density, improve, learned, svr, trees or fit")
     parser.add_argument("-o", "--output", required=True, help="the answers, .csv")
     parser.add_argument("--model", help="a model of `opml train` (that of the package)")
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from functools import partial
+from itertools import groupby
 
 import numpy as np
 
@@ -15,7 +16,6 @@ from opml.interop.element_sets.burns_in_sets import KnownSet
 from opml.interop.element_sets.element_set import (
     ElementSet,
     each,
-    elements_epoch,
     numbered,
     of_files,
     seconds_since,
@@ -32,21 +32,29 @@ def of_object(paths: Sequence[FilePath], wanted: str | None) -> list[ElementSet]
 
     Raises InputError for unreadable files, and without one object of that name.
     """
-    files = catalogues.find_files(paths)
-    damaged: list[InputError] = []
-    read = of_files(files, partial(mean_elements.read_sets, damaged=damaged))
-    sets = [*each(read, numbered, damaged)]
-    if damaged and not sets:
-        raise damaged[0]
-    sets.sort(key=lambda one: (elements_epoch(one.satellite), one.created))
-    newest = {one.number: one for one in sets}
-    named = {number for number, one in newest.items() if wanted is None or identity(one).is_called(wanted)}
+    histories = by_object(paths)
+    newest = {number: sets[-1] for number, sets in histories.items()}
+    named = [number for number, one in newest.items() if wanted is None or identity(one).is_called(wanted)]
     if len(named) != 1:
         there = ", ".join(f"{number} {one.name}".strip() for number, one in sorted(newest.items())[:_TOLD])
         more = ", ..." if len(newest) > _TOLD else ""
         expected = "--object for one of several objects" if wanted is None else f"one object {wanted}"
         raise InputError(f"{paths[0]}: expected {expected}, got {there or 'no set'}{more}")
-    return [one for one in sets if one.number in named]
+    return histories[named[0]]
+
+
+def by_object(paths: Sequence[FilePath]) -> dict[int, list[ElementSet]]:
+    """Return the sets of files and folders by the number of the object, in the order of their epochs.
+
+    Raises InputError for unreadable files.
+    """
+    damaged: list[InputError] = []
+    read = of_files(catalogues.find_files(paths), partial(mean_elements.read_sets, damaged=damaged))
+    sets = [*each(read, numbered, damaged)]
+    if damaged and not sets:
+        raise damaged[0]
+    sets.sort(key=lambda one: (one.number, one.satellite.jdsatepoch + one.satellite.jdsatepochF, one.created))
+    return {number: [*group] for number, group in groupby(sets, key=lambda one: one.number)}
 
 
 def identity(one: ElementSet) -> ObjectId:

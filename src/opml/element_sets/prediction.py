@@ -1,76 +1,45 @@
-"""Where an object will be by its public element sets, and how surely: the improved set, propagated by SGP4.
+"""Where an object will be by its public element sets, and how surely.
 
     made = prediction.predict(["sets.tle"], days=7.0)
     made.state("2026-07-18T00:00:00"), made.covariance("2026-07-18T00:00:00")
     made.to_oem("mine.oem")
 
-Along the track the sigma is the corrector's, times how far the object's own past left it, and larger after a
-geomagnetic storm; radially and across it is measured on that past. A short past counts against what is usual
-at that height.
+It is the orbit inside its sets, under full forces; where they have none, the improved set, by SGP4.
 """
 
-import math
 import os
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import pandas as pd
 from sgp4.api import Satrec
 
-from opml.base import epochs
 from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.base.progress import Progress
 from opml.element_sets import catalogue as catalogues
-from opml.element_sets import corrector, density, improve, known_sets, trained_model, weighting
-from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day
-from opml.element_sets.improve import Improved
-from opml.element_sets.inside import orbit_prediction
-from opml.element_sets.inside.inside_sizes import lower
+from opml.element_sets import corrector, improve, improved_sizes, known_sets, trained_model, weighting
+from opml.element_sets.improve import Improved, PublicData
+from opml.element_sets.inside import inside_now, orbit_prediction
+from opml.element_sets.inside.inside_forces import Forces
 from opml.element_sets.inside.orbit_prediction import OrbitInside
-from opml.environment import nrlmsis
-from opml.environment.space_weather import INTERVALS
 from opml.interop import ccsds
 from opml.interop.element_sets import mean_elements, rewriting, sgp4_errors
 from opml.interop.element_sets.burns_in_sets import KnownSet, burns_among
 from opml.interop.element_sets.element_set import ElementSet, changed, elements_epoch, seconds_since
 from opml.interop.predicted_orbit import LEADS, PredictedOrbit
 from opml.orbits.density_error import DensityErrors
-from opml.orbits.elements import bent_rsw
 
-MORNINGS = 12  # mornings before the date whose predictions tell an object's own sizes, radial and cross-track
-
-ALONG_MORNINGS = 20
-"""Mornings before the date whose predictions tell an object's own sigma along the track: more would hide a
-burn, or a month of storms."""
-
-USUAL = 8.0  # predictions that err as the corrector says that an object's own count against
-
-USUAL_SIZES = 2.0
-"""Errors of the usual size that an object's own count against, axis by axis and lead by lead."""
-
-FEWEST = 4
-"""Least number of an object's own predictions where nothing is usual: eccentric, deep space, below 300 km."""
-
-STORM = 80.0
-"""Daily mean ap from which on storms of the last days more than double the variance along the track.
-
-Of what improved sets left of 749 objects on 523 mornings of 2022-23 and 2025, intervals of 90 % held 93 %
-after days up to an ap of 50, and 83 % above; with this 93 and 92 %.
-"""
-
-STORM_DAYS = 3  # days before the date whose storms count
 BURNED = 20.0  # days before the date whose burns count: those of the mornings that tell sizes of errors
 
 LOW = 600e3
 """Height below which drag outweighs what else changes the size of an orbit: B* below 0 is thrust [m]."""
 
-_FEW_JUDGED = f"fewer than {FEWEST} of its predictions have a later set to judge them"
-_GROSS = 4.0  # sigmas that a past error counts at most: some are burns
-_MINUTE, _DAY = 60.0, len("2016-09-28")
-_REACH = 0.5  # of a set that judges from the time predicted [d]
+_DAY = len("2016-09-28")
+_NEAR = 0.75  # of an error from a lead [d]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -133,15 +102,29 @@ class Prediction(PredictedOrbit):
 
     @property
     def past_in_words(self) -> str:
-        """What SGP4 and the improved set missed along the track on past mornings, at the longest lead."""
+        """What SGP4 and such predictions missed along the track on past mornings, at the longest lead."""
+        if isinstance(self.inside, OrbitInside):
+            return self._past_inside(self.inside.now.errors)
         judged = self.past.dropna(subset=["sigma"])
         if judged.empty:
             return ""
         rows = judged[judged["lead"] == judged["lead"].max()]
         sgp4, improved = (rows[name].abs().median() / 1e3 for name in ("error", "left"))
         return (
-            f"its last {ALONG_MORNINGS} mornings at {rows['lead'].iloc[0]:g} d: SGP4 {sgp4:.1f} km, "
-            f"improved set {improved:.1f} km (n = {len(rows)})"
+            f"its last {improved_sizes.ALONG_MORNINGS} mornings at {rows['lead'].iloc[0]:g} d: "
+            f"SGP4 {sgp4:.1f} km, improved set {improved:.1f} km (n = {len(rows)})"
+        )
+
+    def _past_inside(self, errors: pd.DataFrame) -> str:
+        """What SGP4 and the orbits inside past sets missed along the track, by those inside later sets."""
+        lead = next((lead for lead in LEADS[:0:-1] if (abs(errors["days"] - lead) <= _NEAR).any()), None)
+        if lead is None:
+            return ""
+        rows = errors[abs(errors["days"] - lead) <= _NEAR]
+        sgp4, own = (rows[name].abs().median() / 1e3 for name in ("sgp4_ahead", "ahead"))
+        return (
+            f"its sets of the last {inside_now.PAST:g} days at {lead:g} d: SGP4 {sgp4:.2f} km, "
+            f"orbit inside {own:.2f} km (n = {len(rows)})"
         )
 
     @property
@@ -175,7 +158,7 @@ class Prediction(PredictedOrbit):
         """Yield what the date hides, what sigmas rest on where no past does, and why they are wide."""
         if self.hindsight:
             yield self.hindsight
-        if self.basis.endswith(_FEW_JUDGED):
+        if self.basis.endswith(improved_sizes.FEW_JUDGED):
             yield self.basis
         if self.burns:
             count, last = len(self.burns), self.burns[-1]
@@ -214,117 +197,94 @@ def predict(
         raise InputError(f"predict: expected more than 0 and at most {LEADS[-1]} days, got {days:g}")
     paths = [sets] if isinstance(sets, (str, os.PathLike)) else list(sets)
     history = known_sets.of_object(paths, None if object is None else str(object))
-    newest = history[-1]
     latency = 0.0 if date is None else catalogues.LATENCY
-    date = _known(newest) if date is None else date
-    known = improve.read([*paths, *catalogue], date=date, weather=str(weather), latency=latency)
-    public = known_sets.since(date, history, latency=latency, until=0.0)
-    burns = burns_before(public, date)
-    better = improve.improve(known, trained_model.read(trained), progress=progress)
-    (place,) = np.flatnonzero(better.table["number"] == newest.number)
-    how = better.table.iloc[place]
-    past = _past_of(newest.number, better)
-    rows = np.flatnonzero(known.catalogue.table["number"] == newest.number)
-    own = known.catalogue.take(rows)
-    errors = errors_of_sets(own, date)
-    if past.empty:
-        past = errors[["morning", "lead"]].assign(error=errors["s"], left=errors["s"], sigma=np.nan)
-    identity = known_sets.identity(newest)
-    published = own.satellites[-1]
-    usual = _usual(published, how["age"])
-    is_alone = len(errors) < FEWEST and not _is_corrected(how)
-    measured = _usual_where_learned(published, usual) if is_alone else _measured(errors, usual)
-    thrusts = thrusting(public) if how["height"] < LOW else 0
-    sizes = _sizes(how, past, measured, _after_storm(known.weather.kp, how["height"]))
-    sizes = across_burns(sizes, past) if burns or thrusts else sizes
-    inside = orbit_prediction.predict(public, newest.number, better, days=days, weather=str(weather))
-    if isinstance(inside, OrbitInside):
-        sizes = inside.sizes(sizes, _after_storm(known.weather.kp, how["height"]))
-    made = Prediction(
-        identity,
-        date,
-        days,
-        past,
-        _unproven(measured) if is_alone and not isinstance(inside, OrbitInside) else _basis(past),
-        changed(published, how["motion"], how["bstar"]),
-        published,
-        how,
-        sizes,
-        better.sets[place],
-        burns,
-        thrusts,
-        inside,
-        better.hindsight,
+    date = known_since(history[-1]) if date is None else date
+    morning = PublicMorning.read(
+        [*paths, *catalogue], date=date, weather=weather, trained=trained, latency=latency, progress=progress
     )
-    made.states(made.t)  # no errors are told of what decays before
-    return made
+    return morning.predict(history, days=days)
 
 
-def _past_of(number: int, better: Improved) -> pd.DataFrame:
-    """Return the judged predictions of an object's last ALONG_MORNINGS."""
-    first = modified_julian_day(better.date) - ALONG_MORNINGS
-    past = better.past
-    return past[(past["number"] == number) & (past["morning"] >= first)].reset_index(drop=True)
+@dataclass(frozen=True, eq=False)
+class PublicMorning:
+    """All sets that were public on a date, improved: what its objects are predicted from.
+
+    weather: OBSERVED, the packaged weather, or a CSSI file; latency: days from epoch to publication of sets
+    that do not say when they were made
+    """
+
+    known: PublicData
+    better: Improved
+    weather: FilePath
+    latency: float
+
+    @classmethod
+    def read(
+        cls,
+        paths: Iterable[FilePath],
+        *,
+        date: str,
+        weather: FilePath,
+        trained: FilePath | None = None,
+        latency: float = catalogues.LATENCY,
+        progress: Progress = lambda line: None,
+    ) -> "PublicMorning":
+        """Read it from files and folders of sets; raises as `predict` does."""
+        known = improve.read(paths, date=date, weather=str(weather), latency=latency)
+        better = improve.improve(known, trained_model.read(trained), progress=progress)
+        return cls(known, better, weather, latency)
+
+    def predict(self, history: Sequence[ElementSet], *, days: float = LEADS[-1]) -> Prediction:
+        """Predict an object.
+
+        history: its sets by epoch, some of them public on the date
+        days: how long; after the last of LEADS errors are those of that
+
+        Raises InputError where it decays before the end, and for weather that ends too early.
+        """
+        date, newest = self.better.date, history[-1]
+        public = known_sets.since(date, history, latency=self.latency, until=0.0)
+        (place,) = np.flatnonzero(self.better.table["number"] == newest.number)
+        how = self.better.table.iloc[place]
+        burns, thrusts = burns_before(public, date), thrusting(public) if how["height"] < LOW else 0
+        storm = improved_sizes.after_storm(self.known.weather.kp, how["height"])
+        catalogue = self.known.catalogue
+        own = catalogue.take(np.flatnonzero(catalogue.table["number"] == newest.number))
+        improved = improved_sizes.of_object(
+            own, how, self.better, storm=storm, is_burning=bool(burns or thrusts)
+        )
+        inside = orbit_prediction.predict(
+            public, newest.number, self.better, days=days, forces=lambda: self._forces
+        )
+        is_inside = isinstance(inside, OrbitInside)
+        prediction = Prediction(
+            known_sets.identity(newest),
+            date,
+            days,
+            improved.past,
+            improved_sizes.basis_of(improved.past) if is_inside else improved.basis,
+            changed(own.satellites[-1], how["motion"], how["bstar"]),
+            own.satellites[-1],
+            how,
+            inside.sizes(improved.table, storm) if isinstance(inside, OrbitInside) else improved.table,
+            self.better.sets[place],
+            burns,
+            thrusts,
+            inside,
+            self.better.hindsight,
+        )
+        prediction.states(prediction.t)  # no errors are told of what decays before
+        return prediction
+
+    @cached_property
+    def _forces(self) -> Forces:
+        return inside_now.forces_on(self.better.date, str(self.weather))
 
 
-def _basis(past: pd.DataFrame) -> str:
-    """Return what the sizes of errors rest on, in words."""
-    return (
-        f"by {len(past)} predictions of the object's own {past['morning'].nunique()} mornings, compared with "
-        f"later sets; radial and cross-track by {MORNINGS} mornings at most. The usual errors of objects of "
-        "that height count as eight more predictions, and errors that all sets share are added"
-    )
-
-
-def _known(one: ElementSet) -> str:
+def known_since(one: ElementSet) -> str:
     """Return when a set was known, in whole seconds of UTC: when it was made, else its epoch."""
     latest = np.datetime64(max(one.created, elements_epoch(one.satellite)), "us")
     return str((latest + np.timedelta64(999_999, "us")).astype("M8[s]"))
-
-
-def errors_of_sets(catalogue: ElementCatalogue, date: str) -> pd.DataFrame:
-    """Return errors of SGP4 from the newest sets of the mornings before a date: morning, lead, r, s, w [m].
-
-    catalogue: of one object
-
-    The later set nearest to morning plus lead judges, at its own epoch, if it is within half a day.
-    """
-    t, known = (catalogue.table[name].to_numpy() for name in ("t", "known"))
-    rows = []
-    for morning in modified_julian_day(date) - np.arange(1, MORNINGS + 1):
-        newest = int(np.searchsorted(known, morning, side="right")) - 1
-        if newest < 0:
-            continue
-        for lead in LEADS:
-            later = int(np.argmin(np.abs(t - morning - lead)))
-            if later > newest and abs(t[later] - morning - lead) <= _REACH:
-                rows.append(
-                    (morning, lead, *_apart(catalogue.satellites[newest], catalogue.satellites[later]))
-                )
-    found = pd.DataFrame(rows, columns=["morning", "lead", *"rsw"]).dropna()
-    return found.astype({"lead": int, **dict.fromkeys("rsw", float)})
-
-
-def _apart(satellite: Satrec, judge: Satrec) -> tuple[float, float, float]:
-    """Return how far SGP4 propagates from another set at the epoch of that: outwards, ahead, across [m]."""
-    _, *own = judge.sgp4_tsince(0.0)
-    since, until = (one.jdsatepoch - epochs.MJD_ZERO + one.jdsatepochF for one in (satellite, judge))
-    leap = float(epochs.leap_seconds(since, until)) / DAY
-    _, position, _ = satellite.sgp4(judge.jdsatepoch, judge.jdsatepochF + leap)
-    r, s, w = 1e3 * bent_rsw(np.array([position]), np.concatenate(own)[None])[0]
-    return r, s, w
-
-
-def _after_storm(kp: np.ndarray, height: float) -> float:
-    """Return by how much errors along the track are larger after the last days' geomagnetic activity.
-
-    kp: three-hourly, up to the date
-    height: of the object [m]; above the tables of densities drag is too small
-    """
-    if height > density.HEIGHTS[-1]:
-        return 1.0
-    ap = nrlmsis.ap_of_kp(kp[-INTERVALS * STORM_DAYS :]).reshape(STORM_DAYS, INTERVALS).mean(axis=1)
-    return math.hypot(1.0, ap.max() / STORM)
 
 
 def burns_before(public: Sequence[KnownSet], date: str) -> list[str]:
@@ -336,74 +296,3 @@ def burns_before(public: Sequence[KnownSet], date: str) -> list[str]:
 def thrusting(public: Sequence[KnownSet]) -> int:
     """Return how many sets of the last BURNED days have a B* below 0, as no drag makes it."""
     return sum(one.t >= -DAY * BURNED and one.satellite.bstar < 0.0 for one in public)
-
-
-def across_burns(sizes: pd.DataFrame, past: pd.DataFrame) -> pd.DataFrame:
-    """Return sizes that are along the track at least those of what the past missed, burns and all."""
-    missed = past["left"].abs().groupby(past["lead"]).quantile(corrector.LEVEL) / corrector.NORMAL
-    least = missed.reindex(sizes.index, fill_value=0.0).cummax()
-    return sizes.assign(**{name: np.maximum(sizes[name], least) for name in ("s", "sgp4")})
-
-
-def _usual(published: Satrec, age: float) -> pd.DataFrame:
-    """Return the sizes that errors of such sets usually have, by lead and axis [m]."""
-    sizes = sgp4_errors.usual_sigmas(published, age + np.array(LEADS, float))
-    return pd.DataFrame(sizes, columns=list(sgp4_errors.AXES), index=list(LEADS))
-
-
-def _usual_where_learned(published: Satrec, usual: pd.DataFrame) -> pd.DataFrame:
-    """Return usual sizes of errors, NaN for orbits that none were learned from."""
-    return usual if sgp4_errors.are_known(published) else usual * np.nan
-
-
-def _unproven(usual: pd.DataFrame) -> str:
-    """Return what sizes rest on that neither a corrector nor a past tells, in words."""
-    if usual.isna().any(axis=None):
-        return f"no covariance: errors of such orbits were not learned, and its past is short: {_FEW_JUDGED}"
-    return f"usual errors of sets at its height, kind and age: its past is short: {_FEW_JUDGED}"
-
-
-def _is_corrected(how: pd.Series) -> bool:
-    return bool(np.isfinite(how[f"sigma_{LEADS[-1]}d"]))
-
-
-def _sizes(how: pd.Series, past: pd.DataFrame, measured: pd.DataFrame, after_storm: float) -> pd.DataFrame:
-    """Return the sizes of errors by lead, as in `Prediction`.
-
-    measured: of `_measured`
-    after_storm: of `_after_storm`
-    """
-    sizes = measured.copy()
-    sizes["sgp4"] = sizes["s"]
-    if _is_corrected(how):
-        factor = _factor(past)
-        sigma = factor * np.array([how[f"sigma_{lead}d"] for lead in LEADS[1:]], float)
-        correction = np.sqrt([how[f"sgp4_{lead}d"] ** 2 - how[f"sigma_{lead}d"] ** 2 for lead in LEADS[1:]])
-        sizes.loc[LEADS[1:], "s"] = sigma
-        sizes.loc[LEADS[1:], "sgp4"] = np.hypot(sigma, correction)
-        sizes.loc[0, ["s", "sgp4"]] = min(sizes.loc[0, "s"], sizes.loc[1, "s"])
-    sizes[["s", "sgp4"]] *= after_storm
-    sizes["r"] = np.hypot(sizes["r"], lower(sizes["s"], how["motion"]))
-    unseen = dict(zip(sgp4_errors.AXES, sgp4_errors.UNSEEN, strict=True))
-    for name in sizes:
-        sizes[name] = np.hypot(np.maximum.accumulate(sizes[name]), unseen["s" if name == "sgp4" else name])
-    return sizes
-
-
-def _measured(errors: pd.DataFrame, usual: pd.DataFrame) -> pd.DataFrame:
-    """Return root mean squares by lead and axis, the object's own against USUAL_SIZES of the usual size."""
-    squares = (errors[list(usual)] ** 2).groupby(errors["lead"])
-    total = squares.sum().reindex(usual.index, fill_value=0.0)
-    count = squares.size().reindex(usual.index, fill_value=0)
-    return np.sqrt((total + USUAL_SIZES * usual**2).div(count + USUAL_SIZES, axis=0))
-
-
-def _factor(past: pd.DataFrame) -> float:
-    """Return by how much the object's own past errs more than its sigmas, against USUAL that err as these."""
-    ratios, counts = np.minimum((past["left"] / past["sigma"]) ** 2, _GROSS**2), _counts(past)
-    return float(np.sqrt(((counts * ratios).sum() + USUAL) / (counts.sum() + USUAL)))
-
-
-def _counts(errors: pd.DataFrame) -> pd.Series:
-    """Return what each error counts: those of seven days hardly change from one morning to the next."""
-    return 1.0 / errors["lead"].clip(lower=1)

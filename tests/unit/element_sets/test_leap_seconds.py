@@ -7,7 +7,7 @@ from element_histories import FIRST
 from opml.base import epochs
 from opml.base.constants import DAY
 from opml.element_sets import catalogue, set_errors
-from opml.element_sets.prediction import errors_of_sets
+from opml.element_sets.improved_sizes import errors_of_sets
 from opml.interop.element_sets import element_set, tle
 
 NOONS = ["2016-12-30T12:00:00", "2016-12-31T12:00:00", "2017-01-01T12:00:00", "2017-01-02T12:00:00"]

@@ -21,7 +21,15 @@ from opml import cli
 from opml.base import epochs
 from opml.base.constants import DAY
 from opml.base.errors import InputError
-from opml.element_sets import catalogue, corrector, known_sets, prediction, station_passes, weighting
+from opml.element_sets import (
+    catalogue,
+    corrector,
+    improved_sizes,
+    known_sets,
+    prediction,
+    station_passes,
+    weighting,
+)
 from opml.element_sets.inside import inside_forces, orbit_prediction
 from opml.interop import orbit_segments
 from opml.interop.element_sets import element_set, mean_elements, sgp4_errors, tle
@@ -162,27 +170,27 @@ def test_a_past_that_errs_more_widens(made):
     """Errors of twice their sigmas tell twice the sigmas, the more of them there are; burns count little."""
     leads, sigma = np.tile([1, 3, 5, 7], 500), np.full(2000, 10.0)
     past = pd.DataFrame({"lead": leads, "left": 20.0, "sigma": sigma})
-    assert prediction._factor(past) == pytest.approx(2.0, abs=0.05)
-    assert prediction._factor(past.iloc[:0]) == 1.0
-    assert 1.0 < prediction._factor(past.iloc[:8]) < 1.5
-    assert prediction._factor(past.assign(left=1e6)) < 4.0
+    assert improved_sizes._factor(past) == pytest.approx(2.0, abs=0.05)
+    assert improved_sizes._factor(past.iloc[:0]) == 1.0
+    assert 1.0 < improved_sizes._factor(past.iloc[:8]) < 1.5
+    assert improved_sizes._factor(past.assign(left=1e6)) < 4.0
 
 
 def test_own_errors_outweigh_the_usual_size():
     """Planes that drift err by a kilometre after a week, six mornings one after the other."""
     errors = pd.DataFrame({"lead": [7] * 6, "w": 1000.0})
     usual = pd.DataFrame({"w": 200.0}, index=prediction.LEADS)
-    found = prediction._measured(errors, usual)["w"]
+    found = improved_sizes._measured(errors, usual)["w"]
     assert found[7] == pytest.approx(np.sqrt((6 * 1000.0**2 + 2 * 200.0**2) / 8))
     assert found[1] == pytest.approx(200.0)
 
 
 def test_storms_of_the_last_days_widen_along_the_track(made, file, monkeypatch):
     kp = np.r_[np.full(40, 2.0), np.full(8, 7.0)]  # a daily ap of 132 at the end
-    assert prediction._after_storm(kp, 500e3) == np.hypot(1.0, 132.0 / prediction.STORM)
-    assert prediction._after_storm(np.r_[kp, np.zeros(24)], 500e3) == 1.0
-    assert prediction._after_storm(kp, 1.3e6) == 1.0
-    monkeypatch.setattr(prediction, "STORM", 1.0)
+    assert improved_sizes.after_storm(kp, 500e3) == np.hypot(1.0, 132.0 / improved_sizes.STORM)
+    assert improved_sizes.after_storm(np.r_[kp, np.zeros(24)], 500e3) == 1.0
+    assert improved_sizes.after_storm(kp, 1.3e6) == 1.0
+    monkeypatch.setattr(improved_sizes, "STORM", 1.0)
     stormy = prediction.predict(file, date=DATE).sizes
     assert (stormy.loc[1:, ["s", "sgp4"]] > 2.0 * made.sizes.loc[1:, ["s", "sgp4"]]).all(axis=None)
     pd.testing.assert_series_equal(stormy["w"], made.sizes["w"])
@@ -192,7 +200,7 @@ def test_errors_of_sets_are_those_of_later_ones(tmp_path):
     """Of sets that are a kilometre ahead from the last day on, those before err by this."""
     (tmp_path / "sets.tle").write_text(tle_text(history(np.arange(15.0), ahead={14.0: 1000.0})))
     date = str(np.datetime64(EPOCH) + np.timedelta64(14, "D") + np.timedelta64(6, "h"))
-    found = prediction.errors_of_sets(catalogue.read([tmp_path / "sets.tle"]), date)
+    found = improved_sizes.errors_of_sets(catalogue.read([tmp_path / "sets.tle"]), date)
     last = found[found["morning"] + found["lead"] > found["morning"].max() + 0.9]
     assert len(last) > 3
     np.testing.assert_allclose(last["s"], -1000.0, atol=30.0)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from support import shared
 
-from opml.element_sets import catalogue, prediction
+from opml.element_sets import catalogue, improved_sizes
 from opml.interop.element_sets import element_set, sgp4_errors
 from opml.orbits.rsw_covariance import half_width
 
@@ -81,5 +81,5 @@ def insides(name):
         satellite, later = sets.satellites[first], first + np.arange(1, 8)
         sigmas = sgp4_errors.usual_sigmas(satellite, t[later] - t[first])
         for judge, (_, sigma, _) in zip(later, sigmas, strict=True):
-            _, along, _ = prediction._apart(satellite, sets.satellites[judge])
+            _, along, _ = improved_sizes._apart(satellite, sets.satellites[judge])
             yield abs(along) <= half_width(0.9) * sigma

@@ -1,7 +1,8 @@
 """The orbit inside an object's newest sets, from a date on, and how far its like were off in the weeks
 before.
 
-    now = inside_now.find(public, date="2018-12-25T06:00:00", weather="OBSERVED")
+    forces = inside_now.forces_on("2018-12-25T06:00:00", "OBSERVED")
+    now = inside_now.find(public, date="2018-12-25T06:00:00", forces=forces)
     now.span, now.agreement, now.errors, now.predict(days=7.0)
 
 Each set of a day of the last weeks has its orbit, under the weather as it was known. They tell the span, how
@@ -42,6 +43,7 @@ from opml.element_sets.inside.orbit_inside import (
     usual_half_span,
 )
 from opml.element_sets.inside.past_orbits import LONGEST, SPANS, Agreement, FitSpan, PastOrbits, centred
+from opml.element_sets.set_errors import OLDEST
 from opml.interop.element_sets.burns_in_sets import KnownSet
 from opml.interop.element_sets.element_set import DEEP_SPACE, decay, semi_major_axis
 
@@ -200,25 +202,25 @@ def daily_orbits(daily: Sequence[KnownSet], forces: Forces, now: float) -> Daily
     return DailyOrbits(past, told, span, past.numbers(span, past.sunlight(span) if little else 0.0))
 
 
-def find(
-    public: Sequence[KnownSet], *, date: str, weather: str | Path, threads: int | None = None
-) -> InsideNow:
-    """Return the orbit inside the newest of an object's sets.
-
-    public: sets that were known on the date (UTC text), none from before its last burn, by epoch; times since
-    the date
+def forces_on(date: str, weather: str | Path, *, threads: int | None = None) -> Forces:
+    """Return the forces for the orbits inside all sets that were known on a date (UTC text).
 
     Raises InputError for weather that does not reach.
     """
+    today = float(np.sum(epochs.utc(date, 0.0)) - epochs.MJD_ZERO)
+    first = today - PAST - OLDEST
+    return inside_forces.read(weather, first=first, last=today, threads=threads or os.cpu_count() or 1)
+
+
+def find(public: Sequence[KnownSet], *, date: str, forces: Forces) -> InsideNow:
+    """Return the orbit inside the newest of an object's sets.
+
+    public: sets that were known on the date (UTC text), none from before its last burn, by epoch; times since
+    the date; the newest at most OLDEST days old
+    forces: of `forces_on` that date
+    """
     newest = public[-1]
     daily = _thinned([one for one in last_of_days(public) if one.t >= newest.t - DAY * PAST])
-    today = float(np.sum(epochs.utc(date, 0.0)) - epochs.MJD_ZERO)
-    forces = inside_forces.read(
-        weather,
-        first=today + daily[0].t / DAY,
-        last=today,
-        threads=threads or os.cpu_count() or 1,
-    )
     now = forces.time(date)
     past, told, span, numbers = daily_orbits(daily, forces, now)
     before = BEFORE if decay(newest.satellite) < STEADY else 0.0

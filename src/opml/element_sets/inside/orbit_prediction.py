@@ -9,6 +9,7 @@ import pandas as pd
 from opml.base.constants import DAY, HOUR
 from opml.element_sets.improve import Improved
 from opml.element_sets.inside import inside_now, inside_sizes
+from opml.element_sets.inside.inside_forces import Forces
 from opml.element_sets.inside.inside_now import InsideNow
 from opml.element_sets.inside.inside_sizes import lower
 from opml.element_sets.inside.orbit_inside import NoOrbitError
@@ -63,12 +64,13 @@ class OrbitInside:
 
 
 def predict(
-    public: Sequence[KnownSet], number: int, better: Improved, *, days: float, weather: str
+    public: Sequence[KnownSet], number: int, better: Improved, *, days: float, forces: Callable[[], Forces]
 ) -> OrbitInside | str:
     """Return the orbit inside the sets of an object, or why there is none, in words.
 
     public: sets of the object that were known on the date of `better`, by epoch; times since it
     number: of the object in `better`, whose corrections shift the orbit along its track
+    forces: returns those of `inside_now.forces_on` the date
     """
     newest = public[-1]
     if newest.t < -DAY * OLDEST:
@@ -79,7 +81,7 @@ def predict(
     begin = max((one.counts_from for one in burns_among(public, epoch=better.date)), default=-np.inf)
     sets = [one for one in public if one.t >= begin] or [newest]
     try:
-        now = inside_now.find(sets, date=better.date, weather=weather)
+        now = inside_now.find(sets, date=better.date, forces=forces())
     except NoOrbitError as reason:
         return str(reason)
     if now.doubt:
