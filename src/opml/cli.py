@@ -96,22 +96,23 @@ def _parser() -> argparse.ArgumentParser:
 def _add_init(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("folder", help="the project's folder; created if missing")
     kinds = parser.add_mutually_exclusive_group()
-    kinds.add_argument("--elements", metavar="FILE", help="element sets of an object, for its study")
+    kinds.add_argument("--elements", metavar="FILE", help="element sets of an object, for its mornings")
     kinds.add_argument("--orbit", nargs="+", metavar="FILE", help="its positions: {orbit}")
 
 
 def _init(options: argparse.Namespace) -> None:
     from opml.workflow import new_project
-    from opml.workflow.first_study import FirstStudy
+    from opml.workflow.first_project import FirstProject
 
     if options.elements or options.orbit:
         by_sets = bool(options.elements)
-        study = FirstStudy.of_sets(options.elements) if by_sets else FirstStudy.of_points(options.orbit)
-        new_project.write(options.folder, study.text, study.beside)
-        print(study.told)
+        project = FirstProject.of_sets(options.elements) if by_sets else FirstProject.of_points(options.orbit)
+        new_project.write(options.folder, project.text, project.beside)
+        print(project.told)
+        print(new_project.next_steps(options.folder, project.command))
     else:
         new_project.write(options.folder)
-    print(new_project.next_steps(options.folder))
+        print(new_project.next_steps(options.folder))
 
 
 def _add_rso(parser: argparse.ArgumentParser) -> None:

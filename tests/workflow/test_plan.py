@@ -234,19 +234,6 @@ def test_laser_ranges_need_no_truth_and_bring_their_stations(project):
     assert not {"truth", "tracking"} & set(plan)
 
 
-def test_mean_elements_need_no_truth_and_sgp4_flies_them(project):
-    (project.folder / "mine.yaml").write_text(
-        TRACKED.replace("tracks: {mine: orekit.tdm}", "elements: {mine: sets.tle}")
-    )
-    (project.folder / "sets.tle").write_text(tle_text(history([1.0, 2.0, 3.0, 4.0])))
-    replay = "results/replays/mine/fixes_later/days-0-20"
-    targets = ["results/sgp4/mine/fixes.parquet", f"{replay}/sgp4.parquet", f"{replay}/learned.parquet"]
-    plan = jobs(project.snakemake("-n", *targets, "--configfile", "mine.yaml").stdout)
-    once = ["element_sets", "fixes_from_elements", "first_orbit", "labels", "labelled_dataset", "sgp4"]
-    once += ["improved_history", "improved", "estimation", "prediction", "spread"]
-    assert plan == dict.fromkeys([*ONCE, *once], 1) | {"replay": 2}
-
-
 def test_a_new_station_needs_one_line(project):
     with (project.folder / "config" / "stations.tsv").open("a") as sheet:
         sheet.write("shemya\t52.72\t174.1\t80\t5000\t1\t90\t50\t0.02\t0.02\n")

@@ -28,10 +28,7 @@ VALUES = {
     "track": "352",
 }
 NEED_SETTINGS = (
-    "element_sets/",
-    "improved_history/",
     "starts/",
-    "sgp4/",
     "catalogue/",
     "figs/catalogue/",
 )

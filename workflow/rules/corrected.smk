@@ -15,8 +15,6 @@ rule corrected:
         tracking=rules.tracking.output[0],
         long_estimates=INPUTS.long_estimates(rules.estimation.output[0]),
         arc_estimates=INPUTS.arc_estimates(rules.estimation.output[0]),
-        element_sets=INPUTS.element_sets,
-        improved_history=INPUTS.improved_history,
         manoeuvres=INPUTS.user_manoeuvres(rules.truth.output[0], rules.tracking.output[0]),
         dataset=rules.train.input.dataset,
         beside=INPUTS.learner_tables("rso"),

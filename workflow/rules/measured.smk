@@ -1,9 +1,5 @@
-# Measured tracks, fixes, ranges or mean elements in the place of simulated tracks, and a first orbit that needs no truth.
-from opml.environment.nrlmsis import check_installed
-
+# Measured tracks, fixes or ranges in the place of simulated tracks, and a first orbit that needs no truth.
 FIRST_ORBIT = product("starts/{rso}/{stations}")
-ELEMENT_SETS = product("element_sets/{rso}")
-IMPROVED_HISTORY = product("improved_history/{rso}")
 
 if PLAN.settings.files_of(kinds.TRACKS):
 
@@ -108,91 +104,6 @@ if PLAN.settings.files_of(kinds.RANGES):
             "../scripts/ranges_from_files.py"
 
     ruleorder: ranges_from_files > tracking
-
-
-if PLAN.settings.files_of(kinds.ELEMENTS):
-
-    rule element_sets:
-        input:
-            lambda wildcards: users(PLAN.settings.files_of(kinds.ELEMENTS)[wildcards.rso]),
-        output:
-            ELEMENT_SETS.table,
-        log:
-            ELEMENT_SETS.log,
-        benchmark:
-            ELEMENT_SETS.benchmark
-        wildcard_constraints:
-            rso=naming.alternatives(PLAN.settings.files_of(kinds.ELEMENTS)),
-        conda:
-            "../envs/opml.yaml"
-        params:
-            settings=lambda wildcards: {
-                "epoch": config["epoch"],
-                "taking": PARAMS.taking(wildcards),
-                **contents(PLAN.settings.files_of(kinds.ELEMENTS)[wildcards.rso]),
-            },
-            code=code("element_sets.py"),
-        message:
-            "Mean elements: the history of {wildcards.rso}, from {input[0]}"
-        script:
-            "../scripts/element_sets.py"
-
-    rule improved_history:
-        input:
-            element_sets=rules.element_sets.output[0],
-            catalogue=users(PARAMS.element_files),
-            weather=users(ENVIRONMENT.source_files("solar_activity")),
-            check=checks(lambda _: check_installed()),
-        output:
-            IMPROVED_HISTORY.table,
-        log:
-            IMPROVED_HISTORY.log,
-        benchmark:
-            IMPROVED_HISTORY.benchmark
-        conda:
-            "../envs/opml.yaml"
-        resources:
-            mem_mb=1500,
-            runtime=15,
-        params:
-            settings=lambda _: {
-                **PARAMS.span,
-                "weather": PARAMS.measured_weather,
-                **contents(PARAMS.element_files + ENVIRONMENT.source_files("solar_activity")),
-            },
-            code=code("improved_history.py"),
-        message:
-            "Mean elements: the sets of {wildcards.rso} as they could be improved when they were known"
-        script:
-            "../scripts/improved_history.py"
-
-    rule fixes_from_elements:
-        input:
-            rules.element_sets.output[0],
-        output:
-            TRACKING.table,
-        log:
-            TRACKING.log,
-        benchmark:
-            TRACKING.benchmark
-        wildcard_constraints:
-            rso=naming.alternatives(PLAN.settings.files_of(kinds.ELEMENTS)),
-            stations=kinds.ELEMENTS.stations,
-        conda:
-            "../envs/opml.yaml"
-        params:
-            settings=lambda wildcards: {
-                **PARAMS.span,
-                "taking": PARAMS.taking(wildcards),
-                "manoeuvres": PLAN.settings.manoeuvres(wildcards.rso),
-            },
-            code=code("fixes_from_elements.py"),
-        message:
-            "Fixes: where SGP4 has {wildcards.rso} before the epochs of its mean elements"
-        script:
-            "../scripts/fixes_from_elements.py"
-
-    ruleorder: fixes_from_elements > tracking
 
 
 if PLAN.settings.measured:

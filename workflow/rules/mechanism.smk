@@ -4,8 +4,6 @@ MECHANISM = product("mechanism/{rso}/{stations}{window}")
 ARCS = product("arcs/{rso}/{stations}{window}{arc}")
 CD_PAST = product("cd_past/{rso}/{stations}{window}{arc}{memory}")
 HELD = product("held/{rso}/{stations}{window}{arc}{memory}")
-SGP4 = product("sgp4/{rso}/{stations}{window}")
-IMPROVED = product("improved/{rso}/{stations}{window}")
 POOL = product("{table}/{pool}/{rest}")
 LONG = PLAN.window(config["mechanism"]["long_window_hours"])
 
@@ -152,48 +150,6 @@ rule held:
         "Held: fits of {wildcards.rso} by {wildcards.stations} with Cd held by its past, {wildcards.arc}{wildcards.memory}"
     script:
         "../scripts/held.py"
-
-
-rule sgp4:
-    input:
-        predictions=rules.prediction.output[0],
-        element_sets=ELEMENT_SETS.table,
-    output:
-        SGP4.table,
-    log:
-        SGP4.log,
-    benchmark:
-        SGP4.benchmark
-    conda:
-        "../envs/opml.yaml"
-    params:
-        settings={"epoch": config["epoch"]},
-        code=code("sgp4.py"),
-    message:
-        "SGP4: predictions of {wildcards.rso} from the newest set of mean elements"
-    script:
-        "../scripts/sgp4.py"
-
-
-rule improved:
-    input:
-        predictions=rules.prediction.output[0],
-        improved_history=IMPROVED_HISTORY.table,
-    output:
-        IMPROVED.table,
-    log:
-        IMPROVED.log,
-    benchmark:
-        IMPROVED.benchmark
-    conda:
-        "../envs/opml.yaml"
-    params:
-        settings={"epoch": config["epoch"]},
-        code=code("improved.py"),
-    message:
-        "SGP4: predictions of {wildcards.rso} from the newest set of mean elements, improved"
-    script:
-        "../scripts/improved.py"
 
 
 rule pool:

@@ -29,7 +29,7 @@ with job(snakemake) as metadata:
         lessons = Lessons(rows, learner, settings.seed, settings.train_days[0])
         first_day = replays.first_day(lessons, known, train_days=settings.train_days)
         starts = replays.morning_departures(known, every_hours=settings.every_hours, first_day=first_day)
-        judged = replays.judge(lessons.dataset, predictions, later, alike=known.are_of_sets)
+        judged = replays.judge(lessons.dataset, predictions, later)
         series.append(replays.ReplaySeries(lessons, starts, replays.at_starts(judged, starts, spread)))
     tables = replays.build(
         Propagator.read(files, settings, threads=snakemake.threads, progress=progress),

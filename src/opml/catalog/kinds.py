@@ -63,7 +63,6 @@ RANGES = Kind(
 ELEMENTS = Kind(
     "elements",
     "fixes",
-    stations="fixes",
     taking="histories",
     beneath="config/elements.yaml",
     beneath_alone="config/elements_alone.yaml",

@@ -19,16 +19,11 @@ from opml.element_sets.trained_model import CatalogueModel
 from opml.element_sets.weighting import DENSITY, LEARNED
 from opml.environment import known_weather, nrlmsis
 from opml.environment.weather import Weather
-from opml.interop import ccsds
-from opml.interop.element_sets.element_set import changed, seconds_since
-from opml.tables import IMPROVED_MODELS, SCHEMAS, read_metadata, read_table, write_table
+from opml.interop.element_sets.element_set import changed
+from opml.tables import read_metadata, read_table, write_table
 
 _REACH = 80
 """Days before a morning beyond which no set tells anything of it, those of the PAST mornings reckoned."""
-
-_SOON = 0.5  # time after which a set is known for certain, as days in a double tell a microsecond at best [s]
-
-_MINUTE = 60.0
 
 _KEYS = ["model", "number"]
 _NUMBERS = ["number", "t", "known", "motion", "bstar", "eccentricity", "inclination"]  # that tell sets apart
@@ -148,26 +143,3 @@ class ImprovedHistory:
         first = int(np.floor(self._catalogue.table["known"].min())) - density.RUN_UP - 1
         end = density.end_of(self._weather)
         return LearnedAir(self._weather, density.measured(self._weather, first, end), self._trained.outlook)
-
-
-def history(improved: ImprovedHistory, sets: pd.DataFrame, *, epoch: str) -> pd.DataFrame:
-    """Return the table `improved_history`: sets as each model improved them when they were known.
-
-    sets: table `element_sets` of one object
-    epoch: UTC text, the table's
-
-    A set that was known after a later one stays as it was published.
-    """
-    known = np.fmax(sets["t"], sets["t_created"]).to_numpy() + _SOON
-    mornings = [catalogues.modified_julian_day(text) for text in ccsds.utc_texts(epoch, known)]
-    improved = improved.within(min(mornings), max(mornings))
-    number = int(sets["number"].iloc[0])
-    tables = []
-    for name in IMPROVED_MODELS:
-        motion, bstar = (sets[column].to_numpy(copy=True) for column in ("mean_motion", "bstar"))
-        for k, (t, morning) in enumerate(zip(sets["t"], mornings, strict=True)):
-            satellite = improved.newest(name, number, morning)
-            if satellite is not None and abs(seconds_since(epoch, [satellite])[0] - t) < _SOON:
-                motion[k], bstar[k] = satellite.no_kozai / _MINUTE, satellite.bstar
-        tables.append(sets.assign(model=name, mean_motion=motion, bstar=bstar))
-    return pd.concat(tables, ignore_index=True)[SCHEMAS["improved_history"].names]

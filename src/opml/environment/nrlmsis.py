@@ -37,14 +37,9 @@ def sources() -> dict[str, str]:
     }
 
 
-def is_installed() -> bool:
-    """Return whether the model's code is there: its terms are not opml's, so it is an extra."""
-    return find_spec("pymsis") is not None
-
-
 def check_installed() -> None:
-    """Raise InputError where the model's code is missing."""
-    if not is_installed():
+    """Raise InputError where the model's code is missing: its terms are not opml's, so it is an extra."""
+    if find_spec("pymsis") is None:
         raise InputError("expected the package pymsis, got none: pip install 'opml-orbits[nrlmsis]'")
 
 

@@ -10,15 +10,12 @@ import pandas as pd
 from opml.base.constants import HOUR
 from opml.base.errors import InputError
 from opml.base.section import JobSettings
-from opml.catalog.fit import fixes
 from opml.catalog.predict import other_windows
 from opml.learning.data import dataset
 from opml.learning.data.cleaning import Cleaning
 from opml.learning.models.learners import JobLearner, arc_windows
 from opml.orbits.manoeuvres import Manoeuvre, read_manoeuvres, when_burns_are_known
 from opml.tables import read_measured, read_metadata, read_table
-
-_HISTORIES = ("element_sets", "improved_history")
 
 
 class LongArcs(JobSettings):
@@ -31,7 +28,6 @@ class LongArcs(JobSettings):
 class KnownSettings(JobSettings):
     """Settings that made a catalogue's tables; learners are resolved."""
 
-    epoch: str
     cleaning: Cleaning
     window_hours: float
     cd_bounds: tuple[float, float] | None
@@ -45,7 +41,6 @@ class KnownTables:
 
     others: tables of fits of the same tracks over other windows, by these [h], as learners ask for them
     manoeuvres: those that any table tells of, each with the time since which it is known
-    histories: of mean elements, as learners ask for them, by the kind of their table
     """
 
     estimates: pd.DataFrame  # the table, of fits over window_hours
@@ -57,26 +52,21 @@ class KnownTables:
     bounds: tuple[float, float] | None = None  # on Cd, None for any
     resonances: Sequence[tuple[int, int]] = ()  # pairs (k, m)
     manoeuvres: Sequence[Manoeuvre] = ()
-    epoch: str = ""  # UTC text that times count from
-    histories: Mapping[str, pd.DataFrame] = field(default_factory=dict)
-    are_of_sets: bool = False  # whether estimates are fits to mean elements
 
     @classmethod
     def read(cls, files: Any, settings: KnownSettings) -> Self:
         """Read what the tables of a job hold.
 
-        files: the job's input; where it has them, `long_estimates`, `arc_estimates` and histories of mean
-            elements as the learners ask
+        files: the job's input; where it has them, `long_estimates` and `arc_estimates` as the learners ask
 
         Raises InputError where a table is missing, damaged or does not belong to the others.
         """
         estimates = read_table(files.estimates, "estimates")
-        tracking = read_measured(files.tracking)
         gm, mechanism = read_metadata(files.gravity_field)["gm"], settings.mechanism
         at_estimates = dataset.of_estimates(
             estimates,
             read_table(files.predictions, "predictions"),
-            tracking,
+            read_measured(files.tracking),
             gm=gm,
             cleaning=settings.cleaning,
         )
@@ -94,9 +84,6 @@ class KnownTables:
             bounds=settings.cd_bounds,
             resonances=mechanism.resonances,
             manoeuvres=read_manoeuvres(files.manoeuvres) if files.manoeuvres else [],
-            epoch=settings.epoch,
-            histories={kind: read_table(path, kind) for kind in _HISTORIES if (path := files.get(kind))},
-            are_of_sets=fixes.are_of_sets(tracking),
         )
 
     @property
@@ -110,12 +97,6 @@ class KnownTables:
             expected = "expected fits over another window, as the learner asks for"
             raise InputError(f"ephemeris: {expected}, got none")
         return self.others[hours]
-
-    def history(self, kind: str) -> pd.DataFrame:
-        """Return a history of mean elements by the kind of its table; raise InputError for none."""
-        if kind not in self.histories:
-            raise InputError("ephemeris: expected mean elements, as the learner asks for, got none")
-        return self.histories[kind]
 
     def estimates_without_burns(self, hours: float) -> pd.DataFrame:
         """Return the fits over another window [h] as `other_windows.exclude_burns` has them."""

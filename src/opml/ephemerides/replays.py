@@ -68,21 +68,17 @@ def first_day(lessons: Lessons, known: KnownTables, *, train_days: Sequence[floa
     return begin + max(hours) / 24.0
 
 
-def judge(
-    dataset: pd.DataFrame, predictions: pd.DataFrame, later: pd.DataFrame | None, *, alike: bool = False
-) -> pd.DataFrame:
+def judge(dataset: pd.DataFrame, predictions: pd.DataFrame, later: pd.DataFrame | None) -> pd.DataFrame:
     """Return what ephemerides are compared with: i, j, t_j, t_known and a state for each pair of a dataset.
 
     Pairs that were dropped are left out.
     predictions: the table, whose true states are taken where `later` is None
     later: the estimates that labels are from, which come with their doubt
-    alike: whether these are off as the predictions are, `fixes.are_of_sets`
     """
     kept = dataset[dataset["keep"]]
     doubt = {name: kept.get(f"sigma_e_{name[-1]}", 0.0) for name in DOUBT}
     pairs = kept[["i", "j", "t_j"]].assign(t_known=known_at(kept), **doubt)
     if later is not None:
-        pairs = pairs.assign(alike=True) if alike else pairs
         return pairs.join(later.set_index("track")[STATE], on="j")
     true = predictions.set_index(["i", "j"])[TRUE].set_axis(STATE, axis=1)
     return pairs.join(true, on=["i", "j"])

@@ -20,7 +20,6 @@ from opml.catalog.predict.resonance import Resonances
 from opml.catalog.predict.sensitivity import sensitivities
 from opml.catalog.propagator import Propagator, neighbour_paths
 from opml.ephemerides.known_tables import KnownTables
-from opml.interop.element_sets import sgp4_baseline
 from opml.learning.models.learners import needed_tables
 from opml.tables import STATE
 
@@ -104,8 +103,6 @@ class TaskPart:
             "arcs": partial(self.parted if set(variables) <= PARTED else self.arcs, hours),
             "cd_past": partial(self.cd_past, hours, memory_days),
             "held": partial(self.held_table, hours, memory_days),
-            "sgp4": self.sgp4,
-            "improved": self.improved,
         }
         if kind not in makers:
             raise InputError(f"ephemeris: expected a learner that asks for one RSO alone, got the {kind}")
@@ -229,17 +226,6 @@ class TaskPart:
     def held_predictions(self, hours: float, memory_days: float) -> pd.DataFrame:
         """Return predictions to the grid by fits over a window [h], their Cd held by its past."""
         return self._predicted(self._with_held_cd(hours, memory_days), self.propagator)
-
-    @_once
-    def sgp4(self) -> pd.DataFrame:
-        """Return the `sgp4` table."""
-        return sgp4_baseline.build(self.pairs(), self.known.history("element_sets"), epoch=self.known.epoch)
-
-    @_once
-    def improved(self) -> pd.DataFrame:
-        """Return the `improved` table."""
-        history = self.known.history("improved_history")
-        return sgp4_baseline.build_improved(self.pairs(), history, epoch=self.known.epoch)
 
     def _predicted(self, estimates: pd.DataFrame, propagator: Propagator) -> pd.DataFrame:
         arrivals = self.grid.epochs(estimates["t"].iloc[-1])

@@ -49,8 +49,8 @@ def display_stations(name: str) -> str:
 
 
 def display_learner(name: str) -> str:
-    """Return a learner in words: the paper's own is told, as is SGP4; others keep their name."""
-    return {"svr": "the paper's SVR", "sgp4": "SGP4"}.get(name, name)
+    """Return a learner in words: the paper's own is told; others keep their name."""
+    return {"svr": "the paper's SVR"}.get(name, name)
 
 
 def describe_run(rso: str, stations: str) -> str:

@@ -49,7 +49,6 @@ def known_at(now: float, watched: Watched, records: Records, recent: Recent) -> 
         plan.base,
         propagator.model.gm,
         manoeuvres=watched.manoeuvres,
-        epoch=plan.epoch,
     )
     pairs = _from_previous(known, longest=DAY * plan.max_days)
     # Where the newest may start one, nobody asks for the others.

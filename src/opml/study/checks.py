@@ -20,8 +20,8 @@ from opml.learning.data.dataset import MEASUREMENT
 from opml.learning.data.error_components import CORRECTED
 from opml.learning.models import learners
 from opml.orbits import sheets
-from opml.study import catalogue_checks, element_checks, source_coverage
-from opml.study.experiments import Study
+from opml.study import catalogue_checks, source_coverage
+from opml.study.experiments import FILTERS, Study
 from opml.study.settings.merging import Settings, with_sheets
 from opml.study.settings.overlay import MISSING, Key, Source, mappings, value_at
 from opml.study.settings.validation import validated
@@ -102,19 +102,22 @@ def check_study(source: Source, settings: Settings, *, last_day: float | None = 
             raise source.wrong(key, "expected another split, as seen rows are the RSO's own")
     _check_references(source, settings)
     study = Study(settings)
+    _check_kinds(source, study)
     for rso in study.rsos:
         if study.label == "truth" and not study.has_truth(rso):
             message = f"expected later or smoothed, as {rso} was measured and has no truth, got truth"
             raise source.wrong(("study", "label"), message)
-    _check_stations(source, Study(settings))
-    _check_variables(source, Study(settings))
-    element_checks.check_learners(source, Study(settings))
+    _check_stations(source, study)
+    _check_variables(source, study)
+    _check_filters(source, study)
 
 
 def _check_day(source: Source, settings: Settings) -> None:
     """Raise InputError for a model of the mornings that learns, or asks for more than fits of one RSO."""
     run = settings.run
     if run.day is None:
+        if settings.files_of(kinds.ELEMENTS):
+            raise source.wrong(("elements",), "expected `day`, as mornings alone read element sets, got none")
         return
     if run.estimation.suspect_sigma is not None:
         raise source.wrong(
@@ -258,6 +261,23 @@ def _check_starts(source: Source, settings: Settings) -> None:
                 else:
                     for time in settings.manoeuvres(name):
                         epochs.parse(time)
+
+
+def _check_kinds(source: Source, study: Study) -> None:
+    """Raise InputError for a study of an RSO that element sets alone tell of."""
+    for rso in study.settings.asked.get("rsos", ()):
+        if study.kind_of(rso) is kinds.ELEMENTS:
+            instead = "`opml predict` predicts from them, `opml day --since` replays past mornings"
+            raise source.wrong(("study", "rsos"), f"expected RSOs without elements, got {rso}: {instead}")
+
+
+def _check_filters(source: Source, study: Study) -> None:
+    """Raise InputError for a sequential filter beside a setting of the fits that filters know nothing of."""
+    for part in ("learners", "replayed"):
+        for name in study.settings.asked.get(part, ()):
+            if study.not_filtered and naming.parse_learner(name, study.learners).kind in FILTERS:
+                expected = f"as filters know no estimation.{study.not_filtered}"
+                raise source.wrong(("study", part), f"expected fits over windows, {expected}, got {name}")
 
 
 def _check_stations(source: Source, study: Study) -> None:

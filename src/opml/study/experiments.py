@@ -7,7 +7,7 @@ from functools import cached_property
 from typing import Any
 
 from opml import naming
-from opml.catalog.kinds import ELEMENTS
+from opml.catalog.kinds import Kind
 from opml.learning.data.cleaning import Cleaning
 from opml.learning.models.contract import LearnerSettings
 from opml.naming import Experiment
@@ -71,12 +71,12 @@ class Study:
 
     def in_place_of_stations(self, rso: str) -> str:
         """Return the name in the place of stations, '' where those of the sheet measure an RSO."""
-        kind = self.settings.kind_of(self._row(rso))
+        kind = self.kind_of(rso)
         return kind.stations if kind else ""
 
-    def has_elements(self, rso: str) -> bool:
-        """Return whether an RSO is known by mean elements."""
-        return self.settings.kind_of(self._row(rso)) is ELEMENTS
+    def kind_of(self, rso: str) -> Kind | None:
+        """Return how an RSO was measured; None where its measurements are simulated."""
+        return self.settings.kind_of(self._row(rso))
 
     def _row(self, rso: str) -> str:
         return naming.rso_parts(rso, self.sheet)[0]
@@ -109,8 +109,8 @@ class Study:
         return next((name for name in ("reject_sigma", "bias_sigma") if name in given), "")
 
     def is_measured(self, rso: str) -> bool:
-        """Return whether measurements or mean elements of an RSO are real, so that none are simulated."""
-        return self.settings.kind_of(self._row(rso)) is not None
+        """Return whether measurements of an RSO are real, so that none are simulated."""
+        return self.kind_of(rso) is not None
 
     def has_truth(self, rso: str) -> bool:
         """Return whether the true orbit of an RSO is known: simulated, or from files."""

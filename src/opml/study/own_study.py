@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from opml import naming
-from opml.environment import nrlmsis
 from opml.learning.data.error_components import CORRECTED, UNCORRECTED
 from opml.learning.judge.calibration import marks
 from opml.learning.models.contract import hours_to_fill
@@ -14,8 +13,6 @@ from opml.naming import Experiment
 from opml.report.answer import ALL_MODELS, Sources
 from opml.report.own_study import OwnStudyReport, RunFacts
 from opml.study.experiments import FILES, FILTERS, MEASURED, SIMULATED, Study
-from opml.study.settings.model.run import HistorySettings
-from opml.tables import IMPROVED_MODELS
 
 RUNNING = ("running24m3", "running24", "running48m3", "running", "running96m3", "running96")
 """Laws on the running mean of Cd. Those of one window share their arcs: another memory costs nothing."""
@@ -33,16 +30,6 @@ REPLAYED = (
     *("covariance", "mechanism", "twoarcs"),
 )
 """The models whose mornings are replayed where a study names none: they are trained in seconds."""
-
-MODELS_OF_ELEMENTS = (
-    *("none", "sgp4", *IMPROVED_MODELS),
-    *("fit144", "held96", "held144", "running96m3", "running96"),
-    *("covariance", "mechanism"),
-)
-"""The models of a study of mean elements: SGP4, also of improved sets, longer fits, and laws on these."""
-
-REPLAYED_OF_ELEMENTS = ("sgp4", *IMPROVED_MODELS, "fit144", "held96", "held144")
-"""Models beside these whose mornings are replayed in a study of mean elements."""
 
 GROUPED, LATER, UNSEEN = "grouped", "later", "unseen"
 
@@ -84,13 +71,9 @@ class OwnStudy:
     @cached_property
     def learners(self) -> list[str]:
         """The models that are compared."""
-        models = MODELS_OF_ELEMENTS if self.study.has_elements(self.study.rsos[0]) else MODELS
         settings = self.study.learners
-        unusable = [
-            *(FILTERS if self.study.not_filtered else ()),
-            *(() if nrlmsis.is_installed() else IMPROVED_MODELS),
-        ]
-        known = [name for name in models if name in settings and settings[name].kind not in unusable]
+        unusable = FILTERS if self.study.not_filtered else ()
+        known = [name for name in MODELS if name in settings and settings[name].kind not in unusable]
         return list(self.study.settings.asked.get("learners") or known)
 
     @cached_property
@@ -150,9 +133,7 @@ class OwnStudy:
             return []
         last = float(self.study.settings.run.duration_days) - 3.0  # two more mornings have to be over then
         return self.study.settings.asked.get("replayed") or [
-            name
-            for name in (*REPLAYED, *REPLAYED_OF_ELEMENTS)
-            if name in self.learners and self._first_day(name) <= last
+            name for name in REPLAYED if name in self.learners and self._first_day(name) <= last
         ]
 
     @cached_property
@@ -268,13 +249,8 @@ class OwnStudy:
         )
 
     def _manoeuvres(self, rso: str) -> str:
-        settings = self.study.settings
-        kind = settings.kind_of(rso)
-        taking = settings.taking(kind, rso) if kind else None
-        found = isinstance(taking, HistorySettings) and taking.find_manoeuvres
-        others = "; others are found in the history" if found else ""
         return {
-            MEASURED: f"named in `manoeuvres`: {len(settings.manoeuvres(rso))}{others}",
+            MEASURED: f"named in `manoeuvres`: {len(self.study.settings.manoeuvres(rso))}",
             FILES: "those that the orbit's files mark are known",
             SIMULATED: "",
         }[MEASURED if self.study.is_measured(rso) else self.study.truth_of(rso)]

@@ -35,15 +35,9 @@ UNSEEN = ["unseen_x", "unseen_z"]
 
 ELEMENTS = ["mean_motion", "eccentricity", "inclination", "raan", "argp", "mean_anomaly", "bstar"]
 
-IMPROVED_MODELS = ("density", "learned")
-"""What improves sets of mean elements: their drag, scaled by the density, and what a catalogue taught."""
-
 IMPROVED_LEADS = (1, 3, 5, 7)  # days from the date to the errors that the table of improved sets expects
 
-MECHANISM_AXES = (
-    *("s", "v", "r", "l", "v_long", "l_arc", "v_arc", "h_arc", "sgp4"),
-    *IMPROVED_MODELS,
-)
+MECHANISM_AXES = ("s", "v", "r", "l", "v_long", "l_arc", "v_arc", "h_arc")
 """Prefixes of the mechanism's columns for each error component, such as `v_y` for e_y."""
 
 PLANE, ELLIPSOID, WHOLE = "plane", "ellipsoid", "state"

@@ -11,7 +11,7 @@ from typing import Concatenate, ParamSpec, Protocol
 
 from opml import naming
 from opml.base.errors import InputError
-from opml.catalog.kinds import ELEMENTS, FIXES, TRACKS
+from opml.catalog.kinds import FIXES, TRACKS
 from opml.learning.models import learners
 from opml.learning.models.contract import ResolvedSettings
 from opml.naming import Experiment
@@ -188,25 +188,9 @@ class Inputs:
             for kind, suffix in _tables_asked(settings)
         ]
 
-    def element_sets(self, wildcards: Wildcards) -> _Paths:
-        """Find the history of an RSO's mean elements; none where no learner asks for SGP4."""
-        return self._element_sets(wildcards) if self._is_asked("sgp4", wildcards) else []
-
-    def improved_history(self, wildcards: Wildcards) -> _Paths:
-        """Find that history as it could be improved; none where no learner asks for it."""
-        if not self._is_asked("improved", wildcards):
-            return []
-        return self.plan.product(f"improved_history/{wildcards.rso}").table
-
-    def _is_asked(self, kind: str, wildcards: Wildcards) -> bool:
-        asked = map(_tables_asked, self.params.learners(wildcards).values())
-        return any(kind in dict(tables) for tables in asked)
-
     def source(self, wildcards: Wildcards) -> _Paths:
         """Find the tables of what was read of an RSO that may tell its object."""
         rso, plan = wildcards.rso, self.plan
-        if rso in plan.settings.files_of(ELEMENTS):
-            return [self._element_sets(wildcards)]
         if rso in plan.settings.files_of(FIXES):
             return [plan.product(f"tracking/{rso}/{FIXES.stations}").table]
         if rso in plan.settings.orbits:
@@ -215,13 +199,11 @@ class Inputs:
         tables = [table for table, is_read in read.items() if is_read]
         return [plan.product(f"{table}/{rso}/{wildcards.stations}").table for table in tables]
 
-    def _element_sets(self, wildcards: Wildcards) -> str:
-        return self.plan.product(f"element_sets/{wildcards.rso}").table
-
     @_input_function
     def long_estimates(self, wildcards: Wildcards, estimates: _Pattern) -> _Paths:
         """Find the estimates over the long window; none where no learner reads the mechanism."""
-        if not self._is_asked("mechanism", wildcards):
+        asked = map(_tables_asked, self.params.learners(wildcards).values())
+        if not any("mechanism" in dict(tables) for tables in asked):
             return []
         hours = self.plan.settings.run.mechanism.long_window_hours
         return self._estimates(estimates, wildcards, self.plan.window(hours))

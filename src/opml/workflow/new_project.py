@@ -15,6 +15,9 @@ from opml.study.settings import editor_schema
 STUDY = "mine.yaml"
 """The file of the study that a new project begins with: one satellite, two radars, eighteen days."""
 
+STUDY_COMMAND = f"snakemake -j2 study --configfile {STUDY}"
+"""Runs the study of a project that has one."""
+
 SIMULATED = """\
 # mine.yaml
 # yaml-language-server: $schema=workflow/schemas/config.schema.json
@@ -63,14 +66,14 @@ def write(folder: FilePath, study: str = SIMULATED, beside: Sequence[Path] = ())
                 os.replace(Path(temporary, name), folder / name)
 
 
-def next_steps(folder: str) -> str:
-    """Return the commands that run the study of a new project, and the one that prints how to go on."""
+def next_steps(folder: str, command: str = STUDY_COMMAND) -> str:
+    """Return the commands that run a new project, and the one that prints how to go on."""
     install = [] if find_spec("snakemake") else ["pip install 'opml-orbits[workflow]'"]
     return "\n".join(
         [
             *install,
             f"cd {shlex.quote(folder)}",
-            f"snakemake -j2 study --configfile {STUDY}",
+            command,
             "opml docs howto",
         ]
     )

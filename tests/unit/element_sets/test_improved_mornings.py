@@ -4,20 +4,16 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 import pytest
 import sinking_histories
 
 from opml.base.errors import InputError
-from opml.element_sets import catalogue, density, improve, improved_history, trained_model, weighting
-from opml.element_sets.catalogue import ElementCatalogue
+from opml.element_sets import catalogue, density, improve, trained_model, weighting
 from opml.element_sets.density import Outlook
 from opml.element_sets.improved_history import ImprovedHistory
 from opml.element_sets.weighting import DENSITY, LEARNED
 from opml.environment import known_weather
-from opml.environment.space_weather import INTERVALS
 from opml.environment.weather import Weather
-from opml.interop.element_sets import histories
 
 DATE = "2026-01-08T06:00:00"
 MORNING = catalogue.modified_julian_day(DATE)
@@ -117,62 +113,6 @@ def test_sets_are_as_published_where_the_weather_ends_too_early(history: Path) -
     published = {(one.no_kozai, one.bstar) for one in sets.satellites}
     assert {(round(n, 15), b) for n, b in numbers(old, LEARNED)} <= {(round(n, 15), b) for n, b in published}
     assert old.newest(LEARNED, 101, float(sets.table["t"].min()) - 1.0) is None
-
-
-BEGIN = "2026-01-05T00:00:00"
-DAYS = 2
-
-
-def improved_sets(improved: ImprovedHistory, path: Path, *, created: float = np.nan) -> pd.DataFrame:
-    """The table of one object's sets of two days, the last of them created at a time [d]."""
-    sets = histories.of_object(histories.read([path], epoch=BEGIN).sets, 101)
-    sets = sets[sets["t"].between(0.0, 86400.0 * DAYS)].reset_index(drop=True)
-    sets.loc[DAYS - 1, "t_created"] = 86400.0 * created
-    return improved_history.history(improved, sets, epoch=BEGIN)
-
-
-@pytest.fixture(scope="module")
-def table(history: Path) -> pd.DataFrame:
-    return improved_sets(ImprovedHistory.read([history], "OBSERVED"), history)
-
-
-def test_a_history_has_each_set_as_it_was_improved_when_it_was_known(
-    table: pd.DataFrame, history: Path
-) -> None:
-    improved = ImprovedHistory.read([history], "OBSERVED")
-    assert table["model"].tolist() == [DENSITY] * DAYS + [LEARNED] * DAYS
-    for name, rows in table.groupby("model"):
-        now = catalogue.modified_julian_day(BEGIN) + (rows["t"].iloc[-1] + 1.0) / 86400.0
-        flown = improved.newest(str(name), 101, now)
-        assert flown is not None
-        assert rows["mean_motion"].iloc[-1] == pytest.approx(flown.no_kozai / 60.0, rel=1e-11)
-        assert rows["bstar"].iloc[-1] == pytest.approx(flown.bstar, rel=1e-4)
-
-
-def test_nothing_later_changes_a_byte_of_a_history(table: pd.DataFrame, history: Path) -> None:
-    sets, weather = catalogue.read([history], latency=0.0), density.clean(known_weather.read("OBSERVED"))
-    day = round(catalogue.modified_julian_day(BEGIN)) + 1
-    # Other sets and other weather come later.
-    later = sets.table.assign(bstar=sets.table["bstar"].mask(sets.table["known"] > day, 9e-3))
-    flux, kp = weather.flux.copy(), weather.kp.copy()
-    flux[day - weather.first :], kp[INTERVALS * (day - weather.first) :] = 300.0, 9.0
-    other = ImprovedHistory(
-        ElementCatalogue(later, sets.satellites), Weather(weather.first, flux, kp), trained_model.read()
-    )
-    found = improved_sets(other, history)
-    known = table["t"] < 86400.0
-    assert known.sum() == 2
-    assert found[known].equals(table[known])
-    assert not found[~known].equals(table[~known])
-
-
-def test_a_set_that_a_later_one_overtook_stays_as_it_was_published(
-    table: pd.DataFrame, history: Path
-) -> None:
-    found = improved_sets(ImprovedHistory.read([history], "OBSERVED"), history, created=3.0)
-    published = histories.of_object(histories.read([history], epoch=BEGIN).sets, 101).set_index("t")["bstar"]
-    assert (found["bstar"] == found["t"].map(published)).tolist() == [False, True] * 2
-    assert not (table["bstar"] == table["t"].map(published)).any()
 
 
 def test_damaged_sets_of_an_object_are_each_object_s_own_matter(history: Path, tmp_path: Path) -> None:

@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
-from element_histories import history
 from fits import estimates_on, on_orbit
 from support import force_model
 
@@ -22,7 +21,6 @@ from opml.ephemerides.known_tables import KnownTables
 from opml.ephemerides.task_part import Grid, TaskPart
 from opml.figures import errors_at_later_tracks
 from opml.interop import oem, orbit_segments
-from opml.interop.element_sets import sgp4_baseline
 from opml.interop.object_ids import ObjectId
 from opml.learning.judge.error_sizes import Sizes
 from opml.learning.models.linear_law import LinearLaw
@@ -32,7 +30,6 @@ from opml.orbits.rsw_covariance import rates
 from opml.tables import (
     COMPONENTS,
     DOUBT,
-    IMPROVED_MODELS,
     PARAMETER_COVARIANCES,
     PARAMETERS,
     SCHEMAS,
@@ -120,28 +117,6 @@ def built(propagator, known, starts, *, grid=GRID, replay=REPLAY):
 @pytest.fixture(scope="module")
 def table(propagator, known):
     return built(propagator, known, known.estimates.iloc[[1, 2]])
-
-
-def test_sgp4_flies_to_the_grid_from_the_newest_set(propagator, known):
-    sets = history([0.1, 0.3, 0.6])
-    grid = Grid(step=0.01 * DAY, max_days=0.8, end=2.0 * DAY)
-    part = TaskPart(
-        propagator,
-        replace(known, epoch=EPOCH, histories={"element_sets": sets}),
-        known.estimates.iloc[1:3],
-        grid,
-    )
-    columns = part.columns(("sgp4_y",))
-    expected = sgp4_baseline.build(part.pairs(), sets, epoch=EPOCH)
-    assert columns["sgp4_y"].tolist() == expected["sgp4_y"].tolist()
-    assert np.isfinite(columns["sgp4_y"]).all()
-    improved = pd.concat([sets.assign(model=name) for name in IMPROVED_MODELS])
-    beside = replace(known, epoch=EPOCH, histories={"improved_history": improved})
-    columns = TaskPart(propagator, beside, known.estimates.iloc[1:3], grid).columns(("learned_y",))
-    assert columns["learned_y"].tolist() == expected["sgp4_y"].tolist()
-    for name in ("sgp4_y", "density_y"):
-        with pytest.raises(InputError, match="ephemeris: expected mean elements, as the learner asks"):
-            TaskPart(propagator, known, known.estimates.iloc[1:3], grid).columns((name,))
 
 
 def test_columns_on_the_grid_are_those_at_tracks(propagator, known):

@@ -90,18 +90,6 @@ def test_the_table_is_the_schemas_and_comes_back(table, tmp_path):
     )
 
 
-def test_rows_against_fits_to_mean_elements_are_marked(propagator, tables, tmp_path):
-    series = series_of(propagator, tables, NONE)
-    later = tables["known"].estimates
-    judge = replays.judge(tables["rows"], tables["predictions"], later, alike=True)
-    assert "alike" not in replays.judge(tables["rows"], tables["predictions"], later)
-    assert judge["alike"].all()
-    marked = replace(series, starts=series.starts[:3], judge=series.judge.assign(alike=True))
-    (table,) = replays.build(propagator, tables["known"], [marked], max_days=0.3)
-    write_table(tmp_path / "r.parquet", table, "replay", metadata={})
-    assert read_table(tmp_path / "r.parquet", "replay")["alike"].all()
-
-
 def test_rows_that_a_burn_spoils_tell_when_it_was_found(propagator, tables, tmp_path):
     """From a day and a half on nobody is to learn from what the burn at 1.2 days did."""
     series, burn = series_of(propagator, tables, NONE), Manoeuvre(1.2 * DAY, 1.5 * DAY, anew=True)

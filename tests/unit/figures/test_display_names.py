@@ -19,7 +19,6 @@ from opml.learning.models import learners
         (display_names.display_stations, "eglin-clear-kaena_noise43", "three radars (Eglin, Clear, Kaena)"),
         (display_names.display_stations, "a-b-c-d", "4 radars (A, B, C, D)"),
         (display_names.display_learner, "svr", "the paper's SVR"),
-        (display_names.display_learner, "sgp4", "SGP4"),
         (display_names.display_learner, "mechanism", "mechanism"),
     ],
 )

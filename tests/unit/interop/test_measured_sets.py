@@ -11,12 +11,12 @@ from support import EPOCH
 from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
 from opml.catalog.fit import fixes
-from opml.interop.element_sets import accuracy, mean_elements, sgp4_baseline
+from opml.interop.element_sets import accuracy
 from opml.interop.element_sets.accuracy import SetSampling
-from opml.interop.element_sets.histories import satellite, states_of
+from opml.interop.element_sets.histories import states_of
 from opml.interop.element_sets.measured_sets import Taking, measured
 from opml.orbits.manoeuvres import Manoeuvre
-from opml.tables import FIX_SIGMAS, SCHEMAS, STATE
+from opml.tables import FIX_SIGMAS, STATE
 
 SAMPLING = SetSampling(12 * HOUR, 1200.0)
 DAYS = np.arange(1.0, 13.0)
@@ -173,25 +173,3 @@ def test_points_on_a_raster_end_at_the_next_multiple_behind_each_epoch():
     assert known.iloc[-1] == 3.0 * DAY + 300.0
     late = found.points.iloc[-1]
     np.testing.assert_array_equal(late[STATE], states_of(sets.iloc[-1], epoch=EPOCH, t=found.epochs[-1:])[0])
-
-
-def test_the_baseline_is_sgp4_from_the_set_of_the_estimate():
-    sets = history(DAYS, noise=300.0)
-    t_i, t_j = np.array([2.0, 2.0, 5.5, 0.5]) * DAY, np.array([3.0, 4.5, 7.0, 2.0]) * DAY
-    states = states_of(sets.iloc[0], epoch=EPOCH, t=t_j)
-    pairs = pd.DataFrame({"i": [1, 1, 4, 0], "j": [2, 4, 6, 1], "t_i": t_i, "t_j": t_j})
-    table = sgp4_baseline.build(pairs.assign(**dict(zip(STATE, states.T, strict=True))), sets, epoch=EPOCH)
-    assert table[["i", "j"]].equals(pairs[["i", "j"]])
-    for row, newest in ((0, 1), (1, 1), (2, 4)):
-        flown = mean_elements.states(satellite(sets.iloc[newest], epoch=EPOCH), epoch=EPOCH, t=t_j[[row]])[0]
-        difference = table.loc[row, [f"sgp4_{axis}" for axis in ("x", "y", "z")]].to_numpy(float)
-        assert np.linalg.norm(difference) == pytest.approx(np.linalg.norm((states[row] - flown)[:3]))
-    assert table.loc[3, "sgp4_x":].isna().all()
-    other = sets.assign(mean_motion=1.001 * sets["mean_motion"])
-    improved = pd.concat([sets.assign(model="learned"), other.assign(model="density")])
-    pairs = pairs.assign(**dict(zip(STATE, states.T, strict=True)))
-    both = sgp4_baseline.build_improved(pairs, improved, epoch=EPOCH)
-    assert list(both) == SCHEMAS["improved"].names
-    assert both["learned_y"].equals(table["sgp4_y"].rename("learned_y"))
-    alone = sgp4_baseline.build(pairs, other, epoch=EPOCH, name="density")
-    assert both[list(alone)].equals(alone)

@@ -37,21 +37,8 @@ SETTINGS = {
     "running": {"kind": "running", "window_hours": 96, "memory_days": 30},
     "filtered": {"kind": "filtered"},
     "filtered_mean": {"kind": "filtered_mean", "memory_days": 30},
-    "sgp4": {"kind": "sgp4"},
-    "density": {"kind": "density"},
-    "learned": {"kind": "learned"},
 }
-NOTHING_LEARNED = (
-    "none",
-    "refitted",
-    "held",
-    "running",
-    "filtered",
-    "filtered_mean",
-    "sgp4",
-    "density",
-    "learned",
-)
+NOTHING_LEARNED = ("none", "refitted", "held", "running", "filtered", "filtered_mean")
 KINDS = pytest.mark.parametrize("kind", list(SETTINGS))
 
 
@@ -66,8 +53,7 @@ def sample(count, seed=0):
     rows = pd.DataFrame({"duration": duration, "d_a": d_a, "cd": cd, "v_y": v})
     # Arcs whose own Cd is the half of it off, and that know the rest.
     arcs = {"l_arc_y": 0.5 * error, "h_arc_y": 0.8 * error, "v_arc_y": v, "cd_arc": 2.2 + 0.5 * (cd - 2.2)}
-    sets = {"sgp4_y": -2.0 * error, "density_y": -1.0 * error, "learned_y": 0.3 * error}
-    return rows.assign(**arcs, **sets, cd_past=2.2), y
+    return rows.assign(**arcs, cd_past=2.2), y
 
 
 def resolved(settings, component="e_y", variables=VARIABLES):
@@ -154,8 +140,7 @@ def test_what_each_kind_is_worth_on_what_it_can_learn(models):
     mechanism_leaves = np.abs(y - error).sum() / np.abs(y).sum()
     assert left["linear_law"] == pytest.approx(mechanism_leaves, abs=0.01)
     assert left["running"] == pytest.approx(mechanism_leaves)
-    shares = {"refitted": 0.5, "held": 0.8, "sgp4": -2.0, "density": -1.0, "learned": 0.3}
-    for kind, share in shares.items():
+    for kind, share in {"refitted": 0.5, "held": 0.8}.items():
         assert left[kind] == pytest.approx(np.abs(y - share * error).sum() / np.abs(y).sum())
     assert left["linear_law"] < left["boosting"] < 1.0
 
@@ -269,7 +254,7 @@ def test_settings_are_resolved_for_a_component():
 
 
 def test_an_unknown_kind_is_named():
-    with pytest.raises(InputError, match=r"kind: expected svr, .*learned, got oracle"):
+    with pytest.raises(InputError, match=r"kind: expected svr, .*filtered_mean, got oracle"):
         learners.settings_of({"kind": "oracle"})
     with pytest.raises(InputError, match="got oracle"):
         learners.schema({"kind": "oracle", "variables": []})

@@ -1,7 +1,5 @@
 """The model that a morning flies: what the past shows, how sure it is, and nothing from after it."""
 
-from dataclasses import replace
-
 import numpy as np
 import pandas as pd
 import pytest
@@ -12,7 +10,7 @@ from opml.base.errors import InputError
 from opml.learning.judge.model_choice import Mornings, choose
 from opml.report import document, mornings, uncertainty
 from opml.report.skill import skill
-from opml.tables import COMPONENTS, DOUBT, SIGMA_STATE, UNSEEN
+from opml.tables import COMPONENTS, DOUBT, SIGMA_STATE
 
 NOW = 15.0 * DAY
 
@@ -114,13 +112,6 @@ def test_the_truth_judges_mornings_but_chooses_none(replayed):
     flown = judged.selected.set_index(["i", "j"])["e_y"] - replayed.selected.set_index(["i", "j"])["e_y"]
     np.testing.assert_allclose(flown.dropna(), 100.0)
     assert flown.isna().sum() == 1
-
-
-def test_the_truth_shows_all_that_sets_are_off_by_alike(replayed):
-    tables = {name: table.assign(**dict.fromkeys(UNSEEN, 30.0)) for name, table in replayed.tables.items()}
-    pairs = replayed.tables["running"][["i", "j"]].assign(**dict.fromkeys(COMPONENTS, 5.0))
-    judged = replace(replayed, tables=tables).against_truth(pairs, pairs)
-    assert (judged.tables["running"][UNSEEN] == 0.0).all(axis=None)
 
 
 def test_models_without_a_morning_in_common_are_told(errors):

@@ -35,7 +35,6 @@ def test_mean_elements_are_fitted_over_days_where_the_user_says_nothing_else(tmp
     path.write_text("elements: {mine: sets.tle}\nlearners: {held144: {memory_days: 10}}")
     values = merged(["config/config.yaml", path]).values
     assert values["estimation"]["window_hours"] == 96
-    assert values["learners"]["sgp4"] == {"kind": "sgp4"}
     assert values["learners"]["held144"] == {"kind": "held", "window_hours": 144, "memory_days": 10}
     assert merged(["config/config.yaml"]).values["estimation"]["window_hours"] == 12
 

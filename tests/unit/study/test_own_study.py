@@ -8,7 +8,6 @@ import pytest
 from mornings import replays
 from support import paper_values, refusal, study_of
 
-from opml.environment import nrlmsis
 from opml.environment.settings import EnvironmentSettings
 from opml.figures import own_study as figures
 from opml.figures.style import MUTED
@@ -18,7 +17,7 @@ from opml.learning.judge.model_choice import Mornings
 from opml.report import absurd_fits, document
 from opml.report import own_study as report
 from opml.report.settings_tables import weather
-from opml.study.own_study import MODELS, MODELS_OF_ELEMENTS, REPLAYED, OwnStudy
+from opml.study.own_study import MODELS, REPLAYED, OwnStudy
 from opml.tables import SIGMA_STATE
 
 EPOCH = "2019-09-03T00:00:00"
@@ -28,8 +27,7 @@ DAY = 86400.0
 
 KEY = ("lares", "eglin-clear-kaena")
 TRACKS = {"tracks": {"lares": ["a.tdm"]}}
-ELEMENTS = {"elements": {"lares": ["sets.tle"]}}
-JUDGED = ELEMENTS | {"orbits": {"lares": ["an.orbit"]}}
+JUDGED = TRACKS | {"orbits": {"lares": ["an.orbit"]}}
 
 
 def own_of(given=None, **study):
@@ -37,13 +35,6 @@ def own_of(given=None, **study):
     values = paper_values() | (given or {})
     values["study"] = {"rsos": ["lares"], "days": {"train": [0, 8], "test": [8, 12]}} | study
     return OwnStudy(study_of(values))
-
-
-def of_elements(*kinds):
-    """A study of mean elements over 27 days with a learner of each of some kinds more, and all learners."""
-    learners = paper_values()["learners"] | {kind: {"kind": kind} for kind in kinds}
-    given = ELEMENTS | {"learners": learners}
-    return own_of(given, days={"train": [0, 18], "test": [18, 27]}), learners
 
 
 def evaluation(count=400, seed=0):
@@ -104,29 +95,13 @@ def test_mornings_are_replayed_of_models_that_are_quick_to_train():
     assert [parts["label"] for parts in named.replayed.values()] == ["_later"]
 
 
-def test_mean_elements_have_models_of_their_own():
-    own, learners = of_elements("sgp4")
-    assert own.study.station_sets == ["fixes"]
-    assert own.learners == [name for name in MODELS_OF_ELEMENTS if name in learners]
-    assert {name for *_, name in own.replayed} == {*own.learners}
-    assert {"sgp4", "held96"} < {*own.learners}
-
-
-def test_improved_sets_are_compared_where_the_model_of_the_density_is_installed(monkeypatch):
-    own, _ = of_elements("density", "learned")
-    assert own.learners[1:3] == ["density", "learned"]
-    assert {"density", "learned"} < {*own.replayed_models}
-    monkeypatch.setattr(nrlmsis, "find_spec", lambda name: None)
-    assert {"density", "learned"}.isdisjoint(of_elements("density", "learned")[0].learners)
-
-
 @pytest.mark.parametrize(
     ("given", "study", "judged"),
     [
         ({}, {}, []),
         ({}, {"label": "later"}, [KEY]),
         (TRACKS, {}, []),
-        (JUDGED, {}, [("lares", "fixes")]),
+        (JUDGED, {}, [KEY]),
     ],
 )
 def test_what_is_learned_from_labels_is_judged_by_the_truth_where_there_is_one(given, study, judged):
@@ -135,12 +110,8 @@ def test_what_is_learned_from_labels_is_judged_by_the_truth_where_there_is_one(g
 
 def test_manoeuvres_of_what_was_measured_are_those_named_even_where_an_orbit_judges():
     told = own_of(JUDGED | {"manoeuvres": {"lares": ["2016-10-01T00:00:00"]}}).report
-    assert told.sources["lares", "fixes"].manoeuvres == "named in `manoeuvres`: 1"
+    assert told.sources[KEY].manoeuvres == "named in `manoeuvres`: 1"
     assert (told.truths, told.label) == (["files"], "later")
-    found = own_of(JUDGED | {"histories": {"lares": {"find_manoeuvres": True}}}).report
-    assert found.sources["lares", "fixes"].manoeuvres == (
-        "named in `manoeuvres`: 0; others are found in the history"
-    )
 
 
 def test_models_that_a_short_run_has_no_morning_of_are_left_out():

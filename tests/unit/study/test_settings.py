@@ -26,7 +26,6 @@ from opml.base.files import PACKAGED
 from opml.base.yaml_files import read_yaml
 from opml.catalog import kinds
 from opml.dynamics.settings import Integrator
-from opml.environment import nrlmsis
 from opml.study import checks
 from opml.study.experiments import Study
 from opml.study.own_study import OwnStudy
@@ -157,7 +156,7 @@ def test_wrong_setting_is_named(key, value, expected):
     assert expected in message(edited(key, value))
 
 
-@pytest.mark.parametrize("kind", ["tracks", "fixes", "elements"])
+@pytest.mark.parametrize("kind", ["tracks", "fixes"])
 def test_what_was_measured_and_has_no_truth_learns_from_later_estimates(kind):
     source = paper_source()
     source.values[kind] = {"iss": ["a.file"]}
@@ -170,34 +169,6 @@ def test_what_was_measured_and_has_no_truth_learns_from_later_estimates(kind):
         checks.check_study(source, settings)
     source.values["orbits"] = {"iss": ["an.orbit"]}
     checks.check_study(source, with_sheets(source.values))
-
-
-def test_rsos_of_a_study_all_have_mean_elements_or_none_has():
-    source = paper_source()
-    source.values.update(elements={"iss": ["a.tle"]}, fixes={"lares": ["a.csv"]})
-    source.values["study"] = {"rsos": ["iss", "lares"], "days": {"train": [0, 30], "test": [30, 40]}}
-    with pytest.raises(
-        InputError, match=r"study\.rsos: expected RSOs that all have elements, or none, got lares"
-    ):
-        checks.check_study(source, with_sheets(source.values))
-
-
-@pytest.mark.parametrize("key", ["learners", "replayed"])
-def test_improved_sets_need_elements_and_the_model_of_the_density(key, monkeypatch):
-    source = paper_source()
-    source.values.update(elements={"iss": ["a.tle"]}, learners={"mine": {"kind": "density"}})
-    source.values["study"] = {"rsos": ["iss"], "days": {"train": [0, 30], "test": [30, 40]}, key: ["mine"]}
-    checks.check_study(source, with_sheets(source.values))
-    monkeypatch.setattr(nrlmsis, "find_spec", lambda name: None)
-    with pytest.raises(
-        InputError, match=rf"study\.{key}: expected the package pymsis, got none: pip install"
-    ):
-        checks.check_study(source, with_sheets(source.values))
-    del source.values["elements"]
-    with pytest.raises(
-        InputError, match=rf"study\.{key}: expected RSOs that have elements for mine, got others"
-    ):
-        checks.check_study(source, with_sheets(source.values))
 
 
 def test_missing_setting_is_named():
@@ -350,7 +321,7 @@ TAKEN = "{coordinates: coordinates.snx, eccentricities: eccentricities.snx, refl
 MEASURED = {
     "tracks": "tracks: {mine: a.tdm}",
     "fixes": "fixes: {mine: gps.csv}",
-    "elements": "elements: {mine: sets.tle}",
+    "elements": "elements: {mine: sets.tle}\nday: {messages: [mine]}",
     "ranges": f"ranges: {{mine: lageos.crd}}\nstarts: {{mine: mine.tle}}\nranging: {{mine: {TAKEN}}}",
 }
 
@@ -369,11 +340,9 @@ def measured(folder, kind, *lines, replaced=(), edit=()):
     files = LASER | {
         "a.tdm": (EXCERPTS / "orekit.tdm").read_text(),
         "burns.yaml": BURNS,
-        "few.tle": sets_of(days=(1, 2)),
         "gps.csv": GPS,
         "mine.tle": TLE,
         "sets.tle": sets_of(),
-        "two.tle": sets_of((25544, 48445)),
     }
     if edit:
         name, old, new = edit
@@ -408,14 +377,13 @@ def test_what_was_measured_and_does_not_fit_is_told_in_one_line(tmp_path, kind, 
     [
         ("fixes", ['manoeuvres: {mine: ["2016-09-29T01:00:00"]}'], "fixes"),
         ("ranges", [], "ranges"),
-        ("elements", [], "fixes"),
     ],
 )
 def test_other_measurements_stand_where_tracks_do_and_no_station_of_the_sheet_made_them(
     tmp_path, kind, lines, station_set
 ):
     settings = checked(measured(tmp_path, kind, *lines))
-    file = {"fixes": "gps.csv", "ranges": "lageos.crd", "elements": "sets.tle"}[kind]
+    file = {"fixes": "gps.csv", "ranges": "lageos.crd"}[kind]
     asked = next(one for one in kinds.KINDS if one.name == kind)
     assert settings.files_of(asked) == settings.measured == {"mine": [f"{tmp_path}/{file}"]}
     study = study_of_mine(settings)
@@ -463,15 +431,12 @@ def test_laser_ranges_bring_stations_of_their_own(tmp_path):
     checked(source)
 
 
-def test_mean_elements_have_windows_and_models_of_their_own(tmp_path):
+def test_mean_elements_are_fitted_over_days(tmp_path):
     lines = ["histories: {mine: {number: 25544, sigma_m: [50, 150, 20]}}"]
     settings = checked(measured(tmp_path, "elements", *lines))
     assert settings.taking(kinds.ELEMENTS, "mine").sigma_m == (50.0, 150.0, 20.0)
     assert settings.taking(kinds.ELEMENTS, "iss").reach_hours is None
     assert settings.values["estimation"]["window_hours"] == 96
-    models = OwnStudy(study_of_mine(settings)).learners
-    assert {"none", "sgp4", "held96"} < {*models}
-    assert {"filter", "filtermean", "fit24"}.isdisjoint(models)
 
 
 def test_manoeuvres_may_stand_in_a_file_and_be_found(tmp_path):
@@ -482,13 +447,6 @@ def test_manoeuvres_may_stand_in_a_file_and_be_found(tmp_path):
     assert settings.taking(kinds.ELEMENTS, "mine").find_manoeuvres
     assert not settings.taking(kinds.ELEMENTS, "iss").find_manoeuvres
     assert settings.manoeuvres("iss") == []
-
-
-def test_damaged_sets_are_left_out_where_asked_for(tmp_path):
-    source = measured(tmp_path, "elements", "histories: {mine: {leave_out_damaged: true}}")
-    damaged = sets_of(days=(5,)).replace("51.6400", "51.6401")
-    (tmp_path / "sets.tle").write_text(sets_of() + damaged)
-    checked(source)
 
 
 @pytest.mark.parametrize("known", ["reject_sigma", "bias_sigma"])
@@ -506,8 +464,8 @@ def test_filters_are_refused_what_they_know_nothing_of(tmp_path, known):
 
 
 def test_messages_are_of_objects_that_were_measured(tmp_path):
-    for day in ("{}", "{messages: []}", "{messages: [mine]}"):
-        checked(measured(tmp_path, "elements", f"day: {day}"))
+    for messages in ("[]", "[mine]"):
+        checked(measured(tmp_path, "elements", replaced=["[mine]", messages]))
 
 
 def test_no_learner_of_telescopes_asks_for_what_radars_measure(tmp_path):

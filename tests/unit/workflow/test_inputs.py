@@ -36,10 +36,9 @@ STUDY = {
 }
 USERS = {
     "orbits": {"flown": "flown.sp3", "judged": "judged.sp3"},
-    "tracks": {"mine": "mine.tdm"},
+    "tracks": {"mine": "mine.tdm", "judged": "judged.tdm"},
     "fixes": {"placed": "gps.csv"},
     "ranges": {"lasered": "a.crd"},
-    "elements": {"judged": "sets.tle"},
 }
 ESTIMATES = "estimates/{rso}/{stations}{window}.parquet"
 DATASET = "dataset/{rso}/{stations}{window}{reading}.parquet"
@@ -518,31 +517,15 @@ def test_what_was_measured_is_judged_by_an_orbit_beside_it():
     assert find(mine) == []
 
 
-def test_sgp4_flies_the_history_of_mean_elements():
-    files = inputs(learners={"sgp4": {"kind": "sgp4"}, "none": {"kind": "none"}})
-    assert files.element_sets(experiment(learner="sgp4")) == "results/element_sets/iss.parquet"
-    assert files.element_sets(experiment(learner="none")) == []
-
-
-@pytest.mark.parametrize("kind", ["density", "learned"])
-def test_improved_sets_are_flown_where_a_learner_asks(kind):
-    files = inputs(learners={"mine": {"kind": kind}, "none": {"kind": "none"}})
-    assert files.improved_history(experiment(learner="mine")) == "results/improved_history/iss.parquet"
-    assert files.element_sets(experiment(learner="mine")) == []
-    assert files.improved_history(experiment(learner="none")) == []
-    assert files.learner_tables("rso")(experiment(learner="mine")) == ["results/improved/iss/eglin.parquet"]
-
-
 @pytest.mark.parametrize(
     ("given", "table"),
     [
-        ({"elements": {"mine": "a.tle"}, "orbits": {"mine": "a.oem"}}, "element_sets/mine"),
         ({"fixes": {"mine": "a.oem"}}, "tracking/mine/fixes"),
         ({"orbits": {"mine": "a.oem"}}, "truth/mine"),
         ({"tracks": {"mine": "a.tdm"}}, "tracking/mine/eglin"),
         ({"tracks": {"mine": "a.tdm"}, "starts": {"mine": "a.tle"}}, "starts/mine/eglin tracking/mine/eglin"),
     ],
-    ids=["elements", "fixes", "orbits", "tracks", "starts"],
+    ids=["fixes", "orbits", "tracks", "starts"],
 )
 def test_what_was_read_tells_the_object_of_what_is_written(given, table):
     files = inputs(rsos={"mine": BODY}, **given)

@@ -4,9 +4,7 @@ from dataclasses import asdict
 
 import laser_files
 import numpy as np
-import pandas as pd
 import pytest
-from element_histories import history, tle_text
 from scripts import files, run
 from support import EPOCH, ESTIMATION, EXCERPTS, environment, force_model, kepler_orbit, stations
 
@@ -19,7 +17,7 @@ from opml.catalog.simulate import truth
 from opml.environment import gravity_field
 from opml.interop import oem
 from opml.interop.object_ids import ObjectId
-from opml.tables import FIX_SIGMAS, SCHEMAS, STATE, read_kind, read_metadata, read_table, write_table
+from opml.tables import FIX_SIGMAS, STATE, read_kind, read_metadata, read_table, write_table
 
 MANOEUVRES = ["2016-09-28T14:09:45", "2016-09-28T13:09:45.500"]
 
@@ -82,33 +80,6 @@ def test_fixes_are_thinned_and_gathered_as_the_settings_say(taken, tmp_path, ori
     assert facts["manoeuvres"] == [{"t": HOUR + 0.5}, {"t": 2 * HOUR}]
 
 
-def test_sets_of_mean_elements_are_read_weighed_and_flown_as_the_settings_say(taken, tmp_path, orientation):
-    (tmp_path / "sets.tle").write_text(tle_text(history([1.0, 2.0, 3.0])) + tle_text(history([1.5]), 5))
-    settings = {
-        "number": 25544,
-        "reach_hours": 12.0,
-        "every_s": 1200.0,
-        "leave_out_damaged": False,
-        "find_manoeuvres": False,
-    }
-    told = settings | {"sigma_m": [50.0, 100.0, 20.0]}
-    sets, facts = taken("element_sets", [str(tmp_path / "sets.tle")], taking=told)
-    assert sets["number"].tolist() == [25544] * 3
-    assert facts["object"] == {"name": "25544", "designator": "", "number": 25544}
-    path = tmp_path / "sets.parquet"
-    write_table(path, sets, "element_sets", metadata={})
-    table, facts = taken("fixes_from_elements", [str(path)], duration_days=2.5, taking=told)
-    assert table.groupby("track").size().tolist() == [37] * 2
-    np.testing.assert_allclose(table["t_estimate"].unique(), [DAY, 2 * DAY], atol=1e-3)
-    np.testing.assert_allclose(table[FIX_SIGMAS[:3]].iloc[0], np.array(told["sigma_m"]) * np.sqrt(37 / 2))
-    assert fitted_to(tmp_path, orientation).states is not None
-    assert facts["manoeuvres"] == [{"t": HOUR + 0.5, "anew": True}, {"t": 2 * HOUR, "anew": True}]
-    learned, _ = taken(
-        "fixes_from_elements", [str(path)], duration_days=2.5, taking=settings | {"sigma_m": None}
-    )
-    assert learned["sigma_r"].iloc[0] == pytest.approx(100.0 * np.sqrt(37 / 2))
-
-
 def test_laser_ranges_know_their_stations_and_the_manoeuvres_of_the_settings(taken, tmp_path, orientation):
     laser_files.write(tmp_path)
     bodies = str(tmp_path / "ephemerides.parquet")
@@ -163,50 +134,3 @@ def test_estimates_tell_the_noise_of_what_was_measured_alone(taken, fixed, start
     estimates, facts = taken("estimation", read, **settings)
     assert estimates["converged"].all()
     assert [one["instrument"] for one in facts.get("instruments", [])] == axes
-
-
-def test_burns_that_are_found_stand_beside_those_that_are_named(taken, tmp_path):
-    sets = history(np.arange(-20.0, 10.0))
-    slower = np.where(sets["t"] > 4.5 * DAY, 1e-5, 0.0) + 1e-7 * np.random.default_rng(1).normal(size=30)
-    raised = sets.assign(mean_motion=sets["mean_motion"] * (1.0 - slower), raan=sets["raan"] + 10.0 * slower)
-    write_table(tmp_path / "sets.parquet", raised, "element_sets", metadata={})
-    settings = {"reach_hours": 12.0, "every_s": 1200.0, "sigma_m": None, "find_manoeuvres": True}
-    _, facts = taken(
-        "fixes_from_elements", [str(tmp_path / "sets.parquet")], duration_days=8.0, taking=settings
-    )
-    found = {"t": 5 * DAY, "known": 6 * DAY, "anew": True}
-    named = [{"t": HOUR + 0.5, "anew": True}, {"t": 2 * HOUR, "anew": True}]
-    assert facts["manoeuvres"] == [*named, found]
-
-
-def test_sets_are_improved_beside_the_catalogue_of_the_run(taken, tmp_path):
-    sets = history([-1.0, 1.0, 2.0, 9.0], bstar=1e-4)
-    (tmp_path / "sets.tle").write_text(tle_text(sets))
-    write_table(tmp_path / "sets.parquet", sets, "element_sets", metadata={})
-    read = files(element_sets=str(tmp_path / "sets.parquet"), catalogue=[str(tmp_path / "sets.tle")])
-    table, _ = taken("improved_history", read, duration_days=8.0, weather="OBSERVED")
-    assert list(zip(table["model"], table["t"] / DAY, strict=True)) == [
-        (model, day) for model in ("density", "learned") for day in (1.0, 2.0)
-    ]
-    assert (table["bstar"] != 1e-4).all()
-
-
-def test_sgp4_is_held_against_predictions(taken, tmp_path):
-    sets = history([1.0, 2.0])
-    write_table(tmp_path / "sets.parquet", sets, "element_sets", metadata={})
-    flown = {
-        name: [float(1 + k)]
-        for k, name in enumerate(SCHEMAS["predictions"].names)
-        if name not in ("i", "j", "reason")
-    }
-    pairs = pd.DataFrame(flown | {"i": [0], "j": [1], "t_i": [DAY], "t_j": [2 * DAY], "reason": [""]})
-    write_table(tmp_path / "predictions.parquet", pairs, "predictions", metadata={})
-    names = {name: str(tmp_path / f"{name}.parquet") for name in ("predictions", "sets")}
-    read = files(predictions=names["predictions"], element_sets=names["sets"])
-    table, _ = taken("sgp4", read)
-    assert table[["i", "j"]].to_numpy().tolist() == [[0, 1]]
-    assert np.isfinite(table["sgp4_y"]).all()
-    improved = pd.concat([sets.assign(model=name) for name in ("density", "learned")])
-    write_table(tmp_path / "improved.parquet", improved, "improved_history", metadata={})
-    read = files(predictions=names["predictions"], improved_history=str(tmp_path / "improved.parquet"))
-    assert taken("improved", read)[0]["learned_y"].tolist() == table["sgp4_y"].tolist()

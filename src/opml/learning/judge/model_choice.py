@@ -18,7 +18,7 @@ from opml.base.errors import InputError
 from opml.base.seeds import derive
 from opml.learning.data.splits import are_over
 from opml.learning.judge.error_sizes import MEMORY_DAYS
-from opml.tables import COMPONENTS, DOUBT, UNSEEN
+from opml.tables import COMPONENTS, DOUBT
 
 CONFIDENCE = 0.95
 """Confidence required that a model that learned leaves less than the best model that learned nothing."""
@@ -210,7 +210,7 @@ def _moved(replay: pd.DataFrame, shifts: pd.DataFrame) -> pd.DataFrame:
     rows, by = replay[pairs.isin(shifts.index)], shifts.reindex(pairs[pairs.isin(shifts.index)])
     errors = {name: rows[name] + by[name].to_numpy() for name in COMPONENTS}
     before = rows["before"] + by["e_y"].to_numpy()
-    without = dict.fromkeys(rows.columns.intersection([*DOUBT, *UNSEEN]), 0.0)
+    without = dict.fromkeys(DOUBT, 0.0)
     return rows.assign(**errors, before=before, **without).reset_index(drop=True)
 
 

@@ -116,9 +116,3 @@ FILTERED_MEAN = _law(
     settings=MemorySettings,
     window_hours=WHOLE_PAST,
 )
-
-SGP4 = _law("sgp4", "SGP4 from the newest set of mean elements, nothing fitted", "sgp4")
-
-DENSITY = _law("density", "SGP4 from the newest set, its drag scaled by the density", "density")
-
-LEARNED = _law("learned", "SGP4 from the newest set, improved by what a catalogue taught", "learned")

@@ -47,17 +47,14 @@ LEARNERS: tuple[Learner[Any], ...] = (
     fixed_laws.RUNNING,
     fixed_laws.FILTERED,
     fixed_laws.FILTERED_MEAN,
-    fixed_laws.SGP4,
-    fixed_laws.DENSITY,
-    fixed_laws.LEARNED,
 )
 """The kinds."""
 
 ARC_TABLES = ("arcs", "cd_past", "held")
-"""Kinds of tables beside the dataset that are made for the window, and the memory, of a learner's arcs."""
+"""Kinds of tables beside the dataset that are made for the window, and the memory, of a learner's arcs.
 
-_BESIDE = (*ARC_TABLES, "sgp4", "improved")
-"""Kinds of tables beside the dataset with columns of their own; all other columns are the mechanism's."""
+All columns beside the dataset that these have not are the mechanism's.
+"""
 
 
 def by_kind(kind: str) -> Learner[Any]:
@@ -200,7 +197,7 @@ def paths_of_each(paths: Iterable[Path], settings: Iterable[ResolvedSettings]) -
 def needed_tables(variables: Sequence[str]) -> list[str]:
     """Return the kinds of tables beside the dataset that have the variables, such as arcs and mechanism."""
     missing, kinds = set(variables) - {*LEARNING_VARIABLES, "gap"}, []
-    for kind in _BESIDE:
+    for kind in ARC_TABLES:
         if missing & set(SCHEMAS[kind].names):
             kinds.append(kind)
         missing -= set(SCHEMAS[kind].names)
@@ -220,7 +217,7 @@ def check(
     resonances: pairs (k, m) that may be learned from
     """
     drifts = mechanism_schema(resonances).names
-    beside = [name for kind in _BESIDE for name in SCHEMAS[kind].names]
+    beside = [name for kind in ARC_TABLES for name in SCHEMAS[kind].names]
     known = {*LEARNING_VARIABLES, "gap", *drifts, *beside} - {"i", "j"}
     for name, own in settings.items():
         learner = resolved(own, component=COMPONENTS[0], variables=variables)

@@ -323,7 +323,7 @@ class RunAlone(Section):
         "where their stations are, and how they are weighed", see="tracks.md#laser-ranges", default={}
     )
     elements: dict[RsoName, PathList] = setting(
-        "histories of mean elements, in the place of `tracks` (TLE, OMM)", see="elements.md", default={}
+        "histories of mean elements (TLE, OMM), for mornings (`day`)", see="elements.md", default={}
     )
     histories: dict[RsoName, HistorySettings] = setting(
         "which object these are of, and how SGP4 propagates them, if not by default",

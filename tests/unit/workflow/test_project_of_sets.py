@@ -1,4 +1,4 @@
-"""A study from a file of element sets: its days and body follow from them, and the plan takes it."""
+"""Mornings from a file of element sets: their days and the body follow from them, and the plan takes them."""
 
 import errno
 
@@ -14,21 +14,21 @@ from opml.interop.element_sets import mean_elements
 from opml.study.checks import load_settings
 from opml.study.settings import editor_schema
 from opml.study.settings.merging import merged
-from opml.workflow.first_study import LONGEST_SETS, FirstStudy
+from opml.workflow.first_project import LONGEST_SETS, FirstProject
 
 
 def test_a_project_of_sets_can_be_run(tmp_path, monkeypatch, capsys):
     sinking_histories.write(tmp_path / "my sets.tle", [101], 40)
     assert cli.main(["init", str(tmp_path / "new"), "--elements", str(tmp_path / "my sets.tle")]) == 0
-    study = FirstStudy.of_sets(tmp_path / "my sets.tle")
-    assert study.told in capsys.readouterr().out
+    printed = capsys.readouterr().out
+    assert "my sets.tle: its last 39 days of sets, from 2025-11-20 on; area to mass " in printed
+    assert "\nopml day --configfile mine.yaml --date 2025-12-29\n" in printed
     monkeypatch.chdir(tmp_path / "new")
     settings = load_settings(merged(["config/config.yaml", "mine.yaml"]))
     sets = mean_elements.read_sets("my sets.tle")
-    assert settings.values["epoch"] == f"{study.first}T00:00:00"
-    assert settings.values["duration_days"] == study.days + 7
-    assert study.days == 39
-    assert "day" in settings.values
+    assert settings.values["epoch"] == "2025-11-20T00:00:00"
+    assert settings.values["duration_days"] == 39 + 7
+    assert (settings.values["day"], settings.values["study"]) == ({}, None)
     assert settings.values["elements"] == {"mine": "my sets.tle"}
     ballistic = 2.2 * settings.values["rsos"]["mine"]["area_to_mass_m2pkg"]
     assert ballistic == pytest.approx(12.7416 * np.median([one.satellite.bstar for one in sets]), rel=0.05)
@@ -44,12 +44,10 @@ def test_a_folder_that_grows_stays_where_it_is(tmp_path, monkeypatch):
     assert settings.files_of(ELEMENTS) == {"mine": [str(tmp_path / "gp" / f"{day}.tle") for day in (20, 30)]}
 
 
-def test_the_newest_days_of_a_long_history_count(tmp_path):
+def test_the_newest_days_of_a_long_history_count(tmp_path, capsys):
     sinking_histories.write(tmp_path / "sets.tle", [101], 120)
-    study = FirstStudy.of_sets(tmp_path / "sets.tle")
-    assert study.days == LONGEST_SETS
-    last = mean_elements.read_sets(tmp_path / "sets.tle")[-1].satellite
-    assert (last.epochyr, round(last.epochdays)) == (26, 78)
+    assert cli.main(["init", str(tmp_path / "new"), "--elements", str(tmp_path / "sets.tle")]) == 0
+    assert f"its last {LONGEST_SETS} days of sets, from 2025-12-18 on" in capsys.readouterr().out
 
 
 def test_the_sets_may_be_where_the_project_begins(tmp_path, monkeypatch):
@@ -99,4 +97,4 @@ def test_other_files_are_refused_and_nothing_is_written(case, tmp_path, capsys):
 
 def test_a_body_without_drag_gets_the_least(tmp_path):
     (tmp_path / "sets.tle").write_text(tle_text(history(range(30))))
-    assert FirstStudy.of_sets(tmp_path / "sets.tle").area_to_mass == 0.0003
+    assert FirstProject.of_sets(tmp_path / "sets.tle").told.endswith("area to mass 0.0003 m2/kg by their B*")

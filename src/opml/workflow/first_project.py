@@ -1,4 +1,4 @@
-"""A first study of an object from files of its element sets or positions, which tell epoch, days and body."""
+"""A first project of an object from its element sets or positions, which tell epoch, days and body."""
 
 import json
 import math
@@ -17,6 +17,7 @@ from opml.element_sets import catalogue
 from opml.interop import points_from_files
 from opml.interop.element_sets.element_set import elements_epoch
 from opml.interop.orbit_from_files import OrbitFiles
+from opml.workflow.new_project import STUDY_COMMAND
 
 LONGEST_SETS, LONGEST_POINTS = 91, 35  # days that count at most, the newest
 _FEWEST_SETS, _FEWEST_POINTS = 20, 8  # least days
@@ -29,7 +30,9 @@ _GUESS = 0.01  # area to mass of whose drag nothing is known [m2/kg]
 _DATE = len("2016-09-28")
 _EPOCH = "2000-01-01T00:00:00"
 
-_STUDY = """\
+_FIXING = "fixing: {mine: {every_s: 120, stretch_hours: 6}}"
+
+_RUN = """\
 # yaml-language-server: $schema=workflow/schemas/config.schema.json
 results: results/mine
 epoch: "{first}T00:00:00"
@@ -37,33 +40,27 @@ duration_days: {duration}
 environment: {{solar_activity: NEWEST, knowledge: forecast}}  # of `opml fetch`
 {measured}
 rsos: {{mine: {{area_to_mass_m2pkg: {area_to_mass:.3g}, cd: 2.2, cr: 1.25}}}}  # {source}; Cd is fitted
-study:
-  rsos: [mine]
-  days: {{train: [0, {trained}], test: [{trained}, {days}]}}
+study: {study}
 day: {{}}  # opml day --configfile mine.yaml
 """
 
 
 @dataclass(frozen=True)
-class FirstStudy:
-    """A study.
+class FirstProject:
+    """A project of one object.
 
-    first: its first day; days: of what was measured; measured: lines of YAML that name it
-    area_to_mass: of the body [m2/kg]; source: of that, in words
+    text: its settings, YAML; command: that runs it
     told: what was chosen, in words; beside: files that the project has copies of
     """
 
-    first: str
-    days: int
-    measured: str
-    area_to_mass: float
-    source: str
+    text: str
+    command: str
     told: str
     beside: Sequence[Path] = ()
 
     @classmethod
-    def of_sets(cls, path: FilePath) -> "FirstStudy":
-        """Choose a study by a file of sets; raise InputError for several objects and for too few days."""
+    def of_sets(cls, path: FilePath) -> "FirstProject":
+        """Return mornings over a file of sets; raise InputError for several objects and for too few days."""
         sets = [one for file in catalogue.find_files([path]) for one in catalogue.readable(file)]
         if len(numbers := sorted({one.number for one in sets})) != 1:
             got = ", ".join(map(str, numbers[:5]))
@@ -73,21 +70,29 @@ class FirstStudy:
         days = min(LONGEST_SETS, int((end - begin) / np.timedelta64(1, "D")))
         if days < _FEWEST_SETS:
             raise InputError(f"{path}: expected sets of {_FEWEST_SETS} days or more, got those of {days}")
-        first = date.fromisoformat(str(end)[:_DATE]) - timedelta(days=days)
+        last = date.fromisoformat(str(end)[:_DATE])
+        first = last - timedelta(days=days)
         drag = float(np.median([one.satellite.bstar for one in sets]))
         area_to_mass = float(np.clip(_BALLISTIC * drag / _CD, *_BODIES))
         # Files are copied; a folder stays where it is, as what is fetched into it counts tomorrow.
         files, beside = Path(path).name, [Path(path)]
         if Path(path).is_dir():
             files, beside = str(Path(path).resolve() / "*"), []
-        measured = f"elements: {{mine: {json.dumps(files)}}}"
+        text = _RUN.format(
+            first=first,
+            duration=days + _AHEAD,
+            measured=f"elements: {{mine: {json.dumps(files)}}}",
+            area_to_mass=area_to_mass,
+            source="by its B*",
+            study="{}",
+        )
         chosen = f"{path}: its last {days} days of sets, from {first} on"
         told = f"{chosen}; area to mass {area_to_mass:.3g} m2/kg by their B*"
-        return cls(str(first), days, measured, area_to_mass, "by its B*", told, beside)
+        return cls(text, f"opml day --configfile mine.yaml --date {last}", told, beside)
 
     @classmethod
-    def of_points(cls, paths: Sequence[FilePath]) -> "FirstStudy":
-        """Choose a study by files of one object's positions; raise InputError for too few days."""
+    def of_points(cls, paths: Sequence[FilePath]) -> "FirstProject":
+        """Return a study over files of one object's positions; raise InputError for too few days."""
         begin, end = points_from_files.reach(OrbitFiles(paths, _EPOCH, np.inf))
         midnight = math.ceil(begin / DAY)
         whole = math.floor(end / DAY) - midnight
@@ -96,20 +101,13 @@ class FirstStudy:
             raise InputError(f"{paths[0]}: expected {expected}, got {max(whole, 0)}")
         days = min(whole, LONGEST_POINTS)
         first = epochs.calendar_day(_EPOCH, DAY * (midnight + whole - days + 0.5))
-        files = json.dumps([str(Path(path).absolute()) for path in paths])
-        measured = f"fixes: {{mine: {files}}}\nfixing: {{mine: {{every_s: 120, stretch_hours: 6}}}}"
-        told = f"{paths[0]}: its last {days} days of points, from {first} on"
-        return cls(first, days, measured, _GUESS, "a guess", told)
-
-    @property
-    def text(self) -> str:
-        """The study as YAML."""
-        return _STUDY.format(
-            first=self.first,
-            duration=self.days + _AHEAD,
-            measured=self.measured,
-            area_to_mass=self.area_to_mass,
-            source=self.source,
-            trained=math.floor(_TRAINED * self.days),
-            days=self.days,
+        files, trained = [str(Path(path).absolute()) for path in paths], math.floor(_TRAINED * days)
+        text = _RUN.format(
+            first=first,
+            duration=days + _AHEAD,
+            measured=f"fixes: {{mine: {json.dumps(files)}}}\n{_FIXING}",
+            area_to_mass=_GUESS,
+            source="a guess",
+            study=f"\n  rsos: [mine]\n  days: {{train: [0, {trained}], test: [{trained}, {days}]}}",
         )
+        return cls(text, STUDY_COMMAND, f"{paths[0]}: its last {days} days of points, from {first} on")

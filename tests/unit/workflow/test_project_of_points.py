@@ -10,7 +10,7 @@ from opml.base.constants import DAY
 from opml.interop import ccsds
 from opml.study.checks import load_settings
 from opml.study.settings.merging import merged
-from opml.workflow.first_study import LONGEST_POINTS
+from opml.workflow.first_project import LONGEST_POINTS
 
 
 @pytest.fixture
