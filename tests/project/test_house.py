@@ -73,8 +73,8 @@ def test_what_is_taken_from_a_facade_is_its_own(facade):
 
 
 MOST = {
-    "lines of the package": 48_300,
-    "lines of tests": 37_200,
+    "lines of the package": 48_090,
+    "lines of tests": 36_800,
     "classes": 395,
     "docstrings that begin with what, which, how, where, of": 105,
     "variables called found, one, made, told": 145,
