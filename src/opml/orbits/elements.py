@@ -140,12 +140,6 @@ def positions_beside(reference: np.ndarray, bent: np.ndarray) -> np.ndarray:
     return np.asarray(np.einsum("...ji,...j->...i", rsw_rotation(reference), in_axes))
 
 
-def from_rsw(differences: np.ndarray, states: np.ndarray) -> np.ndarray:
-    """Return differences (n, 6) [m, m/s] in GCRF from those in RSW of the states (n, 6)."""
-    rotated: np.ndarray = np.einsum("nji,nkj->nki", rsw_rotation(states), differences.reshape(-1, 2, 3))
-    return rotated.reshape(-1, 6)
-
-
 def true_from_mean_anomaly(mean: np.ndarray, e: np.ndarray) -> np.ndarray:
     """Return the true anomaly in [0, 2 pi) [rad] of a mean anomaly [rad] on an elliptic orbit.
 

@@ -40,18 +40,5 @@ def read(
     return judged, rows, learned
 
 
-def read_with_training(files: Any, settings: RowsSettings) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """Load the training rows and the test rows of a job.
-
-    files: as for `read`, with the test's extra columns in files.beside_target
-    files.dataset: the dataset to train on, with extra columns in files.beside
-
-    Raises InputError as `read`, and for a training without rows.
-    """
-    table = dataset.read(files.dataset, files.beside)
-    judged, tested, _ = read(files, settings, beside=files.beside_target)
-    return table[_trained(table, settings)], judged[tested]
-
-
 def _trained(table: pd.DataFrame, settings: RowsSettings) -> np.ndarray:
     return splits.training_rows(table, settings.train, span_days=settings.span_days, seed=settings.seed)
