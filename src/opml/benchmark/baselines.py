@@ -89,7 +89,7 @@ def _by_weight(morning: Morning, tried: Ways) -> pd.DataFrame:
     rows, catalogue = morning.rows, morning.known.catalogue
     newest = improve.newest_sets(catalogue)
     today = modified_julian_day(morning.known.date)
-    why = improve.reasons(catalogue, newest, rows[morning.is_now], date=today)
+    why = improve.reasons(catalogue, newest, rows, date=today)
     weights = improve.where_usable(weighting.weights(rows, tried), why)
     found = weighting.combined(rows, tried, weighting.of_objects(weights, rows))
     return found[["correction", "sigma"]].reindex(rows.index)

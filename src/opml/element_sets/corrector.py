@@ -69,8 +69,10 @@ class BandModels:
     shares: Shares  # by band and lead, how much of the miss is taken off
 
     def rows_of(self, rows: pd.DataFrame) -> np.ndarray:
-        """Return the numbers of the rows that can be corrected and belong to this part."""
-        return np.flatnonzero(rows["is_fit"] & rows["band"].isin(self.bands) & rows["lead"].isin(self.leads))
+        """Return the numbers of the rows that can be corrected, of bands and leads that it learned from."""
+        learned = pd.MultiIndex.from_tuples(self.shares)
+        own = pd.MultiIndex.from_frame(rows[["band", "lead"]]).isin(learned)
+        return np.flatnonzero(rows["is_fit"] & own)
 
 
 @dataclass(frozen=True, eq=False)
@@ -214,9 +216,8 @@ def _shares(rows: pd.DataFrame, held_out: np.ndarray) -> Shares:
 
 
 def _share_of(rows: pd.DataFrame, shares: Shares) -> np.ndarray:
-    """Return the shares (n,) of rows; 0 for a band and lead without rows to learn from."""
-    keys = zip(rows["band"], rows["lead"], strict=True)
-    return np.array([shares.get(key, 0.0) for key in keys])
+    """Return the shares (n,) of rows of bands and leads that have one."""
+    return np.array([shares[key] for key in zip(rows["band"], rows["lead"], strict=True)])
 
 
 def _drawn(rows: pd.DataFrame, most: int, seed: int) -> pd.DataFrame:

@@ -43,7 +43,10 @@ _PAST_COLUMNS = ["number", "morning", "lead", "error", "left", "sigma"]
 _MINUTES = 1440.0
 _WHERE = ("file", "place", "line")
 
-FEW = "first sets"
+FEW, SEVERAL, UNSEEN = "first sets", "sets of several orbits", "height that the model never saw"
+_FARTHEST = 1e6
+"""What SGP4 is off along the track after a day, in a quarter of the mornings, where sets are of several
+orbits [m]."""
 
 _log = logging.getLogger(__name__)
 
@@ -160,7 +163,9 @@ def improve(known: PublicData, model: CatalogueModel, *, progress: Progress = _l
     rows = rows.drop(columns=list(features.APART))
     now = rows[rows["morning"] == today].assign(jump=jump)
     newest = newest_sets(known.catalogue)
-    why = reasons(known.catalogue, newest, now, date=today)
+    why = reasons(known.catalogue, newest, rows, date=today)
+    unseen = now.loc[now["is_fit"] & tried[UNCHANGED]["sigma"].reindex(now.index).isna(), "number"]
+    why = why.mask(why.eq("") & why.index.isin(unseen), UNSEEN)
     weights = where_usable(weighting.weights(rows, tried), why)
     combined = weighting.combined(rows, tried, weighting.of_objects(weights, rows))
     now = now.join(combined[["correction", "sigma"]])
@@ -235,10 +240,12 @@ def reasons(
     """Return by the number of the object why its past does not weigh the ways, '' where it does.
 
     newest: of `newest_sets`
-    rows: those of the date, a modified Julian day
+    rows: of the mornings up to the date, a modified Julian day
     """
     counts = catalogue.table.groupby("number").size()
-    missed = rows.groupby("number")["missed"].max()
+    missed = rows[rows["morning"] == date].groupby("number")["missed"].max()
+    after_a_day = rows.loc[rows["lead"] == set_errors.LEADS[0], "error"].abs()
+    off = after_a_day.groupby(rows["number"]).quantile(0.75)
     age = date - newest["t"]
     found = {
         FEW: counts < _FEWEST_SETS,
@@ -249,6 +256,7 @@ def reasons(
         "eccentric": newest["eccentricity"] >= features.MOST_ECCENTRICITY,
         "outside the bands of height": ~newest["height"].between(*features.BANDS[[0, -1]], inclusive="left"),
         "deep space": newest["motion"] < DEEP_SPACE,
+        SEVERAL: off.reindex(newest.index, fill_value=0.0) > _FARTHEST,
     }
     why = pd.Series("", index=newest.index)
     for reason, holds in found.items():

@@ -125,7 +125,7 @@ class ImprovedHistory:
         today = rows["morning"] == morning
         now, corrections = rows[today], {name: one[today] for name, one in tried.items()}
         newest = improve.newest_sets(known)
-        why = improve.reasons(known, newest, now, date=morning)
+        why = improve.reasons(known, newest, rows, date=morning)
         weights = {
             DENSITY: weighting.one_way(pd.Series(DENSITY, newest.index)),
             LEARNED: weighting.weights(rows, taught),

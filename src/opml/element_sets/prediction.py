@@ -29,14 +29,11 @@ from opml.element_sets.inside.orbit_prediction import OrbitInside
 from opml.interop import ccsds
 from opml.interop.element_sets import mean_elements, rewriting, sgp4_errors
 from opml.interop.element_sets.burns_in_sets import KnownSet, burns_among
-from opml.interop.element_sets.element_set import ElementSet, changed, elements_epoch, seconds_since
-from opml.interop.predicted_orbit import LEADS, PredictedOrbit
+from opml.interop.element_sets.element_set import LOW, ElementSet, changed, elements_epoch, seconds_since
+from opml.interop.predicted_orbit import LEADS, PredictedOrbit, check_days
 from opml.orbits.density_error import DensityErrors
 
 BURNED = 20.0  # days before the date whose burns count: those of the mornings that tell sizes of errors
-
-LOW = 600e3
-"""Height below which drag outweighs what else changes the size of an orbit: B* below 0 is thrust [m]."""
 
 _DAY = len("2016-09-28")
 _NEAR = 0.75  # of an error from a lead [d]
@@ -193,8 +190,7 @@ def predict(
     Raises InputError for unreadable files, an object that is not there, or decays before the end, days out of
     range and weather that ends too early.
     """
-    if not 0.0 < days <= LEADS[-1]:
-        raise InputError(f"predict: expected more than 0 and at most {LEADS[-1]} days, got {days:g}")
+    check_days(days)
     paths = [sets] if isinstance(sets, (str, os.PathLike)) else list(sets)
     history = known_sets.of_object(paths, None if object is None else str(object))
     latency = 0.0 if date is None else catalogues.LATENCY
@@ -202,6 +198,10 @@ def predict(
     morning = PublicMorning.read(
         [*paths, *catalogue], date=date, weather=weather, trained=trained, latency=latency, progress=progress
     )
+    number = history[-1].number
+    if morning.better.table.set_index("number")["why"][number] == improve.SEVERAL:
+        got = "got them a thousand kilometres apart after a day: have two objects its number?"
+        raise InputError(f"{paths[0]}: expected sets of one orbit of {number}, {got}")
     return morning.predict(history, days=days)
 
 

@@ -25,6 +25,17 @@ _ROUNDED = 1e-6  # by what a number of days may miss a minute [s]
 _DENSITY_EVERY = 180  # states: what density does grows slowly
 
 
+LEAST_DAYS = 0.01  # length of a prediction, of states enough to interpolate
+
+
+def check_days(days: float) -> None:
+    """Raise InputError for a length of a prediction that is too short, or longer than errors are known."""
+    if not LEAST_DAYS <= days <= LEADS[-1]:
+        raise InputError(
+            f"predict: expected at least {LEAST_DAYS:g} and at most {LEADS[-1]} days, got {days:g}"
+        )
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class PredictedOrbit(ABC):
     """An object from a date on.

@@ -36,7 +36,7 @@ from opml.ephemerides.along_track_shift import NotSmoothError, through
 from opml.interop import ccsds, formats, points_from_files, tdm
 from opml.interop.object_ids import ObjectId
 from opml.interop.orbit_from_files import OrbitFiles
-from opml.interop.predicted_orbit import STEP, PredictedOrbit
+from opml.interop.predicted_orbit import STEP, PredictedOrbit, check_days
 from opml.learning.models import learners
 from opml.learning.models.contract import ResolvedSettings
 from opml.learning.models.learners import JobLearner, arc_of
@@ -198,8 +198,7 @@ def predict(request: Request, settings: OrbitSettings, *, progress: Progress) ->
     Raises InputError for unreadable files, days out of range, a date without measurements before it, weather
     that ends too early, and measurements that no orbit fits.
     """
-    if not 0.0 < request.days <= LONGEST:
-        raise InputError(f"predict: expected more than 0 and at most {LONGEST:g} days, got {request.days:g}")
+    check_days(request.days)
     if request.area_to_mass is not None and not 0.0 < request.area_to_mass < np.inf:
         raise InputError(f"predict: expected an area to mass above 0 m2/kg, got {request.area_to_mass:g}")
     if request.date is not None:

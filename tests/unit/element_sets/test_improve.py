@@ -12,7 +12,16 @@ import sinking_histories
 from support import refusal
 
 from opml import cli
-from opml.element_sets import catalogue, corrector, density, features, improve, set_errors, weighting
+from opml.element_sets import (
+    catalogue,
+    corrector,
+    density,
+    features,
+    improve,
+    prediction,
+    set_errors,
+    weighting,
+)
 from opml.element_sets import trained_model as models
 from opml.element_sets.catalogue import modified_julian_day
 from opml.environment import solar_activity
@@ -23,6 +32,8 @@ DATE = "2026-01-08T06:00:00"
 """When 49 sets of each history were public."""
 
 NUMBERS = range(101, 121)
+SEEN = 3
+"""Lowest band of height that a narrow model was learned from."""
 
 
 @pytest.fixture(scope="module")
@@ -132,6 +143,7 @@ def test_each_object_says_what_was_done_and_why(
         "no B* above 0": "\n".join(_with_drag(lines, -1e-4)),
         "B* above 0.1": "\n".join(_with_drag(lines, 0.2)),
         "burned lately": "\n".join([*lines[:-2], *_raised(lines[-2:])]),
+        improve.SEVERAL: _of_two_objects(tmp_path / "two.tle"),
     }
     for k, (why, text) in enumerate(cases.items()):
         path = tmp_path / f"{k}.tle"
@@ -140,6 +152,41 @@ def test_each_object_says_what_was_done_and_why(
         (row,) = improve.improve(known, model).table.itertuples()
         assert row.why == why
         assert row.applied == (weighting.DENSITY if why == "first sets" else weighting.UNCHANGED)
+
+
+def _of_two_objects(path: Path) -> str:
+    """Return sets of two objects under one number, each third day those of the other."""
+    sinking_histories.write(path, range(101, 103), 49)
+    sets = [one.satellite for one in mean_elements.read_sets(path)]
+    mixed = [sets[49 + day] if day % 3 == 0 else sets[day] for day in range(49)]
+    return "\n".join(line for one in mixed for line in mean_elements.tle.lines(one, 101))
+
+
+def test_sets_of_two_objects_are_not_predicted(tmp_path: Path) -> None:
+    path = tmp_path / "sets.tle"
+    path.write_text(_of_two_objects(path) + "\n")
+    assert "have two objects its number?" in refusal(prediction.predict, path, date=DATE)
+
+
+def test_a_model_is_not_believed_at_heights_that_it_never_saw(
+    folder: Path, model: models.CatalogueModel
+) -> None:
+    """Heights of the lowest two of four kinds of objects are taken away from what taught the model."""
+
+    def above(part: corrector.BandModels) -> corrector.BandModels:
+        return replace(part, shares={key: share for key, share in part.shares.items() if key[0] >= SEEN})
+
+    parts = tuple(above(part) for part in model.correctors["payloads"].parts if max(part.bands) >= SEEN)
+    narrow = replace(model, correctors={"payloads": corrector.Corrector(parts)})
+    table = improve.improve(improve.read([folder], date=DATE, weather="OBSERVED"), narrow).table
+    seen = table["height"] >= features.BANDS[SEEN]
+    assert seen.any()
+    assert not seen.all()
+    assert set(table.loc[seen, "why"]) == {""}
+    assert set(table.loc[~seen, "why"]) == {improve.UNSEEN}
+    assert set(table.loc[~seen, "applied"]) == {weighting.UNCHANGED}
+    assert table.loc[~seen, "sigma_7d"].isna().all()
+    assert table.loc[seen, "sigma_7d"].notna().all()
 
 
 def _with_drag(lines: list[str], bstar: float) -> list[str]:

@@ -31,6 +31,7 @@ from opml.element_sets import (
     weighting,
 )
 from opml.element_sets.inside import inside_forces, orbit_prediction
+from opml.element_sets.inside.orbit_prediction import OrbitInside
 from opml.interop import orbit_segments
 from opml.interop.element_sets import element_set, mean_elements, sgp4_errors, tle
 from opml.report.results import with_unit
@@ -388,6 +389,16 @@ def test_one_set_has_the_usual_errors(file, tmp_path):
     assert np.isfinite(made.sizes.to_numpy(float)).all()
 
 
+def test_what_no_drag_tells_is_as_wide_as_sgp4_is_usually(file, tmp_path):
+    """Low down, a set alone with a B* that is none shows no drag: forces cannot know better."""
+    [*_, last] = mean_elements.read_sets(file)
+    published = element_set.with_drag(last.satellite, 0.0)
+    (tmp_path / "one.tle").write_text("\n".join(tle.lines(published, NUMBER)) + "\n")
+    made = prediction.predict(tmp_path / "one.tle", days=3.0)
+    assert isinstance(made.inside, OrbitInside)
+    assert made.sizes.loc[3, "s"] > 1000.0
+
+
 def test_of_an_object_that_decays_the_days_that_it_has_are_told(file, tmp_path):
     low = [16.2 / element_set.PER_DAY, 1e-3, 1.0, 1.0, 1.0, 1.0, 0.02]
     lines = tle.lines(element_set.satellite("2026-01-08T02:00:00", low), NUMBER)
@@ -460,7 +471,9 @@ def test_an_object_that_thrusts_is_wide_and_says_so(tmp_path):
     days = np.arange(40.0)
     low = history(days, noise=20.0, bstar=np.where(days % 7 == 0, -1e-4, 1e-4))
     made = []
-    for name, sets in (("low", low), ("high", low.assign(mean_motion=0.9 * low["mean_motion"]))):
+    slower = (low["mean_anomaly"] - 0.1 * low["mean_motion"] * low["t"]) % (2.0 * np.pi)
+    high = low.assign(mean_motion=0.9 * low["mean_motion"], mean_anomaly=slower)
+    for name, sets in (("low", low), ("high", high)):
         (tmp_path / f"{name}.tle").write_text(tle_text(sets))
         made.append(prediction.predict(tmp_path / f"{name}.tle"))
     assert "wide: 3 of its sets of 20 days have a B* below 0, as it thrusts" in made[0].reason

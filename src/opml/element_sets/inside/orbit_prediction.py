@@ -15,7 +15,7 @@ from opml.element_sets.inside.inside_sizes import lower
 from opml.element_sets.inside.orbit_inside import NoOrbitError
 from opml.element_sets.set_errors import OLDEST
 from opml.interop.element_sets.burns_in_sets import KnownSet, burns_among
-from opml.interop.element_sets.element_set import decay
+from opml.interop.element_sets.element_set import LOW, decay, mean_height
 from opml.interop.predicted_orbit import LEADS
 from opml.orbits.state_polynomials import StatePolynomials
 
@@ -56,9 +56,12 @@ class OrbitInside:
         leads = improved.index.to_numpy(float)
         sizes = inside_sizes.sizes(self.now, leads).set_axis(improved.index)
         sizes["s"] *= after_storm
+        newest = self.now.orbit.beginning.satellite
         if self.is_corrected:
             sizes["s"] = np.minimum(sizes["s"], improved["s"])
-        sizes["r"] = np.hypot(sizes["r"], lower(sizes["s"], self.now.orbit.beginning.satellite.no_kozai))
+        elif newest.bstar <= 0.0 and mean_height(newest.no_kozai) < LOW:  # what drag there is, nothing tells
+            sizes["s"] = np.fmax(sizes["s"], improved["s"])
+        sizes["r"] = np.hypot(sizes["r"], lower(sizes["s"], newest.no_kozai))
         by_sgp4 = inside_sizes.sgp4_along(self.now, leads)
         return sizes.assign(sgp4=np.where(np.isfinite(by_sgp4), by_sgp4, improved["sgp4"]))
 

@@ -20,6 +20,9 @@ from opml.interop import ccsds
 from opml.interop.orbit_arcs import line_error
 
 DEEP_SPACE = 2.0 * math.pi / 225.0  # mean motion [rad/min] below which SGP4 adds Sun and Moon
+LOW = 600e3
+"""Height below which drag outweighs what else changes the size of an orbit: B* below 0 is thrust [m]."""
+
 PER_DAY = 1440.0 / (2.0 * math.pi)  # revolutions per day of a radian per minute
 
 _SGP4_ZERO = datetime(1949, 12, 31)
