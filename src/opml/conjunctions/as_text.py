@@ -10,19 +10,20 @@ from opml.interop import ccsds
 
 _COLUMNS = [
     *("tca", "first", "second", "miss_m", "r_m", "s_m", "w_m"),
-    *("speed_mps", "probability", "correlated", "method", "largest", "remark"),
+    *("speed_mps", "radius_m", "probability", "stated", "correlated", "method", "largest", "remark"),
 ]
 NONE = "no conjunction"
 _MORE = 1.5  # times the probability of an encounter that its revolution has to hold to be told
 
 
 def table(conjunctions: Iterable[Conjunction], *, epoch: str) -> pd.DataFrame:
-    """Return a row per conjunction.
+    """Return a row per conjunction, the largest probability first, those without one last.
 
     Columns: tca, UTC text; first, second: names; miss_m; r_m, s_m, w_m of the second in RSW of the first;
-    speed_mps; probability of a collision, correlated: the same with the error of density that both share, the
-    method that suffices for it, and the largest under any multiple of the covariance, NaN where unknown and,
-    the largest, for a long encounter; remark
+    speed_mps; radius_m: sum of both radii; probability of a collision, stated: that of the message that was
+    read, correlated: the same with the error of density that both share, the method that suffices for it, and
+    the largest under any multiple of the covariance, NaN where unknown and, the largest, for a long
+    encounter; remark
     """
     rows = []
     for one in conjunctions:
@@ -36,7 +37,9 @@ def table(conjunctions: Iterable[Conjunction], *, epoch: str) -> pd.DataFrame:
                 "miss_m": float(np.linalg.norm(relative[:3])),
                 **dict(zip(("r_m", "s_m", "w_m"), relative[:3].tolist(), strict=True)),
                 "speed_mps": float(np.linalg.norm(relative[3:])),
+                "radius_m": one.radius,
                 "probability": chance.probability if chance else np.nan,
+                "stated": np.nan if one.stated is None else one.stated,
                 "correlated": together.probability if together else np.nan,
                 "method": one.method,
                 "largest": chance.most if chance else np.nan,
@@ -45,17 +48,20 @@ def table(conjunctions: Iterable[Conjunction], *, epoch: str) -> pd.DataFrame:
         )
     made = pd.DataFrame(rows, columns=_COLUMNS)
     times = ccsds.utc_texts(epoch, made["tca"].to_numpy(float)) if rows else []
-    return made.assign(tca=np.array(times, dtype=object))
+    made["tca"] = np.array(times, dtype=object)
+    return made.sort_values("probability", ascending=False, kind="stable", ignore_index=True)
 
 
 def text(table: pd.DataFrame) -> str:
     """Return the rows of `table` as aligned text, or NONE."""
     if table.empty:
         return NONE
-    formats = {"probability": "{:.3e}", "correlated": "{:.3e}", "largest": "{:.3e}", "speed_mps": "{:.1f}"}
+    formats = dict.fromkeys(("probability", "stated", "correlated", "largest"), "{:.3e}")
     formats |= dict.fromkeys(("miss_m", "r_m", "s_m", "w_m"), "{:.0f}")
+    formats |= {"speed_mps": "{:.1f}", "radius_m": "{:g}", "tca": "{:.19}"}
     formatters = {name: form.format for name, form in formats.items()}
-    return str(table.to_string(index=False, na_rep="-", formatters=formatters))
+    shown = table.drop(columns="stated") if table["stated"].isna().all() else table
+    return str(shown.to_string(index=False, na_rep="-", formatters=formatters))
 
 
 def _remark(conjunction: Conjunction) -> str:

@@ -186,7 +186,10 @@ def _conjunction(message: ccsds.Message, epoch: str, radius: float | None) -> Co
     radius = _radius(message.path, radii) if radius is None else radius
     check_radius(radius)
     known = head.time("CREATION_DATE", t, epoch=epoch, scale="UTC")
-    return Conjunction(t, first, second, radius, known=known)
+    stated = None
+    with suppress(ValueError):  # it is not needed, and some messages have N/A
+        stated = float(head.text("COLLISION_PROBABILITY", ""))
+    return Conjunction(t, first, second, radius, known=known, stated=stated)
 
 
 def _check_stated(message: ccsds.Message, head: ccsds.KeyValues, key: str, found: float) -> None:

@@ -89,6 +89,7 @@ class Conjunction:
     known: when the newest was known of either [s since that epoch]; None: at the approach
     common: (2, 6) what one standard deviation of an error that both share does to their states in GCRF
         [m, m/s]; None: their errors are independent
+    stated: probability of a collision that a message has, None without one
     """
 
     t: float  # when [s since some epoch]
@@ -98,6 +99,7 @@ class Conjunction:
     is_end: bool = False  # whether nothing is known beyond, where they may come nearer
     known: float | None = None
     common: np.ndarray | None = None
+    stated: float | None = None
 
     @cached_property
     def correlated(self) -> "Conjunction | None":

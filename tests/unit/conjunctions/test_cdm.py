@@ -1,5 +1,7 @@
 """Conjunction data messages: published cases, a way out and back, and damaged files told in one line."""
 
+import io
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -269,13 +271,15 @@ def test_messages_in_a_row_and_in_a_folder_are_all_read(message, tmp_path, capsy
     text = message.read_text()
     both = tmp_path / "cdms" / "both.txt"
     both.parent.mkdir()
-    both.write_text(text + text.replace("HBR = 20.0", "HBR = 5.0 [m]").replace("= other", "= third"))
+    third = text.replace("HBR = 20.0", "HBR = 5.0 [m]").replace("= other", "= third")
+    both.write_text(text + re.sub("COLLISION_PROBABILITY = .*", "COLLISION_PROBABILITY = N/A", third))
     (both.parent / "one.cdm").write_text(text)
     assert [one.radius for one in cdm.read(both, epoch=EPOCH)] == [20.0, 5.0]
     assert cli.main(["screen", str(both.parent), "--csv"]) == 0
-    assert [line.split(",")[2] for line in capsys.readouterr().out.splitlines()] == [
-        "second", "other", "third", "other"
-    ]  # fmt: skip
+    rows = pd.read_csv(io.StringIO(capsys.readouterr().out))
+    assert list(rows["second"]) == ["other", "other", "third"]  # the likeliest first
+    assert list(rows["radius_m"]) == [20.0, 20.0, 5.0]
+    np.testing.assert_array_equal(rows["stated"], [*rows["probability"][:2], np.nan])
 
 
 def without(text, *keys):
