@@ -105,7 +105,7 @@ class Catalogue:
 
 
 def make_environment(
-    epoch: str,
+    epoch: epochs.Time,
     *,
     days: float,
     gravity: str | Path = "EGM2008",
@@ -114,7 +114,7 @@ def make_environment(
     percentile: int = 50,
     degree: int = 40,
 ) -> Environment:
-    """Tabulate the environment of a run of `days` from a UTC text, once for all that follows.
+    """Tabulate the environment of a run of `days` from an epoch (UTC), once for all that follows.
 
     gravity: EGM2008, EIGEN-6S or an ICGEM file; kernel: DE440 or an SPK file; activity: MSAFE, OBSERVED or a
     file of either kind; percentile: of MSAFE; degree: highest degree and order kept of the field.
@@ -124,6 +124,7 @@ def make_environment(
     >>> environment.radius
     6378136.3
     """
+    epoch = epochs.instant(epoch)
     t = nodes(epoch, DAY * days)
     found = solar_activity.tabulate(activity, epoch, t, percentile)
     return tabulated(epoch, t, found, gravity=gravity, kernel=kernel, degree=degree)
@@ -186,9 +187,9 @@ def read_rsos(path: str | Path) -> dict[str, Rso]:
 
 
 def read_elements(
-    path: str | Path, *, name: str, epoch: str, area_to_mass: float, cd: float = 2.2, cr: float = 1.25
+    path: str | Path, *, name: str, epoch: epochs.Time, area_to_mass: float, cd: float = 2.2, cr: float = 1.25
 ) -> Rso:
-    """Read an RSO from a TLE or an OMM (KVN, JSON, XML), by SGP4 at a UTC text; area_to_mass [m2/kg].
+    """Read an RSO from a TLE or an OMM (KVN, JSON, XML), by SGP4 at an epoch (UTC); area_to_mass [m2/kg].
 
     Raises InputError, naming file and line or key, and where SGP4 cannot reach the epoch.
 
@@ -203,7 +204,7 @@ def read_elements(
     """
     satellite = mean_elements.read(path)
     body = mean_elements.Body(area_to_mass, cd, cr)
-    return mean_elements.rso(satellite, name=name, epoch=epoch, body=body)
+    return mean_elements.rso(satellite, name=name, epoch=epochs.instant(epoch), body=body)
 
 
 def propagate(propagator: Propagator, *, days: float, step: float = 20.0) -> pd.DataFrame:
@@ -249,17 +250,17 @@ def write_tracks(path: str | Path, tracks: pd.DataFrame, *, epoch: str, rso: Rso
     tdm.write(path, tracks, epoch=epoch, rso=rso.name)
 
 
-def read_tracks(*paths: str | Path, epoch: str, stations: Sequence[Station]) -> pd.DataFrame:
+def read_tracks(*paths: str | Path, epoch: epochs.Time, stations: Sequence[Station]) -> pd.DataFrame:
     """Read what stations measured of an RSO from TDMs: the table `tracking`, where `*_true` is NaN.
 
-    epoch: UTC text that times count from. Measurements of other stations are left out. Raises InputError,
+    epoch: time (UTC) that times count from. Measurements of other stations are left out. Raises InputError,
     naming file and line, for what is malformed, or what a station cannot see or an orbit cannot be.
 
     >>> measured = opml.read_tracks("iss.tdm", epoch=environment.epoch, stations=stations)
     >>> list(measured["range"]) == list(tracks["range"])
     True
     """
-    return from_measurements.tracks(tdm.measurements(paths, epoch=epoch), stations)
+    return from_measurements.tracks(tdm.measurements(paths, epoch=epochs.instant(epoch)), stations)
 
 
 def read_fixes(
@@ -386,7 +387,7 @@ def predict(
     *,
     days: float = 7.0,
     object: str | int | None = None,
-    date: str | None = None,
+    date: epochs.Time | None = None,
     weather: FilePath = "NEWEST",
     catalogue: Sequence[FilePath] = (),
     trained: FilePath | None = None,
@@ -396,7 +397,7 @@ def predict(
     """Predict an object with a covariance: SGP4 from its newest element set, improved, or a fit.
 
     files: files or folders of TLEs or OMMs; or files of points (OEM, SP3, CPF, CSV) or tracks (TDM); days: 7
-    at most; object: name, designator or number, of several; date: UTC text, None for when the newest was
+    at most; object: name, designator or number, of several; date: a time (UTC), None for when the newest was
     known; weather: NEWEST, of ``opml fetch``, else packaged, or a CSSI file; catalogue: others' sets to
     compare with; trained: a model of ``opml train``; stations: of tracks; area_to_mass: of what was measured
     [m2/kg], None: a guess.
@@ -411,7 +412,7 @@ def predict(
     True
     """
     paths, name = _paths("predict", files), None if object is None else str(object)
-    date = None if date is None else epochs.instant(str(date))
+    date = None if date is None else epochs.instant(date)
     if not isinstance(days, (int, float)):
         raise InputError(f"predict: days: expected a number, got {days!r}")
     if formats.kind_of(paths[0], formats.ELEMENTS, formats.ORBIT, formats.TRACKS) != formats.ELEMENTS:

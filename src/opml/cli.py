@@ -118,7 +118,7 @@ def _init(options: argparse.Namespace) -> None:
 def _add_rso(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("file", help="an element set: {elements}")
     parser.add_argument("--name", required=True, help="name in the sheet: lower-case letters and digits")
-    parser.add_argument("--epoch", required=True, help="epoch of the run, UTC: 2016-09-28T12:09:45")
+    parser.add_argument("--epoch", required=True, type=instant, help=f"epoch of the run, {UTC_TEXT}")
     parser.add_argument("--area-to-mass", type=float, required=True, help="area over mass [m2/kg]")
     parser.add_argument("--cd", type=float, required=True, help="drag coefficient")
     parser.add_argument("--cr", type=float, required=True, help="reflectivity coefficient")

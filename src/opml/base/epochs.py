@@ -101,9 +101,17 @@ def seconds_between(epoch: str, later: str) -> float:
 
 
 def seconds_to(epoch: str, time: Time) -> np.ndarray:
-    """Return the SI seconds (1,) from an epoch to a time, UTC, a day when it begins.
+    """Return the SI seconds (1,) from an epoch to a time as `instant` takes it.
 
     Raises InputError on a malformed text, and for what is no time.
+    """
+    return np.array([seconds_between(epoch, instant(time))])
+
+
+def instant(time: Time) -> str:
+    """Return a time as `parse` has it: a day when it begins, a text without its Z and with a T for a blank.
+
+    Raises InputError for what is no time.
     """
     if isinstance(time, datetime):
         aware = time if time.tzinfo else time.replace(tzinfo=UTC)
@@ -113,11 +121,6 @@ def seconds_to(epoch: str, time: Time) -> np.ndarray:
         text = str(time.astype("M8[ns]"))
     if not isinstance(text, str):
         raise InputError(f"time: expected UTC text, a datetime or numpy.datetime64, got {time!r}")
-    return np.array([seconds_between(epoch, instant(text))])
-
-
-def instant(text: str) -> str:
-    """Return UTC text as `parse` has it, of a day alone when it begins, of a blank for the T, or with a Z."""
     text = text.strip().removesuffix("Z").replace(" ", "T")
     if _DAY_TEXT.fullmatch(text):
         return f"{text}T00:00:00"

@@ -137,7 +137,8 @@ class _Asked:
     ) -> None:
         """Take states (n, 6) and covariances (n, 3, 3) in their axes."""
         if np.isfinite(self.states[places]).all(axis=1).any():
-            raise InputError(f"{path}: {where}: expected one answer to a question, got another before it")
+            expected = "one answer to a question, of one tool"
+            raise InputError(f"{path}: {where}: expected {expected}, got another before it")
         self.states[places], self.covariances[places] = states, covariances
 
 

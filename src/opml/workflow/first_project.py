@@ -101,13 +101,20 @@ class FirstProject:
             raise InputError(f"{paths[0]}: expected {expected}, got {max(whole, 0)}")
         days = min(whole, LONGEST_POINTS)
         first = epochs.calendar_day(_EPOCH, DAY * (midnight + whole - days + 0.5))
-        files, trained = [str(Path(path).absolute()) for path in paths], math.floor(_TRAINED * days)
+        trained = math.floor(_TRAINED * days)
         text = _RUN.format(
             first=first,
             duration=days + _AHEAD,
-            measured=f"fixes: {{mine: {json.dumps(files)}}}\n{_FIXING}",
+            measured=f"fixes: {{mine: {json.dumps(_pattern(paths))}}}\n{_FIXING}",
             area_to_mass=_GUESS,
             source="a guess",
             study=f"\n  rsos: [mine]\n  days: {{train: [0, {trained}], test: [{trained}, {days}]}}",
         )
         return cls(text, STUDY_COMMAND, f"{paths[0]}: its last {days} days of points, from {first} on")
+
+
+def _pattern(paths: Sequence[FilePath]) -> list[str]:
+    """Return the pattern that these files alone have in their folder, or all their paths."""
+    files = sorted(Path(path).absolute() for path in paths)
+    pattern = files[0].parent / f"*{files[0].suffix}"
+    return [str(pattern)] if sorted(pattern.parent.glob(pattern.name)) == files else [*map(str, files)]

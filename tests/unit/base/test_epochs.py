@@ -1,5 +1,7 @@
 """Time scales against the definitions they are built on."""
 
+from datetime import date, datetime, timedelta, timezone
+
 import numpy as np
 import pytest
 from support import refusals
@@ -40,6 +42,25 @@ def test_tdb_follows_its_leading_annual_term():
 def test_elapsed_counts_the_leap_second():
     assert epochs.seconds_between(BEFORE_LEAP, "2017-01-01T00:00:00") == 3601.0
     assert epochs.seconds_between(EPOCH, "2016-09-28T12:00:00") == -585.0
+
+
+TIMES = {
+    "a text": "2016-09-28T12:00:00",
+    "a text with Z": "2016-09-28T12:00:00Z",
+    "a blank": "2016-09-28 12:00",
+    "a datetime": datetime(2016, 9, 28, 12),
+    "one of another zone": datetime(2016, 9, 28, 14, tzinfo=timezone(timedelta(hours=2))),
+    "numpy's": np.datetime64("2016-09-28T12:00:00"),
+}
+
+
+@pytest.mark.parametrize("form", TIMES)
+def test_a_time_has_many_forms(form):
+    assert epochs.seconds_between("2016-09-28T12:00:00", epochs.instant(TIMES[form])) == 0.0
+
+
+def test_a_day_is_when_it_begins():
+    assert epochs.instant(date(2016, 9, 28)) == epochs.instant("2016-09-28") == "2016-09-28T00:00:00"
 
 
 def test_the_leap_second_itself_is_an_instant():

@@ -3,6 +3,7 @@
 import numpy as np
 import pandas as pd
 import pytest
+import yaml
 from support import EPOCH
 
 from opml import cli
@@ -10,7 +11,7 @@ from opml.base.constants import DAY
 from opml.interop import ccsds
 from opml.study.checks import load_settings
 from opml.study.settings.merging import merged
-from opml.workflow.first_project import LONGEST_POINTS
+from opml.workflow.first_project import LONGEST_POINTS, FirstProject
 
 
 @pytest.fixture
@@ -43,8 +44,14 @@ def test_a_project_of_points_can_be_run(days, first, whole, days_of_points, tmp_
     settings = load_settings(merged(["config/config.yaml", "mine.yaml"])).values
     assert settings["epoch"] == f"{first}T00:00:00"
     assert settings["duration_days"] == whole + 7
-    assert settings["fixes"] == {"mine": [str(path) for path in paths]}
+    assert settings["fixes"] == {"mine": [str(tmp_path / "*.csv")]}
     assert "day" in settings
+
+
+def test_files_beside_others_are_named_one_by_one(days_of_points, tmp_path):
+    paths = [str(path) for path in days_of_points(14)]
+    project = FirstProject.of_points(paths[:-1])
+    assert yaml.safe_load(project.text)["fixes"] == {"mine": sorted(paths[:-1])}
 
 
 def test_too_few_days_are_refused(days_of_points, tmp_path, capsys):
