@@ -2,6 +2,7 @@
 
 import csv
 import re
+from itertools import product
 
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ from opml.interop.curves import orbit_breaks
 from opml.learning.judge import error_sizes
 from opml.mornings import days, verdicts
 from opml.workflow import params
-from validation.pictures import where_learning_helps
+from validation.pictures import every_week, where_learning_helps
 from validation.pictures.page_tables import catalogue, rows
 
 WEATHER = (REPOSITORY / "src" / "opml" / "data" / "space_weather.csv").read_text(encoding="utf-8")
@@ -44,8 +45,15 @@ def test_the_share_of_sgp4_s_error_is_that_of_the_catalogue(improved):
 
 def test_each_median_of_improved_sets_is_inside_its_interval(improved):
     assert len(improved) == 5
-    for median, _, low, high in (cell for cells in improved.values() for cell in cells):
+    for median, low, high in (cell for cells in improved.values() for cell in cells):
         assert low <= median <= high
+
+
+def test_the_first_table_of_learning_is_that_of_the_improved_sets(improved):
+    first = [[re.findall(r"\d+", cell) for cell in cells] for _, *cells in rows("docs/learning")[2:7]]
+    assert [[list(map(int, cell)) for cell in cells] for cells in first] == list(improved.values())
+    week = [cells[-1][0] for cells in improved.values()]
+    assert f"after a week by {100 - max(week[:3])} to {100 - min(week[:3])} %" in sentences("docs/learning")
 
 
 def test_what_improve_leaves_of_the_tasks_is_the_board_s():
@@ -63,13 +71,26 @@ def test_what_improve_leaves_of_the_tasks_is_the_board_s():
         assert f"{', '.join(map(str, days))} and {week} % at {task}" in sentences("docs/benchmark")
 
 
-def test_trees_relative_to_density_are_those_of_the_rows():
-    ratios = next(iter(where_learning_helps.from_catalogue().values()))
-    said = re.search(r"trees have ((?:\d+ \(\d+ to \d+\)(?:, | and )?){4}) %", sentences("docs/learning"))[1]
-    stated = [tuple(map(int, numbers)) for numbers in re.findall(r"(\d+) \((\d+) to (\d+)\)", said)]
-    for ratio, (middle, low, high) in zip(ratios, stated, strict=True):
-        assert ratio == pytest.approx(middle, abs=2.0)
-        assert low <= ratio <= high
+def test_trees_relative_to_density_are_those_of_the_columns():
+    table = catalogue()
+    for season, ratios in where_learning_helps.from_catalogue().items():
+        for (ratio, *_), trees, scaled in zip(
+            ratios, table[season, "trees"], table[season, "density"], strict=True
+        ):
+            assert ratio == pytest.approx(100.0 * trees[0] / scaled[0], abs=2.0)
+
+
+def test_the_worst_weeks_are_those_of_their_table():
+    table = every_week.read()
+    summer, storms = (
+        every_week.worst([row for row in table if row["season"] == season])
+        for season in ("summer of 2026", "storms of 2025")
+    )
+    assert (summer[2], storms[2]) == (3, 7)
+    said = f"had {summer[0]:.0f} % of SGP4's error after three days, in that of the storms {storms[0]:.0f} %"
+    assert said in sentences("docs/learning")
+    figure = every_week.every_week(table)
+    assert [len(axes.lines[0].get_xdata()) for axes in figure.axes] == [9, 28, 12]
 
 
 def test_what_learning_costs_a_satellite_is_the_skill_of_its_table():
@@ -95,26 +116,41 @@ def test_the_storm_is_covered_as_long_as_the_table_has_it():
     assert "In March 2015 coverage holds for five days" in sentences("docs/uncertainty")
 
 
-def alarms(start):
-    """Alarms per collision and per object and year, shares flagged [%], of the row with a name."""
-    found = {cells[0]: cells[1:] for cells in rows("docs/conjunctions", "## How much corrections help")}
-    return [tuple(map(float, cell.split("/"))) for cell in found[start]]
+@pytest.fixture(scope="module")
+def stated():
+    """Numbers at 1, 3, 5 and 7 days by the title of a table of alarms and the first cell of its row."""
+    text = page("docs/conjunctions").partition("## How much corrections help")[2]
+    tables = re.findall(r"(?:Alarms per|Collisions flagged)[^:]*:\n\n((?:\|.*\n)+)", text)
+    numbers = {}
+    for kind, lines in zip(product(("fits", "sets"), ("alarms", "flagged")), tables, strict=True):
+        for line in lines.splitlines()[2:]:
+            first, *cells = (cell.strip() for cell in line.strip("|").split("|"))
+            numbers[*kind, first] = list(map(float, cells))
+    return numbers
 
 
-def test_corrected_ephemerides_raise_a_tenth_of_the_alarms():
+def alarms(stated, name):
+    """Alarms per collision and shares flagged [%] of the row with a name."""
+    shares = stated.get(("fits", "flagged", name), stated["fits", "flagged", "all others"])
+    return list(zip(stated["fits", "alarms", name], shares, strict=True))
+
+
+def test_corrected_ephemerides_raise_a_tenth_of_the_alarms(stated):
     fits, selected = (
-        alarms("Swarm A, 12-hour fits, their own covariance"),
-        alarms("Swarm A, selected each day"),
+        alarms(stated, f"Swarm A, {way}")
+        for way in ("12-hour fits, their own covariance", "selected each day")
     )
     assert selected[0][0] / fits[0][0] == pytest.approx(0.1, abs=0.02)
-    assert "After a day, corrected ephemerides raise a tenth of the alarms" in sentences("docs/conjunctions")
-    assert [share for *_, share in selected] == [100] * 4
+    assert "corrected ephemerides raise a tenth of the alarms" in sentences("docs/conjunctions")
+    assert [share for _, share in selected] == [100] * 4
     assert fits[-1][-1] < 50
-    for one, other in zip(alarms("Swarm A, `fit96`"), selected, strict=True):
-        assert one[0] / other[0] == pytest.approx(1.2, abs=0.03)
+    for other, chosen in zip(alarms(stated, "Swarm A, `fit96`"), selected, strict=True):
+        assert other[0] / chosen[0] == pytest.approx(1.2, abs=0.03)
+    yearly = 5 * (20.0 / 1000.0) ** 2  # approaches below a kilometre, by the area of both radii in it
+    assert f"{1.0 / yearly:.0f} alarms per collision are one a year" in sentences("docs/conjunctions")
 
 
-def test_alarms_are_those_of_the_notes():
+def test_alarms_are_those_of_the_notes(stated):
     noted = {
         cells[0]: [tuple(map(float, cell.split(" / "))) for cell in cells[2:]]
         for cells in rows("notes/conjunctions", "## What objects share")
@@ -126,18 +162,12 @@ def test_alarms_are_those_of_the_notes():
     shown = noted.keys() - {"Swarm A, `running24m3`"}
     assert len(shown) == 6
     for name in shown:
-        yearly = 5 * (20.0 / 1000.0) ** 2  # approaches below a kilometre, by the area of both radii in it
-        assert alarms(name) == [
-            (
-                pytest.approx(count, abs=0.51),
-                pytest.approx(yearly * count, abs=0.051),
-                pytest.approx(share, abs=0.51),
-            )
-            for count, share in noted[name]
+        assert alarms(stated, name) == [
+            (pytest.approx(count, abs=0.51), pytest.approx(share, abs=0.51)) for count, share in noted[name]
         ]
 
 
-def test_alarms_of_public_sets_are_those_of_the_notes():
+def test_alarms_of_public_sets_are_those_of_the_notes(stated):
     noted = {tuple(cells[:3]): cells[3:] for cells in rows("notes/conjunctions", "## What objects share")}
     improved = "improved, shared"
     shown = {
@@ -146,9 +176,10 @@ def test_alarms_of_public_sets_are_those_of_the_notes():
         "below 450 km": ("300 to 450 km", improved, "any"),
         "above 600 km": ("600 to 1000 km", improved, "any"),
     }
-    stated = {first: cells for first, *cells in rows("docs/conjunctions", "## How much corrections help")}
     for name, key in shown.items():
-        assert [cell.replace("/", " / ") for cell in stated[name]] == noted[key]
+        pairs = [tuple(map(float, cell.split(" / "))) for cell in noted[key]]
+        shares = stated["sets", "alarms", name], stated["sets", "flagged", name]
+        assert list(zip(*shares, strict=True)) == pairs
     low, high = (noted["all", improved, angle][1].split(" / ")[1] for angle in ("below 60", "over 120"))
     said = f"After three days {low} % are flagged at crossings below 60 deg, {high} % above 120"
     assert said in sentences("docs/conjunctions")
@@ -166,12 +197,11 @@ def test_every_conjunction_of_cara_is_counted_once():
 
 def test_the_picture_of_learning_has_every_season_and_satellite():
     seasons, satellites = where_learning_helps.from_catalogue(), where_learning_helps.from_own_past()
-    figure = where_learning_helps.gains(seasons, satellites)
-    labels = [label.get_text() for label in figure.axes[0].get_yticklabels()]
-    assert len(labels) == len(seasons) + len(satellites) == 9
-    assert labels[0] == "catalogue, summer of 2026, 05-31 to 07-31: 459 objects"
-    drawn = [list(line.get_xdata()) for line in figure.axes[0].lines[:4]]
-    assert drawn == [[values[k] for values in seasons.values()] for k in range(4)]
+    many, own = where_learning_helps.gains(seasons, satellites).axes
+    for axes, names in ((many, seasons), (own, satellites)):
+        assert [label.get_text() for label in axes.get_yticklabels()] == list(names)
+    middles = [container.lines[0].get_xdata()[0] for container in many.containers]
+    assert middles == [shares[k][0] for k in range(4) for shares in seasons.values()]
 
 
 @pytest.mark.parametrize(
@@ -181,9 +211,9 @@ def test_the_picture_of_learning_has_every_season_and_satellite():
         ("day", f"errors, {100.0 * verdicts.LEAST_OF_DAY:.0f} % on each day ahead"),
         ("day", f"its last {days.STRIP} verdicts"),
         ("day", f"Below {params.FITS_ABOVE / 1e3:.0f} km fits are"),
-        ("improve", f"scaled by the object's last {improved_sizes.ALONG_MORNINGS} mornings"),
+        ("improve", f"scaled by the errors of the object's last {improved_sizes.ALONG_MORNINGS} mornings"),
         ("improve", f"(a/{improved_sizes.STORM:.0f})^2"),
-        ("improve", f"come from its last {improved_sizes.MORNINGS} mornings"),
+        ("improve", f"the errors of its last {improved_sizes.MORNINGS} mornings"),
         ("improve", f"errors across burns of the last {prediction.BURNED:.0f} days"),
         ("improve", f"below {prediction.LOW / 1e3:.0f} km those of objects with a negative B*"),
         ("improve", f"after its epoch ({24.0 * catalogue_of_sets.LATENCY:.0f} with `--date`)"),
@@ -192,9 +222,9 @@ def test_the_picture_of_learning_has_every_season_and_satellite():
             "limits",
             f"at {LOWEST} to {HIGHEST} km mean height and eccentricities below {features.MOST_ECCENTRICITY}",
         ),
-        ("conjunctions", f"nearly circular sets from {LOWEST} to {HIGHEST} km"),
+        ("conjunctions", f"near-circular objects from {LOWEST} to {HIGHEST} km"),
         ("conjunctions", f"for `--days` ({screening.DAYS:.0f}) from the newest set"),
-        ("learning", f"by their likelihood in its last {weighting.PAST} mornings"),
+        ("learning", f"weighted by their likelihood in its last {weighting.PAST} mornings"),
         (
             "learning",
             f"{100.0 * min(features.LASTING.values()):.0f} to {100.0 * max(features.LASTING.values()):.0f} %",
@@ -218,7 +248,7 @@ def test_limits_on_pages_are_those_of_the_code(name, phrase):
         ("comparison", "22 times faster than heyoka", "docs/performance", "heyoka"),
         ("comparison", "375 times faster than Orekit", "docs/performance", "Orekit"),
         ("howto", "reduces them to 16 %", "docs/howto", "`mechanism`"),
-        ("improve", "contained 88, 94, 97, 97 % of along-track errors", "notes/uncertainty", "all, own"),
+        ("improve", "contained 88, 94, 97 and 97 % of along-track errors", "notes/uncertainty", "all, own"),
         ("orbits", "error of 0.0004 m rms with velocities, 0.004 m without", "notes/orbits", "every 300 s"),
     ],
 )
@@ -238,17 +268,29 @@ def test_burns_that_are_found_are_those_of_the_satellites_that_set_no_limit():
     assert len(held_out) == 4
 
 
-def test_what_makes_the_difference_to_the_paper_is_in_its_table():
-    table = {cells[0]: cells for cells in rows("docs/reproduction", "## Results")}
+def test_sentences_on_the_paper_are_those_of_the_table_of_interpretations():
+    head, _, paper, *lines = rows("docs/reproduction", "## Interpretations")
+    numbers = {cells[0]: [cell.strip("*") for cell in cells] for cells in lines}
     default, nearest, together = (
-        {name: cells[k].strip("*") for name, cells in table.items() if len(cells) > 5} for k in (2, 3, 5)
+        dict(zip(head, numbers[name], strict=True))
+        for name in ("**default**: the paper's words", "nearest, `svrnoplane50_cd1`", "the same, `-together`")
     )
-    one, future, other = "one station, test", "future 10 days", "i = 50 deg"
+    future, other, higher = head[-3:]
     for said in (
-        f"the test changes from {default[one]} to",
-        f"to {nearest[one]}. The prior's mean",
-        f"{default[future]} by default, {nearest[future]} with both and the prior",
+        f"{default[future]} becomes {nearest[future]} with both and the prior",
         f"nothing is corrected ({default[other]}). Without the orientation P_ML is {nearest[other]}",
-        f"gives {float(together['a + 50 km']):.0f} % instead of {float(table['a + 50 km'][1]):.0f} %",
+        f"gives {float(together[higher]):.0f} % instead of {float(paper[-1]):.0f} %",
     ):
         assert said in sentences("docs/reproduction")
+
+
+def test_interpretations_are_bold_where_they_are_within_three_points_of_the_paper():
+    _, _, paper, *lines = rows("docs/reproduction", "## Interpretations")
+    pairs = [pair for cells in lines for pair in zip(cells[2:], paper[2:], strict=True) if pair[0] != "-"]
+    near = [abs(float(cell.strip("*")) - float(target)) <= 3.0 for cell, target in pairs]
+    assert [cell.startswith("**") for cell, _ in pairs] == near
+    split, _, _, said = re.search(
+        r"three stations is (\d+) (%), (not) ([\d.]+)", sentences("docs/reproduction")
+    ).groups()
+    (svr,) = [cells for cells in rows("docs/beyond", "## Results") if cells[:2] == ["3", "`svr`"]]
+    assert (svr[3].split()[0], paper[4]) == (split, said)

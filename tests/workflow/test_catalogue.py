@@ -70,7 +70,6 @@ def test_a_small_catalogue_runs(few):
         "catalogue/catalogue.md",
         "catalogue/catalogue.html",
         "figs/catalogue/winter.pdf",
-        "figs/catalogue_gains.pdf",
         "figs/catalogue_seasons.pdf",
     ):
         assert (results / name).stat().st_size > 1000

@@ -1,5 +1,6 @@
 """Tables of pages: pictures are drawn from them, and sentences are held to them."""
 
+import csv
 import re
 
 from validation.case import ROOT
@@ -15,12 +16,16 @@ def rows(page: str, heading: str = "") -> list[list[str]]:
 
 
 def catalogue() -> dict[tuple[str, str], list[list[int]]]:
-    """Return the table of docs/learning.md by season and way: at 1, 3, 5 and 7 days the numbers of a cell.
+    """Return the medians of docs/learning.md by season and way: at 1, 3, 5 and 7 days the numbers of a cell.
 
-    They are the median, the 95th percentile and, where stated, the interval of the median, in % of SGP4's.
+    They are the median and, where stated, its interval, in % of SGP4's.
     """
-    table, season = {}, ""
-    for first, way, *cells in rows("docs/learning", "## Results")[2:]:
-        season = first or season
-        table[season, way.strip("*")] = [[int(n) for n in re.findall(r"\d+", cell)] for cell in cells]
+    with (ROOT / "docs" / "tables" / "seasons.tsv").open(encoding="utf-8") as file:
+        lines = list(csv.DictReader(file, delimiter="\t"))
+    table: dict[tuple[str, str], list[list[int]]] = {}
+    for line in lines:
+        for name, cell in line.items():
+            if name.endswith("[%]") and cell != "-":
+                numbers = [int(number) for number in re.findall(r"\d+", cell)]
+                table.setdefault((line["season"], name.removesuffix(" [%]")), []).append(numbers)
     return table

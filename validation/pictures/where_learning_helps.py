@@ -16,20 +16,15 @@ from validation.pictures.page_tables import catalogue, rows
 LEADS = (1, 3, 5, 7)
 """Lead times of the catalogue's table [d]."""
 
-_TICKS = (70, 80, 90, 100, 120, 150, 200, 300)
+_TICKS = (100, 150, 200, 300)
 
 
-def from_catalogue() -> dict[str, list[float]]:
-    """Return the trees' median error in % of that of density-scaled predictions, by season and lead time."""
-    table = catalogue()
-    seasons = dict.fromkeys(season for season, _ in table)
-    return {
-        season: [
-            100.0 * trees[0] / scaled[0]
-            for trees, scaled in zip(table[season, "trees"], table[season, "density-scaled"], strict=True)
-        ]
-        for season in seasons
-    }
+def from_catalogue() -> dict[str, list[list[int]]]:
+    """Return the trees' median error in % of that of density-scaled predictions, by season and lead time.
+
+    Where there are intervals of 95 %, their ends follow.
+    """
+    return {season: shares for (season, way), shares in catalogue().items() if way == "trees to density"}
 
 
 def from_own_past() -> dict[str, float]:
@@ -45,40 +40,39 @@ def from_own_past() -> dict[str, float]:
     return {name: 100.0 - float(skill) for name, skill in skills.items()}
 
 
-def gains(seasons: Mapping[str, Sequence[float]], satellites: Mapping[str, float]) -> Figure:
-    """Draw errors with learning in % of those without, a row for each season and each satellite."""
-    figure = style.page_figure(height_mm=86.0)
-    axes = figure.add_subplot()
-    names = [*seasons, *satellites]
-    heights = dict(zip(names, np.arange(len(names))[::-1], strict=True))
+def gains(seasons: Mapping[str, Sequence[Sequence[int]]], satellites: Mapping[str, float]) -> Figure:
+    """Draw errors with learning in % of those without: a panel of seasons, one of satellites."""
+    figure = style.page_figure(height_mm=78.0)
+    many, own = figure.subplots(1, 2, width_ratios=(3, 2))
     for k, lead in enumerate(LEADS):
-        shares = [values[k] for values in seasons.values()]
-        look = {"color": style.RAMP[k], "marker": style.MARKERS[k]}
-        places = [heights[name] + 0.15 * (1.5 - k) for name in seasons]
-        axes.plot(shares, places, ls="", label=f"catalogue, after {lead} d", **look)
-    places = [heights[name] for name in satellites]
-    axes.plot(
-        list(satellites.values()),
-        places,
-        ls="",
-        color=style.PREDICTED_COLOR,
-        marker="P",
-        label="own past, sum of all errors",
-    )
-    axes.axvline(100.0, color=style.MUTED, ls="--", lw=1.0, zorder=1)
-    axes.set(xscale="log", xlabel="error with learning, in % of that without")
-    axes.xaxis.set_major_locator(FixedLocator(_TICKS))
-    axes.xaxis.set_minor_locator(NullLocator())
-    axes.xaxis.set_major_formatter("{x:g}")
-    labels = [f"catalogue, {name.replace('; ', ': ')} objects" for name in seasons]
-    axes.set_yticks(list(heights.values()), [*labels, *(f"{name} alone" for name in satellites)])
-    axes.legend(loc="upper right", fontsize=style.NOTE_SIZE)
+        look = {"color": style.RAMP[k], "marker": style.MARKERS[k], "label": f"after {lead} d"}
+        for row, shares in enumerate(seasons.values()):
+            middle, low, high = (*shares[k], *shares[k], *shares[k])[:3]
+            reach = [[middle - low], [high - middle]]
+            place = -row + 0.16 * (1.5 - k)
+            many.errorbar(middle, place, xerr=reach, ls="", ms=4.0, elinewidth=0.8, capsize=1.5, **look)
+    many.set_yticks(-np.arange(len(seasons)), list(seasons))
+    many.set_title("trained on a catalogue", loc="left", fontsize=8.0)
+    look = {"ls": "", "marker": "P", "color": style.PREDICTED_COLOR}
+    own.plot(list(satellites.values()), -np.arange(len(satellites)), **look)
+    own.set_yticks(-np.arange(len(satellites)), list(satellites))
+    own.set_title("trained on the satellite's own past", loc="left", fontsize=8.0)
+    for axes in (many, own):
+        axes.axvline(100.0, color=style.MUTED, ls="--", lw=1.0, zorder=1)
+    own.set(xscale="log", xlim=(90.0, 400.0), ylim=(0.5 - len(satellites), 0.5))
+    own.xaxis.set_major_locator(FixedLocator(_TICKS))
+    own.xaxis.set_minor_locator(NullLocator())
+    own.xaxis.set_major_formatter("{x:g}")
+    figure.supxlabel("error with learning [% of that without]", fontsize=8.0)
     note = (
-        "catalogue: medians of trees relative to density-scaled sets, held-out objects; own past: "
-        "best model that learned relative to the best without, all replayed mornings"
+        "left: median of trees relative to density-scaled sets, objects not used in training, with 95 % "
+        "intervals (none at minimum); right: best model that learned relative to the best that did not"
     )
-    headline = "Learning from a catalogue helps in active years; from a satellite's own past it does not"
-    style.add_head(figure, headline, note)
+    sure = sum(max(max(share) for share in shares) < 100 for shares in seasons.values())
+    headline = (
+        f"Trees surely help in {sure} season of {len(seasons)}; learning from one satellite's past never does"
+    )
+    style.add_head_and_legend(figure, headline, note, columns=4)
     return figure
 
 

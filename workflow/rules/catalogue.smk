@@ -5,7 +5,6 @@ CATALOGUE_RESIDUALS = product("catalogue/residuals/{test}/{learner}")
 CATALOGUE_SCORES = product("catalogue/scores")
 CATALOGUE_REPORT = product("catalogue/catalogue")
 CATALOGUE_SHARES = product("figs/catalogue/{test}")
-CATALOGUE_GAINS = product("figs/catalogue_gains")
 CATALOGUE_SEASONS = product("figs/catalogue_seasons")
 
 if PLAN.settings.catalogue:
@@ -171,35 +170,6 @@ if PLAN.settings.catalogue:
         benchmark:
             CATALOGUE_SEASONS.benchmark
         params:
-            **drawing("catalogue_seasons", PARAMS.catalogue_seasons),
+            **drawing("catalogue_seasons", PARAMS.catalogue_panels),
         message:
             "Figure: remaining share of SGP4's errors with improved sets, by test"
-
-    use rule errors as catalogue_gains with:
-        input:
-            residuals=[
-                path_of(
-                    rules.catalogue_residuals.output[0],
-                    test=test,
-                    learner=PLAN.settings.catalogue.learners[0],
-                )
-                for test in PLAN.catalogue_gains
-            ],
-            rows=[
-                path_of(
-                    rules.catalogue_rows.output[0],
-                    population=PLAN.catalogue_test(test).population,
-                    test=test,
-                )
-                for test in PLAN.catalogue_gains
-            ],
-        output:
-            **figures(CATALOGUE_GAINS, caption="catalogue_gains", section=SECTIONS["study"]),
-        log:
-            CATALOGUE_GAINS.log,
-        benchmark:
-            CATALOGUE_GAINS.benchmark
-        params:
-            **drawing("catalogue_gains", PARAMS.catalogue_seasons | {"tests": PLAN.catalogue_gains}),
-        message:
-            "Figure: when learning helps, by height, drag and number of sets"

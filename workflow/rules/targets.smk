@@ -51,7 +51,6 @@ BEYOND_FILES = (
 CATALOGUE_FILES = (
     [
         *rules.catalogue_report.output,
-        *rules.catalogue_gains.output,
         *rules.catalogue_seasons.output,
         *(
             path_of(file, test=test)

@@ -21,7 +21,7 @@ from opml.interop.orbit_segments import covariances_in_rsw
 from opml.orbits.density_error import DensityErrors
 from opml.orbits.state_polynomials import FEWEST
 
-USUAL = "as sets at its height usually err"
+USUAL = "is typical of public sets at its height"
 """What is told of a covariance that the object's own past has no part in."""
 
 _LOWEST = 1e-3 * WGS84_A + 80.0  # distance from the Earth's centre below which nothing orbits [km]

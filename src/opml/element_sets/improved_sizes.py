@@ -94,9 +94,9 @@ def _past_of(number: int, better: Improved) -> pd.DataFrame:
 def basis_of(past: pd.DataFrame) -> str:
     """Return what sizes of errors rest on that a past tells, in words."""
     return (
-        f"by {len(past)} predictions of the object's own {past['morning'].nunique()} mornings, compared with "
-        f"later sets; radial and cross-track by {MORNINGS} mornings at most. The usual errors of objects of "
-        "that height count as eight more predictions, and errors that all sets share are added"
+        f"from {len(past)} predictions on {past['morning'].nunique()} mornings of the object, compared with "
+        f"later sets; radial and cross-track from at most {MORNINGS} mornings. Typical errors of objects of "
+        "that height count as eight more predictions, and errors common to all sets are added"
     )
 
 
@@ -167,7 +167,7 @@ def _unproven(usual: pd.DataFrame) -> str:
     """Return what sizes rest on that neither a corrector nor a past tells, in words."""
     if usual.isna().any(axis=None):
         return f"no covariance: errors of such orbits were not learned, and its past is short: {FEW_JUDGED}"
-    return f"usual errors of sets at its height, kind and age: its past is short: {FEW_JUDGED}"
+    return f"typical errors of sets at its height, kind and age: its past is short: {FEW_JUDGED}"
 
 
 def _is_corrected(how: pd.Series) -> bool:

@@ -84,9 +84,10 @@ def summary(table: pd.DataFrame) -> str:
     inside = table["ellipsoid"].dropna()
     if len(inside):
         shares = ", ".join(
-            f"{100.0 * np.mean(inside <= level):.0f} % inside its {100.0 * level:.0f} %" for level in LEVELS
+            f"the {100.0 * level:.0f} % ellipsoid contains {100.0 * np.mean(inside <= level):.0f} %"
+            for level in LEVELS
         )
-        lines.append(f"covariance: {shares}")
+        lines.append(f"of {len(inside)} points {shares}")
     return "\n".join(lines)
 
 

@@ -18,7 +18,7 @@ from opml.orbits.density_error import DensityErrors
 from opml.tables import STATE
 
 LEADS = (0, 1, 3, 5, 7)  # days from the date at which expected errors are stated
-UNKNOWABLE = "burns after the date are not allowed for"  # what no covariance knows
+UNKNOWABLE = "future manoeuvres are not modelled"  # what no covariance knows
 STEP = 60.0  # time between the states of an ephemeris [s]
 _COVARIANCE_EVERY = 10  # states
 _ROUNDED = 1e-6  # by what a number of days may miss a minute [s]

@@ -67,7 +67,7 @@ _FEWEST_TRACKS = 3  # in a fit: of fewer its state is hardly known
 _MOST_WITH_FEWER = 0.1  # part of the fits that may have fewer
 _JUDGED = 3.0  # longest prediction that tells the verdict, as few mornings have longer ones [days]
 _NO_ELEMENTS = dict.fromkeys(("a", "e", "i", "argp", "raan", "mean_anomaly"), np.nan)
-_USUAL = "usual errors of such fits: their own covariance, density, and the weather that may come"
+_USUAL = "typical errors of such fits: their own covariance, density, and the weather ahead"
 
 
 _log = logging.getLogger(__name__)
@@ -386,7 +386,7 @@ def _verdict(
 def _basis(past: pd.DataFrame) -> str:
     """Return what covariances rest on, in words."""
     if past.empty:
-        return f"by the {_USUAL}"
+        return f"from {_USUAL}"
     mornings, longest = past["morning"].nunique(), past["duration"].max() / DAY
-    judged = f"{counted(len(past), 'prediction')} of {counted(mornings, 'morning')}"
-    return f"by {judged} before, up to {longest:.1f} days long, and the {_USUAL}"
+    judged = f"{counted(len(past), 'prediction')} on {counted(mornings, 'morning')}"
+    return f"from {judged} before, up to {longest:.1f} days long, and {_USUAL}"

@@ -203,7 +203,7 @@ def _errors(report: OwnStudyReport, tables: OwnStudyTables) -> Iterator[Block]:
     replays, rows = _by_dataset(tables.replays), []
     for dataset, models in _by_dataset(tables.evaluations).items():
         best = _reference(report, models, replays.get(dataset, {}))
-        yield Paragraph(f"**{', '.join(dataset)}.** Skill is against {best}.")
+        yield Paragraph(f"**{', '.join(dataset)}.** Skill is relative to {best}.")
         before, sizes = next(iter(models.values()))["true"], growth[*dataset, next(iter(models))]
         cells = [*_size_cells(sizes, days, "before"), skill_cell(_summed(before), best.left)]
         rows.append([*dataset, NO_CORRECTION, "no", *cells])

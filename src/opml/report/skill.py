@@ -26,8 +26,9 @@ class Reference:
         name = self.name if self.name == NO_CORRECTION else f"`{self.name}`"
         if self.day is None:
             return f"{name}, the best model without learning, which is known in hindsight only"
-        mornings = f"the mornings over by day {self.day:g}"
-        return f"{name}, of the replayed models without learning the best on {mornings}"
+        return (
+            f"{name}, the best model without training on this object over the mornings up to day {self.day:g}"
+        )
 
 
 def reference(

@@ -346,6 +346,17 @@ class Params:
             "labels": {name: asked.words(name) for name in tests} if asked else {},
         }
 
+    @property
+    def catalogue_panels(self) -> dict[str, Any]:
+        """What the figure of seasons calls its tests: those of late sets repeat a season."""
+        asked = self.plan.settings.catalogue
+        tests = asked.tests if asked else {}
+        on_time = [name for name, test in tests.items() if test.latency_hours is None]
+        return {
+            "epoch": self.run.epoch,
+            "labels": {name: asked.words(name) for name in on_time} if asked else {},
+        }
+
     def catalogue_season(self, wildcards: Wildcards) -> dict[str, Any]:
         """Return the dates of the wildcard `test` of a catalogue."""
         seasons = _seasons(self.plan.catalogue_test(wildcards.test))

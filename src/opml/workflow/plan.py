@@ -82,12 +82,6 @@ class Plan:
         return self.settings.catalogue.latency_hours if own is None else own
 
     @property
-    def catalogue_gains(self) -> list[str]:
-        """Tests of a catalogue whose populations teach themselves, as soon as sets usually come."""
-        tests = self.settings.catalogue.tests if self.settings.catalogue else {}
-        return [name for name, test in tests.items() if test.taught_by is None and test.latency_hours is None]
-
-    @property
     def catalogue_trials(self) -> list[list[str]]:
         """Test and learner of all that is judged of a catalogue."""
         asked = self.settings.catalogue

@@ -79,7 +79,7 @@ def test_a_true_covariance_holds_what_it_says(truth, tmp_path, frame):
     )
     inside = [np.mean(table["ellipsoid"] <= level) for level in (0.5, 0.9)]
     np.testing.assert_allclose(inside, [0.5, 0.9], atol=0.1)
-    assert f"{100 * inside[1]:.0f} % inside its 90 %" in comparison.summary(table)
+    assert f"the 90 % ellipsoid contains {100 * inside[1]:.0f} %" in comparison.summary(table)
 
 
 @pytest.mark.parametrize(

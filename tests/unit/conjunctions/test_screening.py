@@ -115,7 +115,7 @@ def test_mean_elements_have_the_covariance_that_is_usual_for_round_orbits(eccent
     sets = flown_set(tmp_path / "sets.tle", eccentricity=eccentricity)
     found = screened([files[0][0], sets], within=1.5e7)
     assert found
-    remark = ("covariance of 77 as sets at its height usually err",)
+    remark = ("covariance of 77 is typical of public sets at its height",)
     for one in found:
         assert (one.second.covariance is not None) == (one.second.remarks == remark) == (eccentricity < 0.02)
 
@@ -240,7 +240,7 @@ def test_elements_in_the_first_place_are_ours(files, tmp_path):
 
 
 AGES = {
-    "2023-04-29T00:00:00": ["covariance of SAT as sets at its height usually err"],
+    "2023-04-29T00:00:00": ["covariance of SAT is typical of public sets at its height"],
     "2023-04-20T00:00:00": ["elements of SAT 11 d old"],
     "2023-05-12T00:00:00": ["elements of SAT 11 d ahead"],
 }

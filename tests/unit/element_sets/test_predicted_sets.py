@@ -238,7 +238,7 @@ def test_one_set_of_any_orbit_is_flown_by_sgp4(kind, tmp_path, capsys, monkeypat
     outputs = [part for name in ("oem", "html", "json") for part in ("-o", str(tmp_path / f"one.{name}"))]
     assert cli.main(["predict", str(tmp_path / "one.tle"), "--days", "1", *outputs]) == 0
     told = capsys.readouterr().out
-    assert ("along_track" in told) == ("usual errors of sets at its height" in told) == is_learned
+    assert ("along_track" in told) == ("typical errors of sets at its height" in told) == is_learned
     assert ("no covariance: errors of such orbits were not learned" in told) == (not is_learned)
     flown = opml.read_orbit(tmp_path / "one.oem")
     one = mean_elements.read(tmp_path / "one.tle")
@@ -452,7 +452,7 @@ def test_an_object_that_burned_lately_is_wide_and_says_so(tmp_path):
     assert "wide: its sets show burns, the last of 1 in 20 days on 20" in burned.reason
     missed = burned.past.groupby("lead")["left"].quantile(0.9) / 1.6449
     assert burned.sizes.loc[7, "s"] >= missed[7] > 10 * still.sizes.loc[7, "s"]
-    assert burned.segment().remark.endswith("burns after the date are not allowed for")
+    assert burned.segment().remark.endswith("future manoeuvres are not modelled")
 
 
 def test_a_burn_that_is_not_yet_known_or_long_ago_does_not_count(tmp_path):

@@ -84,7 +84,7 @@ def test_its_covariance_holds_the_truth(made, orbit):
     assert sigmas[-1, 1] > 5.0 * sigmas[0, 1]
     assert sigmas[-1, 1] < 2e3
     assert re.fullmatch(
-        r"by 2\d predictions of 3 mornings before, up to 2\.\d days long, and the usual .*", made.basis
+        r"from 2\d predictions on 3 mornings before, up to 2\.\d days long, and typical .*", made.basis
     )
     assert np.linalg.eigvalsh(made.covariances(made.t, made.states(made.t))).min() > 0.0
 
@@ -108,7 +108,7 @@ def short(hours):
 
 def test_a_past_of_hours_has_the_covariance_of_its_fit(short, orbit):
     assert (short.verdict.word, short.date) == (UNPROVEN, "2016-09-28T19:21:45")
-    assert short.basis.startswith("by the usual errors of such fits")
+    assert short.basis.startswith("from typical errors of such fits")
     assert short.past.empty
     errors, sigmas = off(short, orbit, 0.3)
     assert (np.abs(errors) < 3.0 * sigmas).all()

@@ -288,7 +288,9 @@ def test_the_study_leads_with_metres_and_skill_against_the_best_without_learning
     assert told.startswith("# The study of lares\n")
     assert titles.index("The paper's measure: models against splits") > 0
     assert "no training day touches these predictions" in told
-    assert "Skill is against `running`, the best model without learning, which is known in hindsight" in told
+    assert (
+        "Skill is relative to `running`, the best model without learning, which is known in hindsight" in told
+    )
     rows = rows_of(told, "Errors and skill")
     assert {model: cells[0] for model, cells in rows.items()} == {
         "no correction": "no",
@@ -303,7 +305,7 @@ def test_the_study_leads_with_metres_and_skill_against_the_best_without_learning
 def test_a_split_that_training_days_touch_says_so():
     text = report_of(own_of(splits={"past": ["random-50", "rest"]}, learners=["svr"]))
     assert "training days touch these predictions, which flatters models that learn" in text
-    assert "Skill is against no correction, the best model without learning" in text
+    assert "Skill is relative to no correction, the best model without learning" in text
 
 
 def test_the_best_without_learning_is_the_pasts_where_mornings_were_replayed():
@@ -314,7 +316,10 @@ def test_the_best_without_learning_is_the_pasts_where_mornings_were_replayed():
     text = report_of(
         own, evaluations={one: poor for one in own.stated if one[-1] == "running"}, replays=replays
     )
-    assert "Skill is against `running`, of the replayed models without learning the best on" in text
+    assert (
+        "Skill is relative to `running`, the best model without training on this object over the mornings up"
+        in text
+    )
     assert rows_of(text, "Errors and skill")["`mechanism`"][-1] == "50"
 
 
