@@ -1,11 +1,16 @@
-"""Write docs/data*.md, config/keys.md, the notebook and editors' schema: `python -m validation.pages`."""
+"""Write the pages that the package declares, and editors' schema: `python -m validation.pages`."""
 
 from opml.base.files import replacing
 from opml.study.settings import editor_schema
 from validation.case import ROOT
-from validation.pages import notebook, settings, tables
+from validation.pages import board, notebook, settings, tables
 
-PAGES = {**tables.pages(), settings.KEYS: settings.keys_page, notebook.NOTEBOOK: notebook.text}
+PAGES = {
+    **tables.pages(),
+    settings.KEYS: settings.keys_page,
+    board.TABLE: board.page,
+    notebook.NOTEBOOK: notebook.text,
+}
 
 if __name__ == "__main__":
     for path, text in PAGES.items():

@@ -56,14 +56,15 @@ def accuracy(errors: Mapping[tuple[str, str], Mapping[int, float]]) -> Figure:
         name, color, marker = _KINDS[kind]
         label = name if body in _MANY else f"{name}, {body}"
         ends[label], colors[label] = sizes[LEADS[-1]], color
-        axes.plot(list(sizes), list(sizes.values()), color=color, marker=marker)
+        is_whole = len(sizes) == len(LEADS)
+        axes.plot(list(sizes), list(sizes.values()), color=color, marker=marker, ls="-" if is_whole else ":")
     axes.set(xscale="log", yscale="log", xlim=(0.9, 7.5), xlabel="lead time [d]")
     axes.set_xticks(LEADS, [str(lead) for lead in LEADS])
     axes.xaxis.set_minor_locator(NullLocator())
     axes.yaxis.set_major_formatter(FuncFormatter(metres))
     axes.set_ylabel("median along-track error")
     name_ends(axes, ends, colors)
-    note = "medians of the table below; months and references differ"
+    note = "medians of the table below; dotted: not measured in between; months and references differ"
     style.add_head(axes.figure, "Better data and higher orbits: from kilometres to metres", note)
     return figure
 

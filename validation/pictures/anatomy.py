@@ -82,7 +82,7 @@ def anatomy(rows: pd.DataFrame) -> Figure:
     sizes = rows[[*CAUSES, "error"]].abs().groupby(np.ceil(rows["lead"])).median()
     _sizes(usual, sizes)
     week = metres(rounded(float(sizes["error"].iloc[-1])))
-    headline = f"The fit's Cd offsets the weather until the weather changes: {week} off after a week"
+    headline = f"The fit's Cd offsets the weather until the weather changes: a median of {week} after a week"
     note = (
         "ISS-based RSO, three radars, fits of 12 h, simulated under observed weather, predicted under "
         f"monthly means; right: medians of {len(rows)} predictions from {rows['i'].nunique()} fits in "
@@ -98,7 +98,8 @@ def _stack(axes: Axes, example: pd.DataFrame) -> None:
     for cause in CAUSES:
         part = example[cause].to_numpy()
         for base, shown in ((above, np.maximum(part, 0.0)), (below, np.minimum(part, 0.0))):
-            axes.fill_between(lead, base, base + shown, color=COLORS[cause], alpha=0.75, lw=0.0)
+            label = cause if base is above else None
+            axes.fill_between(lead, base, base + shown, color=COLORS[cause], alpha=0.75, lw=0.0, label=label)
             base += shown
     axes.plot(lead, example["error"], color=style.TRUE_COLOR, label="error")
     axes.set_title(f"one prediction, from day {example['t_i'].iloc[0]:.2f}", loc="left", fontsize=8.0)

@@ -80,11 +80,10 @@ def claimed_sizes(objects: pd.DataFrame) -> Figure:
         panels, (known[low], known[~low]), (f"below {SPLIT:g} km", f"above {SPLIT:g} km"), strict=True
     ):
         axes.vlines(rows["days"], rows["claimed"], rows["usual"], color=style.MUTED, linewidth=0.6)
-        axes.plot(
-            rows["days"], rows["claimed"], "o", color=style.TRUE_COLOR, label="claimed by the catalogue"
-        )
-        look = {"color": style.RESIDUAL, "markerfacecolor": "white"}
-        axes.plot(rows["days"], rows["usual"], "D", label="usual error of a public set", **look)
+        look = {"color": style.RESIDUAL, "ms": 5.0, "markerfacecolor": "none"}
+        axes.plot(rows["days"], rows["usual"], "D", label="typical of a public set", **look)
+        look = {"color": style.TRUE_COLOR, "ms": 2.5}
+        axes.plot(rows["days"], rows["claimed"], "o", label="claimed by the catalogue", **look)
         axes.set(yscale="log", xlabel="from the message to the approach [d]")
         axes.set_title(f"{title}: {len(rows)} objects", loc="left", fontsize=style.NOTE_SIZE)
         axes.yaxis.set_major_formatter(FuncFormatter(metres))
@@ -93,7 +92,7 @@ def claimed_sizes(objects: pd.DataFrame) -> Figure:
     note = f"{len(known)} objects in conjunctions of NASA's CARA, 2021 to 2023; lines join both of an object"
     style.add_head(
         figure,
-        "After four days, public sets err little more than the catalogue claims of its own orbits",
+        "After four days, public sets are little worse than what the catalogue claims for its own orbits",
         note,
     )
     return figure
