@@ -430,8 +430,11 @@ def predict(
 
 
 def _paths(what: str, files: FilePath | Iterable[FilePath]) -> list[FilePath]:
-    """Return one path or several as a list. Raises InputError for none."""
-    paths = [files] if isinstance(files, (str, os.PathLike)) else list(files)
+    """Return one path or several as a list. Raises InputError for none, and for what is none."""
+    paths = list(files) if isinstance(files, Iterable) and not isinstance(files, str) else [files]
+    for one in paths:
+        if not isinstance(one, (str, os.PathLike)):
+            raise InputError(f"{what}: expected files, got {one!r}")
     if not paths:
         raise InputError(f"{what}: expected files, got none")
     return paths
@@ -449,8 +452,8 @@ def read_orbit(*paths: FilePath, object: str | int | None = None) -> KnownOrbit:
     >>> orbit.to_pandas().columns.tolist()
     ['utc', 'x', 'y', 'z', 'vx', 'vy', 'vz', 'sigma_r', 'sigma_s', 'sigma_w']
     """
-    together = [one for each in _paths("read_orbit", paths) for one in _paths("read_orbit", each)]
-    return known_orbits.read(together, None if object is None else str(object))
+    together = [one for each in paths for one in _paths("read_orbit", each)]
+    return known_orbits.read(_paths("read_orbit", together), None if object is None else str(object))
 
 
 def compare(ours: KnownOrbit | PredictedOrbit, other: KnownOrbit | PredictedOrbit) -> pd.DataFrame:

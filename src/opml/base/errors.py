@@ -6,3 +6,7 @@ class InputError(Exception):
 
     def __init__(self, message: str) -> None:
         super().__init__(" ".join(str(message).split()))
+
+
+class OtherContentError(InputError):
+    """A file that belongs beside those that were asked for, such as a list of objects beside their sets."""

@@ -107,6 +107,9 @@ def readable(path: FilePath, leave_out_damaged: bool = False) -> list[ElementSet
         raise damaged[0]
     if damaged:
         _log.warning("%s: damaged sets left out: %d, the first: %s", path, len(damaged), damaged[0])
+    if supplemental := sum(one.satellite.classification == "C" for one in sets):
+        told = "%s: sets of operators' ephemerides: %d: burns to come are in them, errors are of others"
+        _log.warning(told, path, supplemental)
     return sets
 
 

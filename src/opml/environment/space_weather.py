@@ -79,6 +79,8 @@ def read(path: str | Path, text: str) -> pd.DataFrame:
     for line, date_text, figures, is_measured in listed:
         if not _has_kp(figures):
             _check_ends(path, line, "eight Kp", listed)
+            if is_measured:
+                _log.warning("%s: line %d: day left out, without eight Kp: is the file cut?", path, line)
             break
         days.append(_day(path, line, date_text, figures, is_measured))
         if len(days) > 1 and days[-1][0] != days[-2][0] + 1:

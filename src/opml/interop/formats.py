@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, cast
 
-from opml.base.errors import InputError
+from opml.base.errors import InputError, OtherContentError
 from opml.base.files import FilePath
 from opml.interop import fixes_csv, oem
 from opml.interop.element_sets import omm, tle
@@ -21,6 +21,7 @@ from opml.tables import is_table
 ORBIT, TRACKS, ELEMENTS = "an orbit", "tracks", "element sets"
 CONJUNCTION, TABLE = "a conjunction", "a table of opml"
 _OTHER = "a file that is not read here"
+_BESIDE = "a file that belongs beside element sets"
 _SHOWN = 400  # bytes of an unknown file, in whose first line an error shows what it is
 
 
@@ -63,10 +64,19 @@ def _text(path: FilePath, content: bytes) -> str:
     return text
 
 
+def _is_other_json(content: bytes) -> bool:
+    return re.match(rb"\[?\s*\{", content) is not None and b"MEAN_MOTION" not in content
+
+
 FORMATS = (
+    Format("a list of objects (SATCAT)", _BESIDE, _begins(rb"[^\n]{,2000}\b(?:OPS_STATUS_CODE|SATNAME)\b")),
+    Format("a list of objects (SATCAT)", _BESIDE, _begins(rb"\d{4}-\d{3}[A-Z ]{3}\s+\d{5}\s")),
+    Format("space weather", _BESIDE, _begins(rb"DATE,BSRN,|DATATYPE CssiSpaceWeather")),
+    Format("Earth orientation", _BESIDE, _begins(rb"DATE,MJD,")),
     Format("Space-Track: a login that failed", _OTHER, _begins(rb"\{\s*\"Login\"\s*:\s*\"Failed")),
     Format("Space-Track: an error", _OTHER, _begins(rb"\[?\s*\{\s*\"error\"\s*:")),
     Format("TLE", ELEMENTS, tle.matches, _of_text(tle.pieces)),
+    Format("JSON without MEAN_MOTION", _OTHER, _is_other_json),
     Format("OMM", ELEMENTS, _begins(rb"[\[{]"), _of_text(omm.read_json)),
     Format("OMM", ELEMENTS, _message(b"OMM"), _of_text(omm.read_messages)),
     Format("OMM", ELEMENTS, omm.is_csv, _of_text(omm.read_csv)),
@@ -79,7 +89,7 @@ FORMATS = (
     Format("CDM", CONJUNCTION, _message(b"CDM")),
     Format("Parquet", TABLE, is_table),
     Format("laser ranges (CRD)", _OTHER, _begins(rb"H1\s+CRD\b")),
-    Format("a web page", _OTHER, _begins(rb"<(?:!DOCTYPE\s+)?html\b")),
+    Format("a web page", _OTHER, _begins(rb"(?:<\?xml[^>]*>\s*)?<(?:!DOCTYPE\s+)?html\b")),
     Format("CelesTrak: not updated", _OTHER, _begins(rb"GP data has not updated")),
     Format("CelesTrak: no such object", _OTHER, _begins(rb"No (?:Sup)?GP data found")),
     Format("CelesTrak: an invalid query", _OTHER, _begins(rb"Invalid query")),
@@ -106,7 +116,8 @@ def of(path: FilePath, content: bytes, *kinds: str) -> Format:
     if known is not None and known.kind in kinds:
         return known
     expected = " or ".join(f"{kind} ({names(kind)})" for kind in kinds)
-    raise InputError(f"{path}: expected {expected}, got {known.name if known else _shown(content)}")
+    error = OtherContentError if known and known.kind == _BESIDE else InputError
+    raise error(f"{path}: expected {expected}, got {known.name if known else _shown(content)}")
 
 
 def kind_of(path: FilePath, *kinds: str) -> str:

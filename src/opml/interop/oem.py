@@ -72,7 +72,7 @@ class Segment:
     states: np.ndarray  # (n, 6) in GCRF [m, m/s]
     covariance_t: np.ndarray = field(default_factory=lambda: np.empty(0))
     covariances: np.ndarray = field(default_factory=lambda: np.empty((0, 6, 6)))  # (m, 6, 6) [m, m/s]
-    covariance_frame: str = "GCRF"  # GCRF, or RSW of the states
+    covariance_frame: str | np.ndarray = "GCRF"  # GCRF, or RSW of the states; of all, or (m,) of each
     remark: str = ""  # comment in the metadata
     degree: int = 0  # of the Hermite interpolation of the states; 0 leaves it open
     identity: ObjectId = UNKNOWN  # what else than the name identifies the object
@@ -322,8 +322,8 @@ def _states(message: ccsds.Message, epoch: str) -> _States:
 
 def _covariances(
     message: ccsds.Message, frame: str, scale: str, epoch: str
-) -> tuple[np.ndarray, np.ndarray, str, DensityErrors | None]:
-    """Return times, covariances in GCRF or axes of the states, their axes, and errors of the density.
+) -> tuple[np.ndarray, np.ndarray, str | np.ndarray, DensityErrors | None]:
+    """Return times, covariances in GCRF or axes of the states, these axes, and errors of the density.
 
     frame: of the states, which counts for covariances that name none
     """
@@ -343,22 +343,19 @@ def _covariances(
         message.take()
     t = message.times(times, numbers, epoch=epoch, scale=scale)
     check_ascending(message.path, t, np.array(numbers))
-    axes = {_AXES.get(own, "") for own in frames} or {"GCRF"}
-    if "" in axes:
-        wrong = next(k for k, own in enumerate(frames) if own not in _AXES)
-        told = "%s: line %d: covariances left out: expected COV_REF_FRAME = %s, got %s"
-        _log.warning(told, message.path, numbers[wrong], " or ".join(_AXES), frames[wrong])
-        return np.empty(0), np.empty((0, 6, 6)), "GCRF", None
-    if len(axes) > 1:
-        other = next(k for k, own in enumerate(frames) if _AXES[own] != _AXES[frames[0]])
-        expected = f"COV_REF_FRAME = {frames[0]} for all covariances of a segment"
-        raise message.error(expected, frames[other], numbers[other])
-    if "GCRF" in axes:
-        for own in set(frames):
-            rows = [k for k, frame in enumerate(frames) if frame == own]
-            for k, turn in zip(rows, _turns(own, epoch, t[rows]), strict=True):
-                covariances[k] = turn @ covariances[k] @ turn.T
-    return t, np.reshape(covariances, (len(t), 6, 6)), axes.pop(), density
+    axes = np.array([_AXES.get(own, "") for own in frames], dtype=str)
+    if (wrong := np.flatnonzero(axes == "")).size:
+        told = "%s: line %d: covariances left out: %d: expected COV_REF_FRAME = %s, got %s"
+        first = int(wrong[0])
+        _log.warning(told, message.path, numbers[first], wrong.size, " or ".join(_AXES), frames[first])
+    for own in {frame for frame in frames if _AXES.get(frame) == "GCRF"}:
+        rows = [k for k, frame in enumerate(frames) if frame == own]
+        for k, turn in zip(rows, _turns(own, epoch, t[rows]), strict=True):
+            covariances[k] = turn @ covariances[k] @ turn.T
+    kept = np.flatnonzero(axes != "")
+    known = np.reshape(covariances, (len(t), 6, 6))[kept]
+    alike = str(axes[kept[0]]) if len(set(axes[kept])) == 1 else axes[kept]
+    return t[kept], known, alike if kept.size else "GCRF", density if kept.size else None
 
 
 def _density(message: ccsds.Message, scale: str, epoch: str) -> DensityErrors | None:

@@ -47,7 +47,7 @@ class Arc:
     sigmas: np.ndarray | None = None  # (n, 6) of the nodes in RSW [m, m/s], NaN where the file has none
     covariance_t: np.ndarray = field(default_factory=lambda: np.empty(0))  # (m,) [s since the run's epoch]
     covariances: np.ndarray = field(default_factory=lambda: np.empty((0, 6, 6)))  # (m, 6, 6) [m, m/s]
-    covariance_frame: str = "GCRF"  # axes of the covariances: GCRF, or RSW or TNW of the states
+    covariance_frame: str | np.ndarray = "GCRF"  # their axes, of all or each: GCRF, or RSW, TNW of the states
     density: DensityErrors | None = None  # the part of the covariances that other objects share
     known: float | None = None  # when the file was made [s since the run's epoch]; None: it does not say
 
@@ -132,7 +132,9 @@ def check_ascending(path: FilePath, t: np.ndarray, lines: np.ndarray) -> None:
     """Raise InputError where a time (n,) [s] is not later than the time before it."""
     back = np.flatnonzero(np.diff(t) <= 0.0)
     if back.size:
-        raise line_error(path, int(lines[back[0] + 1]), "a later epoch than before", "none")
+        gap = t[back[0]] - t[back[0] + 1]
+        got = f"one {gap:g} s earlier" if gap else "the same"
+        raise line_error(path, int(lines[back[0] + 1]), "a later epoch than before", got)
 
 
 def seconds_since(epoch: str, calendar: np.ndarray, scale: str) -> np.ndarray:

@@ -57,12 +57,13 @@ def covariances_in_rsw(
     states_at: its GCRF states (n, 6) at times (n,), NaN where unknown: there, covariances are left out
     """
     t, covariances = segment.covariance_t, segment.covariances
-    if segment.covariance_frame == "RSW" or not len(t):
+    axes = np.broadcast_to(np.asarray(segment.covariance_frame, dtype=str), len(t))
+    if np.all(axes == "RSW"):
         return t, covariances
     states = states_at(t)
     known = np.isfinite(states).all(axis=1)
-    turns = rsw_rotation(states[known])
-    if segment.covariance_frame == "TNW":
-        turns = turns @ tnw_rotation(states[known]).transpose(0, 2, 1)
+    turns, axes = rsw_rotation(states[known]), axes[known]
+    turns[axes == "TNW"] @= tnw_rotation(states[known][axes == "TNW"]).transpose(0, 2, 1)
+    turns[axes == "RSW"] = np.eye(3)
     both = np.kron(np.eye(2), turns)
     return t[known], both @ covariances[known] @ both.transpose(0, 2, 1)

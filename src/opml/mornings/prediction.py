@@ -16,7 +16,7 @@ import numpy as np
 import pandas as pd
 
 from opml.base import epochs
-from opml.base.constants import DAY, HOUR
+from opml.base.constants import DAY, HOUR, WGS84_A
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.base.progress import Progress, counted, with_time_left
@@ -48,12 +48,13 @@ from opml.mornings.records import Records
 from opml.mornings.verdicts import OLDEST, Verdict
 from opml.mornings.watched_object import MorningPlan, ObjectPropagators, Watched
 from opml.orbits.sheets import Rso, Station
-from opml.tables import STATE_COVARIANCES, state_rows, symmetric_matrices
+from opml.tables import STATE, STATE_COVARIANCES, state_rows, symmetric_matrices
 
 MORNINGS = 7  # mornings before the date that are run again
 STRETCH = 6.0  # length of a stretch of points [h], whose estimate is at its first
 SIGMA = 10.0  # standard deviation of positions whose file tells none [m]
 GUESS = 0.01  # area to mass of a body that nobody knows [m2/kg]
+LIT = 1000e3  # height above which light presses more than drag does [m]
 LONGEST = 7.0  # days that a prediction reaches at most
 _EVERY = 120.0  # between points [s]: each is an end of a step
 _ANY = "2000-01-01T12:00:00"
@@ -222,6 +223,10 @@ def predict(request: Request, settings: OrbitSettings, *, progress: Progress) ->
     if rms > _ROUGH_FIT:
         asked = "are sigmas, frame, axes and times right, or did it burn?"
         _log.warning("%s: measurements are off their fit by %.0f sigma: %s", request.files[0], rms, asked)
+    height = float(np.linalg.norm(made[STATE[:3]].iloc[0])) - WGS84_A
+    if request.area_to_mass is None and height > LIT:
+        told = "%s: area to mass is a guess, %g m2/kg: light presses by it, more than drag: give it"
+        _log.warning(told, request.files[0], GUESS)
     expected = f"{request.files[0]}: expected an orbit for {request.days:g} days, got"
     try:
         light = usual_errors.GUESSED if request.area_to_mass is None else usual_errors.GIVEN
@@ -230,7 +235,8 @@ def predict(request: Request, settings: OrbitSettings, *, progress: Progress) ->
         raise InputError(f"{expected} fits over several windows that differ too fast") from None
     t = issued_last.table["t"].to_numpy() - times.date
     if t[-1] < DAY * request.days:
-        raise InputError(f"{expected} one that comes down, or is hardly determined, after {t[-1] / DAY:.1f}")
+        ends = f"after {t[-1] / DAY:.1f}" if t[-1] > 0.0 else "as little was measured before the date"
+        raise InputError(f"{expected} one that comes down, or is hardly determined, {ends}")
     past = issued_last.past.assign(lead=issued_last.past["duration"] / DAY, left=issued_last.past["e_y"])
     return FittedOrbit(
         watched.identity,

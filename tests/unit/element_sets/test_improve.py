@@ -316,6 +316,23 @@ def test_no_bad_file_stops_a_run(tmp_path, capsys, caplog):
     assert any(name in refused.splitlines()[-1] for name in BAD)
 
 
+SATCAT = "OBJECT_NAME,OBJECT_ID,NORAD_CAT_ID,OPS_STATUS_CODE\nSL-1 R/B,1957-001A,1,D\n"
+
+
+def test_what_belongs_beside_sets_is_passed_over_however_few_they_are(tmp_path, caplog):
+    """Sets of operators' ephemerides are told from others by their class."""
+    folder = tmp_path / "gp"
+    folder.mkdir()
+    (folder / "satcat.csv").write_text(SATCAT)
+    assert "satcat.csv: expected element sets (TLE, OMM), got a list of" in refusal(catalogue.read, [folder])
+    lines = sinking_histories.sets_of(101, 2)
+    lines[2] = lines[2].replace("U", "C", 1)
+    (folder / "sets.tle").write_text("\n".join(lines) + "\n")
+    assert len(catalogue.read([folder]).table) == 2
+    assert re.search(r"passed over: .*satcat\.csv: expected .*, got a list of objects", caplog.text)
+    assert "sets.tle: sets of operators' ephemerides: 1: burns to come are in them" in caplog.text
+
+
 @pytest.mark.parametrize("name", BAD)
 def test_a_bad_file_alone_is_told_in_a_line(name, tmp_path, capsys):
     content, words = BAD[name]

@@ -213,6 +213,15 @@ def test_what_cannot_be_used_is_named_in_one_line(weather, old, new, message):
     assert f"weather.txt: {message}" in refusal(activity, path, "2016-12-30T12:00:00")
 
 
+@pytest.mark.parametrize("cells", [1, 4, 8])
+def test_a_day_that_is_cut_before_its_last_kp_is_left_out_and_told(weather, cells, caplog):
+    lines = CSV.splitlines()
+    last = max(k for k, line in enumerate(lines) if ",OBS" in line)
+    path = weather("\n".join([*lines[:last], ",".join(lines[last].split(",")[:cells])]))
+    space_weather.read(path, path.read_text())
+    assert f"line {last + 1}: day left out, without eight Kp: is the file cut?" in caplog.text
+
+
 def test_a_predicted_day_between_measured_ones_is_told(weather):
     path = weather(CSV.replace("80.0,1.0,OBS", "80.0,1.0,PRD"))
     assert "line 4: expected a measured day, as line 5 has, got none" in refusal(known_weather.read, path)

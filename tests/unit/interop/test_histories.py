@@ -110,6 +110,7 @@ NOTATIONS = {
     "units in xml": xml(*SETS).replace("<MEAN_MOTION>", '<MEAN_MOTION units="rev/day">'),
     "json": json.dumps(SETS),
     "indented": json.dumps(SETS, indent=1),
+    "wrapped": json.dumps({"request_metadata": {"Total": 4, "data": []}, "data": SETS}),
     "numbers": json.dumps(
         [one | {"BSTAR": 0.0003, "NORAD_CAT_ID": 12345, "DECAY_DATE": None} for one in SETS]
     ),

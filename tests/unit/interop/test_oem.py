@@ -1,6 +1,7 @@
 """OEM: what is written comes back bit for bit, and what is malformed is named by file and line."""
 
 import gzip
+import re
 
 import erfa
 import numpy as np
@@ -313,13 +314,32 @@ def test_radial_along_and_across_has_many_names(of_estimates, frame):
     np.testing.assert_array_equal(arc.covariances, expected.covariances)
 
 
+@pytest.mark.parametrize("other", ["TNW", "GCRF", "SEZ"])
+def test_covariances_of_a_segment_may_have_axes_of_their_own(of_estimates, other, caplog):
+    """Of two covariances of one segment, each is turned as if it were alone, or left out."""
+    path, _ = of_estimates
+    text = path.read_text()
+
+    def in_rsw(*frames):
+        parts = iter(frames)
+        path.write_text(re.sub("(?<=COV_REF_FRAME = )GCRF", lambda _: next(parts), text))
+        (segment,) = orbit_segments.read(path, epoch=EPOCH)
+        return orbit_segments.covariances_in_rsw(segment, lambda t: segment.states[np.isin(segment.t, t)])
+
+    (t, mixed), (_, rsw), (_, alone) = in_rsw("RSW", other), in_rsw("RSW", "RSW"), in_rsw(other, other)
+    assert t.tolist() == [0.0, 200.0][: len(mixed)]
+    np.testing.assert_allclose(mixed, [rsw[0], *alone[1:]], rtol=1e-12)
+    assert len(mixed) == 1 + (other != "SEZ")
+    assert ("covariances left out: 1: expected COV_REF_FRAME" in caplog.text) == (other == "SEZ")
+
+
 @pytest.mark.parametrize("frame", ["ITRF-97", "RSW_ROTATING", "SEZ"])
 def test_an_unknown_frame_of_covariances_costs_these_alone(of_estimates, frame, caplog):
     path, _ = of_estimates
     path.write_text(path.read_text().replace("COV_REF_FRAME = GCRF", f"COV_REF_FRAME = {frame}"))
     (arc,) = arcs(path)
     assert (arc.t.tolist(), len(arc.covariances)) == ([0.0, 200.0], 0)
-    assert ": covariances left out: expected COV_REF_FRAME = GCRF or" in caplog.text
+    assert ": covariances left out: 2: expected COV_REF_FRAME = GCRF or" in caplog.text
 
 
 def test_frames_of_date_are_turned_to_ours(message, orbit):

@@ -192,6 +192,12 @@ def test_a_mirrored_orbit_is_told(orbit, tmp_path, caplog):
     assert re.fullmatch(r".*iss\.oem: measurements are off their fit by \d+ sigma: are .*", told)
 
 
+def test_a_guessed_body_is_told_where_light_presses_more_than_drag(hours, monkeypatch, caplog):
+    monkeypatch.setattr("opml.mornings.prediction.LIT", 0.0)
+    made_of(hours, date=None, area_to_mass=None)
+    assert "iss.oem: area to mass is a guess, 0.01 m2/kg: light presses by it" in caplog.text
+
+
 def test_a_date_that_does_not_exist_is_refused(hours):
     expected = "date: expected an instant that exists, got '2016-02-30T00:00:00'"
     assert refusal(made_of, hours, date="2016-02-30T00:00:00").startswith(expected)
@@ -210,6 +216,9 @@ def test_an_orbit_that_is_hardly_determined_is_refused(hours, monkeypatch):
     assert re.fullmatch(
         r".*iss\.oem: expected an orbit for 1 days, got one that comes down, or .* after 0\.\d", said
     )
+    monkeypatch.setattr(issued, "ephemeris", lambda *path, at: made(*path, at=at).head(1))
+    assert refusal(made_of, hours, date=None).endswith("as little was measured before the date")
+    monkeypatch.setattr(issued, "ephemeris", made)
     monkeypatch.setattr(along_track_shift, "LEAST_EPOCHS", 10**6)
     assert "expected at least 1000000 epochs to correct" in refusal(made_of, hours, date=None)
     monkeypatch.setattr(along_track_shift, "ROUGH", 0.0)

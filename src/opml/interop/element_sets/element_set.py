@@ -14,7 +14,7 @@ from sgp4.api import SGP4_ERRORS, WGS72, Satrec
 
 from opml.base import epochs
 from opml.base.constants import DAY, EARTH_GM, WGS84_A
-from opml.base.errors import InputError
+from opml.base.errors import InputError, OtherContentError
 from opml.base.files import FilePath
 from opml.interop import ccsds
 from opml.interop.orbit_arcs import line_error
@@ -210,17 +210,23 @@ def each(
 def of_files(paths: Sequence[FilePath], read: Callable[[FilePath], Iterable[ElementSet]]) -> list[ElementSet]:
     """Return the sets of all files; files that cannot be read are skipped, counted and named in the log.
 
-    Raises the InputError of the first of them where they are more than one in _BAD_FILES.
+    Lists of objects, and what else belongs beside sets, are passed over. Raises the InputError of the first
+    of the others where they are more than one in _BAD_FILES, and where there is nothing else.
     """
     bad: list[InputError] = []
+    beside: list[InputError] = []
     sets: list[ElementSet] = []
     for path in paths:
         try:
             sets += read(path)
+        except OtherContentError as error:
+            beside.append(error)
         except InputError as error:
             bad.append(error)
-    if _BAD_FILES * len(bad) > len(paths):
-        raise bad[0]
+    if _BAD_FILES * len(bad) > len(paths) or len(beside) == len(paths) > 0:
+        raise (bad or beside)[0]
+    for reason in beside:
+        _log.warning("passed over: %s", reason)
     for reason in bad:
         _log.warning("skipped, a file of %d in %d: %s", len(bad), len(paths), reason)
     return sets

@@ -194,7 +194,8 @@ class _Values:
         """Return the time of a key as UTC text, to the microsecond. Raises InputError where it is none."""
         text = time_text(self.known, key)
         if text is None or not _FIRST_YEAR <= text[:4] <= _LAST_YEAR:
-            raise self._error(key, f"a time from {_FIRST_YEAR} to {_LAST_YEAR} like 2016-09-28T12:09:45")
+            years = f"a time from {_FIRST_YEAR} to {_LAST_YEAR}, in no leap second"
+            raise self._error(key, f"{years}, like 2016-09-28T12:09:45")
         return text
 
     def _error(self, key: str, expected: str) -> InputError:
@@ -256,7 +257,8 @@ def read_json(path: FilePath, text: str) -> Iterator[Record]:
     while (at := _after_separators(text, end)) < len(text):
         line += text.count("\n", end, at)
         value, end = decoder.raw_decode(text, at)
-        yield Record(line, _pairs(line, value))
+        for one in _wrapped(value):
+            yield Record(line, _pairs(line, one))
         line += text.count("\n", at, end)
 
 
@@ -268,6 +270,12 @@ def _after_separators(text: str, start: int) -> int:
 
 class _Members(list[tuple[str, Any]]):
     """The members of a JSON object, those of the same key among them."""
+
+
+def _wrapped(value: Any) -> list[Any]:
+    """Return the sets that Space-Track wraps together with metadata of the request; else the value alone."""
+    data = dict(value).get("data") if isinstance(value, _Members) else None
+    return data if isinstance(data, list) and not isinstance(data, _Members) else [value]
 
 
 def _pairs(line: int, value: Any) -> list[Pair]:
