@@ -30,4 +30,4 @@ def test_the_stack_of_one_prediction_ends_at_the_sums_of_its_parts(rows):
 
 def test_the_headline_has_the_median_error_of_the_last_day(rows):
     title = anatomy(rows).get_suptitle()
-    assert title.startswith("The fit's Cd offsets the weather until the weather changes: 7.3 km off")
+    assert title.startswith("The fit's Cd offsets the weather until the weather changes: a median of 7.3 km")
