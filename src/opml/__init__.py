@@ -1,7 +1,7 @@
 """Orbit prediction improved by machine learning: a simulated catalogue, and its predictions corrected.
 
-The names in `__all__` are the library's face, each documented in `opml.api`, and are imported when they are
-first asked for.
+The names in `__all__` are the library's face, each documented in `opml.api`, and are imported at
+first use.
 """
 
 from importlib import import_module
@@ -26,6 +26,7 @@ __all__ = [
     "Station",
     "compare",
     "correct",
+    "daily_learner",
     "dataset",
     "ephemeris",
     "estimate",
@@ -33,7 +34,6 @@ __all__ = [
     "force_model",
     "label",
     "learn",
-    "lessons",
     "make_environment",
     "p_ml",
     "predict",

@@ -53,7 +53,7 @@ from opml.learning.judge.evaluation import evaluate
 from opml.learning.judge.standardised_by_test import as_tested
 from opml.learning.models import learners
 from opml.learning.models.contract import Model
-from opml.learning.models.daily_training import Lessons
+from opml.learning.models.daily_training import DailyLearner
 from opml.mornings.prediction import Request
 from opml.orbits.sheets import Rso, Station
 from opml.orbits.sheets import read_rsos as _read_rsos
@@ -286,7 +286,7 @@ def read_fixes(
     orientation = environment.earth_orientation
     files = OrbitFiles(paths, environment.epoch, orientation["t"].iloc[-1] - MARGIN_S)
     points = points_from_files.read(files, orientation, points_from_files.Sampling(sigmas, every))
-    return fixes.stretches(points, length=stretch)
+    return fixes.arcs(points, length=stretch)
 
 
 def read_laser_ranges(
@@ -593,26 +593,26 @@ def p_ml(evaluation: pd.DataFrame) -> float:
     return metrics.p_ml(evaluation["true"].to_numpy(), evaluation["predicted"].to_numpy())
 
 
-def lessons(
+def daily_learner(
     dataset: pd.DataFrame, *, learner: Mapping[str, Any] = LEARNER, first_day: float = 0.0, seed: int = 42
-) -> Lessons:
-    """Return a learner of e_y that is trained anew each morning, on errors of the dataset known by then.
+) -> DailyLearner:
+    """Return a learner of e_y that is retrained each morning, on errors of the dataset known by then.
 
     learner: as under `learners` in the settings; first_day: of the rows to train on; seed: of its draws.
 
-    >>> daily = opml.lessons(rows, learner={"kind": "none"})  # two days are too short for a law
+    >>> daily = opml.daily_learner(rows, learner={"kind": "none"})  # two days are too short for a law
     >>> bool(daily.learns)
     False
     """
     settings = learners.resolved(
         learners.settings_of(learner), component=CORRECTED, variables=LEARNING_VARIABLES
     )
-    return Lessons(dataset, settings, seed, first_day)
+    return DailyLearner(dataset, settings, seed, first_day)
 
 
 def replay(
     propagator: Propagator,
-    lessons: Lessons,
+    daily: DailyLearner,
     catalogue: Catalogue,
     *,
     train_days: Sequence[float],
@@ -630,20 +630,20 @@ def replay(
     True
     """
     known = _known(catalogue)
-    first_day = replays.first_day(lessons, known, train_days=train_days)
+    first_day = replays.first_day(daily, known, train_days=train_days)
     starts = replays.morning_departures(known, every_hours=every_hours, first_day=first_day)
     predictions = catalogue.predictions
     spread = _spreads(propagator, catalogue)(predictions[predictions["i"].isin(starts["track"])])
-    judge = replays.at_starts(replays.judge(lessons.dataset, predictions, None), starts, spread)
+    judge = replays.at_starts(replays.judge(daily.dataset, predictions, None), starts, spread)
     (table,) = replays.build(
-        propagator, known, [replays.ReplaySeries(lessons, starts, judge)], max_days=max_days
+        propagator, known, [replays.ReplaySeries(daily, starts, judge)], max_days=max_days
     )
     return table
 
 
 def ephemeris(
     propagator: Propagator,
-    lessons: Lessons,
+    daily: DailyLearner,
     replay: pd.DataFrame,
     catalogue: Catalogue,
     *,
@@ -654,9 +654,9 @@ def ephemeris(
 ) -> pd.DataFrame:
     """Correct the newest prediction: the table `corrected`, states and covariances every `step` [s].
 
-    propagator: under the assumed model; replay: of the same lessons, the covariances' source; until_days:
+    propagator: under the assumed model; replay: of the same learner, the covariances' source; until_days:
     up to when errors are known, the ephemeris starts from the newest estimate by then, or from it and `each`
-    later one, trained anew each morning. It reaches max_days ahead, as far as the environment does. Raises
+    later one, retrained each morning. It reaches max_days ahead, as far as the environment does. Raises
     InputError where nothing can be made.
 
     >>> ahead = opml.ephemeris(propagator, daily, mornings, catalogue, until_days=1.5)
@@ -668,7 +668,7 @@ def ephemeris(
     end = float(catalogue.environment.earth_orientation["t"].iloc[-1]) - MARGIN_S
     return corrected.build(
         Task(propagator, known, starts, Grid(step, max_days, end)),
-        lessons,
+        daily,
         replay,
         spreads=_spreads(propagator, catalogue),
         first_morning=until,

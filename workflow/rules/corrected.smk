@@ -17,7 +17,7 @@ rule corrected:
         arc_estimates=INPUTS.arc_estimates(rules.estimation.output[0]),
         manoeuvres=INPUTS.user_manoeuvres(rules.truth.output[0], rules.tracking.output[0]),
         dataset=rules.train.input.dataset,
-        beside=INPUTS.learner_tables("rso"),
+        others=INPUTS.learner_tables("rso"),
         replay=rules.replay.output[0],
         futures=INPUTS.futures(rules.futures.output[0]),
         check=checks(PARAMS.split, PARAMS.train_days),

@@ -10,7 +10,7 @@ METRICS = product(f"metrics/{TEST}")
 rule train:
     input:
         dataset=DATASET.table,
-        beside=INPUTS.learner_tables("rso"),
+        others=INPUTS.learner_tables("rso"),
         check=checks(PARAMS.split),
     output:
         MODEL.table,
@@ -43,7 +43,7 @@ rule evaluate:
         model=rules.train.output[0],
         target=TARGET_DATASET.table,
         judge=INPUTS.true_errors(rules.dataset.output[0]),
-        beside=INPUTS.learner_tables("target"),
+        others=INPUTS.learner_tables("target"),
         check=checks(PARAMS.split, PARAMS.experiment),
     output:
         evaluation=EVALUATION.table,

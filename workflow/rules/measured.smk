@@ -53,7 +53,7 @@ if PLAN.settings.files_of(kinds.FIXES):
         params:
             settings=lambda wildcards: {
                 **PARAMS.span,
-                "taking": PARAMS.taking(wildcards),
+                "options": PARAMS.options(wildcards),
                 "manoeuvres": PLAN.settings.manoeuvres(wildcards.rso),
                 **contents(PLAN.settings.files_of(kinds.FIXES)[wildcards.rso]),
             },
@@ -88,7 +88,7 @@ if PLAN.settings.files_of(kinds.RANGES):
         params:
             settings=lambda wildcards: {
                 **PARAMS.span,
-                "taking": PARAMS.taking(wildcards),
+                "options": PARAMS.options(wildcards),
                 "manoeuvres": PLAN.settings.manoeuvres(wildcards.rso),
                 **contents(
                     [

@@ -46,7 +46,7 @@ rule replay:
         arc_estimates=INPUTS.arc_estimates(rules.estimation.output[0]),
         manoeuvres=INPUTS.user_manoeuvres(rules.truth.output[0], rules.tracking.output[0]),
         dataset=rules.train.input.dataset,
-        beside=INPUTS.learner_tables("rso"),
+        others=INPUTS.learner_tables("rso"),
         later=INPUTS.later_estimates(rules.estimation.output[0]),
         spread=rules.spread.output[0],
         check=checks(PARAMS.split, PARAMS.train_days),

@@ -9,11 +9,11 @@ from opml.workflow.jobs import job
 
 class Settings(JobSettings):
     seasons_of_tests: dict[str, dict[str, list[str]]]
-    teachers: dict[str, str]
+    trained_on: dict[str, str]
 
 
 with job(snakemake):
     settings, output = Settings(**snakemake.params.settings), snakemake.output
     scores = read_table(snakemake.input[0], "catalogue_scores")
-    blocks = report.document(scores, settings.seasons_of_tests, settings.teachers)
+    blocks = report.document(scores, settings.seasons_of_tests, settings.trained_on)
     document.write(blocks, output.md[0], output.tsv[0], output.html[0])

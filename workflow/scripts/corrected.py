@@ -4,7 +4,7 @@ from opml.base.constants import DAY
 from opml.ephemerides import corrected
 from opml.ephemerides.ephemeris_task import Task, TaskSettings
 from opml.learning.data import dataset
-from opml.learning.models.daily_training import Lessons
+from opml.learning.models.daily_training import DailyLearner
 from opml.tables import read_table, write_table
 from opml.workflow.jobs import job, progress
 
@@ -18,11 +18,11 @@ with job(snakemake) as metadata:
     settings, files = Settings(**snakemake.params.settings), snakemake.input
     task = Task.read(files, settings, threads=snakemake.threads, progress=progress)
     (learner,) = settings.learners
-    labelled = task.known.marked(dataset.read(files.dataset, files.beside))
+    labelled = task.known.marked(dataset.read(files.dataset, files.others))
     replay = read_table(files.replay, "replay")
     table = corrected.build(
         task,
-        Lessons(labelled, learner, settings.seed, settings.train_days[0]),
+        DailyLearner(labelled, learner, settings.seed, settings.train_days[0]),
         replay,
         spreads=corrected.spreading(files, settings, task.known, threads=snakemake.threads),
         first_morning=DAY * settings.known_until_days,

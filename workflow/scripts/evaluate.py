@@ -19,7 +19,7 @@ class Settings(RowsSettings):
 with job(snakemake) as metadata:
     settings, files, output = Settings(**snakemake.params.settings), snakemake.input, snakemake.output
     experiment = settings.experiment
-    table, rows, learned = job_rows.read(files, settings, beside=files.beside)
+    table, rows, learned = job_rows.read(files, settings, others=files.others)
     model = as_tested(learners.read(files.model), experiment["test"])
     corrected = evaluate(model, table, rows, component=experiment["component"])
     write_table(output.evaluation, corrected, "evaluation", metadata=metadata)

@@ -14,7 +14,7 @@ class Settings(RowsSettings):
 
 with job(snakemake) as metadata:
     settings, files = Settings(**snakemake.params.settings), snakemake.input
-    table, rows, _ = job_rows.read(files, settings, beside=[files.covariances])
+    table, rows, _ = job_rows.read(files, settings, others=[files.covariances])
     shares = calibration.of_covariances(
         symmetric_matrices(table[rows], POSITION_COVARIANCES),
         table.loc[rows, POSITION].to_numpy(),

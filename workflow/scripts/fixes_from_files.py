@@ -14,7 +14,7 @@ from opml.workflow.jobs import job
 class Settings(JobSettings):
     epoch: str
     duration_days: float
-    taking: FixTaking
+    options: FixTaking
     manoeuvres: list[str]
 
 
@@ -26,9 +26,9 @@ with job(snakemake) as metadata:
     points = points_from_files.read(
         files,
         read_table(orientation, "earth_orientation"),
-        settings.taking.sampling,
+        settings.options.sampling,
     )
-    table = fixes.stretches(points, length=HOUR * settings.taking.stretch_hours)
+    table = fixes.arcs(points, length=HOUR * settings.options.stretch_hours)
     identity, burns = points_from_files.identity_and_burns(files)
     named = manoeuvres.at_times(settings.manoeuvres, epoch=settings.epoch)
     metadata |= manoeuvres.facts(named + burns) | object_ids.facts(identity)

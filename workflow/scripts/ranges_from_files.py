@@ -9,7 +9,7 @@ from opml.tables import read_table, write_table
 from opml.workflow.jobs import job
 
 
-class Taking(JobSettings):
+class RangeOptions(JobSettings):
     reflectors_m: float
     sigma_m: float
     without: list[int]
@@ -17,7 +17,7 @@ class Taking(JobSettings):
 
 class Settings(JobSettings):
     epoch: str
-    taking: Taking
+    options: RangeOptions
     duration_days: float
     manoeuvres: list[str]
 
@@ -25,15 +25,15 @@ class Settings(JobSettings):
 with job(snakemake) as metadata:
     settings, files = Settings(**snakemake.params.settings), snakemake.input
     coordinates, eccentricities = files.sites
-    points, without = crd.read(files.points, epoch=settings.epoch), settings.taking.without
+    points, without = crd.read(files.points, epoch=settings.epoch), settings.options.without
     table = laser_ranges.table(
         laser_ranges.of_run(points, DAY * settings.duration_days, without=without),
         laser_ranges.Sites(sinex.read_coordinates(coordinates), sinex.read_eccentricities(eccentricities)),
         epoch=settings.epoch,
         earth_orientation=read_table(files.earth_orientation, "earth_orientation"),
         ephemerides=read_table(files.ephemerides, "ephemerides"),
-        sigma=settings.taking.sigma_m,
-        offset=settings.taking.reflectors_m,
+        sigma=settings.options.sigma_m,
+        offset=settings.options.reflectors_m,
     )
     metadata |= manoeuvres.facts(manoeuvres.at_times(settings.manoeuvres, epoch=settings.epoch))
     write_table(snakemake.output[0], table, "laser_ranges", metadata=metadata)

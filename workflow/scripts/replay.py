@@ -4,7 +4,7 @@ from opml.catalog.propagator import Propagator, PropagatorSettings
 from opml.ephemerides import replays
 from opml.ephemerides.known_tables import KnownSettings, KnownTables
 from opml.learning.data import dataset
-from opml.learning.models.daily_training import Lessons
+from opml.learning.models.daily_training import DailyLearner
 from opml.learning.models.learners import paths_of_each
 from opml.tables import read_table, write_table
 from opml.workflow.jobs import job, metadata_of_each, progress
@@ -26,11 +26,11 @@ with job(snakemake) as metadata:
     series, paths = [], paths_of_each(files.beside, settings.learners)
     for learner, beside in zip(settings.learners, paths, strict=True):
         rows = known.marked(dataset.read(files.dataset, beside))
-        lessons = Lessons(rows, learner, settings.seed, settings.train_days[0])
-        first_day = replays.first_day(lessons, known, train_days=settings.train_days)
+        daily = DailyLearner(rows, learner, settings.seed, settings.train_days[0])
+        first_day = replays.first_day(daily, known, train_days=settings.train_days)
         starts = replays.morning_departures(known, every_hours=settings.every_hours, first_day=first_day)
-        judged = replays.judge(lessons.dataset, predictions, later)
-        series.append(replays.ReplaySeries(lessons, starts, replays.at_starts(judged, starts, spread)))
+        judged = replays.judge(daily.dataset, predictions, later)
+        series.append(replays.ReplaySeries(daily, starts, replays.at_starts(judged, starts, spread)))
     tables = replays.build(
         Propagator.read(files, settings, threads=snakemake.threads, progress=progress),
         known,

@@ -18,7 +18,7 @@ class Settings(JobSettings):
 
 with job(snakemake) as metadata:
     settings = Settings(**snakemake.params.settings)
-    table = dataset.read(snakemake.input.dataset, snakemake.input.beside)
+    table = dataset.read(snakemake.input.dataset, snakemake.input.others)
     rows = splits.training_rows(table, settings.train, span_days=settings.span_days, seed=settings.seed)
     model = learners.train(
         table[rows], component=settings.component, settings=settings.learner, seed=settings.seed

@@ -27,7 +27,7 @@ def decorators(**options: Any) -> tuple[Decorator, Decorator]:
 
     compiled: of a kernel that other kernels call
     entry: of a kernel that Python calls; its machine code is kept. Raises InputError where no folder
-        can hold it: each process would compile anew.
+        can hold it: each process would compile again.
     """
 
     def entry(kernel: Callable[..., Any]) -> Any:

@@ -2,7 +2,7 @@
 
 
 class InputError(Exception):
-    """A wrong input, told in one line: ``<file>: <key or row>: what was expected and found``."""
+    """A wrong input, reported in one line: ``<file>: <key or row>: what was expected and found``."""
 
     def __init__(self, message: str) -> None:
         super().__init__(" ".join(str(message).split()))

@@ -7,18 +7,18 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import TypeVar
 
-Progress = Callable[[str], None]  # told what goes on, a line a stage
+Progress = Callable[[str], None]  # takes a line for each stage
 
 Item = TypeVar("Item")
 
 _CLEAR = "\r\033[K"
 _PREFIX = "opml: "
-_MINUTES = 100.0  # from which on minutes are told [s]
+_MINUTES = 100.0  # from which on minutes are shown [s]
 
 
 @contextmanager
 def on_stderr() -> Iterator[Progress]:
-    """Yield what tells lines on stderr; on a terminal each takes the place of the one before."""
+    """Yield a function that prints lines on stderr; on a terminal each replaces the one before."""
     begin = clear()
 
     def write(line: str) -> None:
@@ -38,7 +38,7 @@ def counted(number: int, noun: str) -> str:
 
 
 def clear() -> str:
-    """Return what takes a line that is told away from a terminal, '' where stderr is none."""
+    """Return the end of a line that is printed away from a terminal, '' where stderr is one."""
     return _CLEAR if sys.stderr.isatty() else ""
 
 

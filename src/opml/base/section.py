@@ -74,10 +74,10 @@ def setting(
 
     meaning: in one sentence
     unit: of its numbers, or the kind of its text
-    see: the page of docs/ that tells more, or a heading of config/README.md
+    see: the page of docs/ with more, or a heading of config/README.md
     default: its value where a file leaves it out; without one it has to stand in a file
     alias: its key, where Python has another meaning for that word
-    shared: whether many mappings have it, so that documentation tells it once
+    shared: whether many mappings have it, so that it is documented once
     """
     extra: dict[str, Any] = {
         name: value for name, value in (("unit", unit), ("see", see), ("shared", shared)) if value

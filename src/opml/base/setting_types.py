@@ -25,7 +25,7 @@ class Expected:
 class OneOf:
     """Mark of a text that is one of some names."""
 
-    names: Iterable[str]  # which are asked when a setting of the type is first checked
+    names: Iterable[str]  # which are read when a setting of the type is first checked
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Handler) -> TypeSchema:
         return {"type": "literal", "expected": list(self.names)}

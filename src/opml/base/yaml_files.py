@@ -14,10 +14,10 @@ _INTEGER = re.compile(r"[-+]?(?:0|[1-9][0-9_]*)$")
 _FLOAT = re.compile(
     r"[-+]?(?:[0-9][0-9_]*\.[0-9_]*|\.[0-9][0-9_]*)(?:[eE][-+]?[0-9]+)?$|[-+]?\.(?:inf|Inf|INF)$|\.(?:nan|NaN|NAN)$"
 )
-"""What is a number: not 010, which YAML 1.1 takes for 8, nor 2:10, which it takes for 130."""
+"""Pattern of a number: not 010, which YAML 1.1 takes for 8, nor 2:10, which it takes for 130."""
 
 
-# As safe as SafeLoader, and ten times as fast; each job of the workflow reads the settings anew.
+# As safe as SafeLoader, and ten times as fast; each job of the workflow reads the settings.
 class _Loader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[misc]
     """A safe loader that refuses a key given twice; YAML's own would keep the last one without a word."""
 

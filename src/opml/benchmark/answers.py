@@ -4,7 +4,7 @@ A CSV has the columns object, t, time, frame (GCRF or TEME), x, y, z [m], vx, vy
 tool knows how sure it is cov_x_x, cov_x_y, cov_x_z, cov_y_y, cov_y_z, cov_z_z [m2]; further columns are
 ignored but for `known`, the UTC time of the newest input. A segment of an OEM begins at t, and its OBJECT_ID
 or OBJECT_NAME is the catalogue number. `about.json`
-in a folder, or `mine.about.json` beside `mine.csv`, may tell tool, command and runtime_s.
+in a folder, or `mine.about.json` next to `mine.csv`, may name tool, command and runtime_s.
 """
 
 import csv
@@ -40,17 +40,17 @@ _UPPER = np.triu_indices(3)
 
 @dataclass(frozen=True, eq=False)
 class Answers:
-    """States where they were asked.
+    """Answers to the questions of a task.
 
-    covariances: (questions, 3, 3) of positions in RSW of the states [m2], NaN where none is told
-    known: (questions,) when the newest input was known [s since EPOCH], NaN where it is not told
+    covariances: (questions, 3, 3) of positions in RSW of the states [m2], NaN without one
+    known: (questions,) when the newest input was known [s since EPOCH], NaN where not stated
     """
 
     states: np.ndarray  # (questions, 6) in GCRF [m, m/s], NaN without an answer
     covariances: np.ndarray
     known: np.ndarray
-    stray: list[str]  # what answers nothing that was asked, a line each
-    about: dict[str, Any]  # what `about.json` tells
+    stray: list[str]  # answers to no question, a line each
+    about: dict[str, Any]  # contents of `about.json`
     digest: str  # SHA-256 of the files
 
     @property
@@ -70,17 +70,17 @@ def read(path: FilePath, task: BenchmarkTask) -> Answers:
     Raises InputError, naming file and line, for what is malformed, and for a question answered twice.
     """
     files = _files(Path(path))
-    asked = _Asked(task)
+    questions = _Questions(task)
     for file in files:
-        (_read_csv if ".csv" in file.suffixes else _read_oem)(file, asked)
-    told = _read_about(about_file(Path(path)))
+        (_read_csv if ".csv" in file.suffixes else _read_oem)(file, questions)
+    about = _read_about(about_file(Path(path)))
     digests = "".join(tasks.digest(file) for file in files)
     digest = digests if len(files) == 1 else hashlib.sha256(digests.encode()).hexdigest()
-    return Answers(asked.states, asked.covariances, asked.known, asked.stray, told, digest)
+    return Answers(questions.states, questions.covariances, questions.known, questions.stray, about, digest)
 
 
 def about_file(path: Path) -> Path:
-    """Return the file that tells of the making of answers in a file or a folder."""
+    """Return the file about the making of answers in a file or a folder."""
     return path / "about.json" if path.is_dir() else path.with_suffix(".about.json")
 
 
@@ -95,13 +95,13 @@ def _files(path: Path) -> list[Path]:
     if not path.exists():
         raise InputError(f"{path}: no such file")
     files = [path] if path.is_file() else sorted(path.glob("*"))
-    found = [file for file in files if {".csv", ".oem"} & set(file.suffixes)]
-    if not found:
+    answers = [file for file in files if {".csv", ".oem"} & set(file.suffixes)]
+    if not answers:
         raise InputError(f"{path}: expected answers as .csv or .oem, got none")
-    return found
+    return answers
 
 
-class _Asked:
+class _Questions:
     """The questions of a task, and the answers found so far."""
 
     def __init__(self, task: BenchmarkTask) -> None:
@@ -121,13 +121,15 @@ class _Asked:
         return self._places.get((number, round(t)), [])
 
     def at(self, number: int, t: float, time: float, where: str) -> int | None:
-        """Return the place of the question of an answer's time; what nobody asked becomes stray."""
+        """Return the place of the question of an answer's time; others become stray."""
         places = self.of(number, t)
         gaps = time - self.time[places]
         if places and abs(gap := gaps[np.argmin(np.abs(gaps))]) <= _SAME:
             return places[int(np.argmin(np.abs(gaps)))]
         nearest = (
-            f"the nearest time asked is {-gap:+.6g} s from it" if places else "not this object at this t"
+            f"the nearest time of a question is {-gap:+.6g} s from it"
+            if places
+            else "not this object at this t"
         )
         self.stray.append(f"{where}: no question has this answer: {nearest}")
         return None
@@ -150,24 +152,24 @@ def _check_orbits(states: np.ndarray, where: str, path: Path) -> None:
         raise InputError(f"{path}: {where}: expected a state of an orbit [m, m/s], got another")
 
 
-def _read_oem(path: Path, asked: _Asked) -> None:
+def _read_oem(path: Path, questions: _Questions) -> None:
     for k, segment in enumerate(orbit_segments.read(path, epoch=tasks.EPOCH), start=1):
         number = segment.identity.number or int(segment.name if segment.name.isdecimal() else 0)
-        places = asked.of(number, segment.t[0])
+        places = questions.of(number, segment.t[0])
         where = f"segment {k}"
         if not places:
-            asked.stray.append(
+            questions.stray.append(
                 f"{where}: object {number or segment.name}: no question is about it at its first time"
             )
             continue
         orbit = known_orbits.States(str(path), known_orbits.stretches_of(segment))
-        times = asked.time[places]
+        times = questions.time[places]
         states = orbit.at(times)
         _check_orbits(states, where, path)
-        asked.put(places, states, orbit.covariances(times)[:, :3, :3], where, path)
+        questions.put(places, states, orbit.covariances(times)[:, :3, :3], where, path)
 
 
-def _read_csv(path: Path, asked: _Asked) -> None:
+def _read_csv(path: Path, questions: _Questions) -> None:
     try:
         rows = list(_rows(path))
     except (UnicodeDecodeError, csv.Error) as error:
@@ -178,7 +180,7 @@ def _read_csv(path: Path, asked: _Asked) -> None:
     has_covariance = bool(rows) and COVARIANCE[0] in rows[0][1]
     for k, (line, row) in enumerate(rows):
         number = _whole(path, line, row["object"])
-        place = asked.at(number, t[k], time[k], f"line {line}: object {number}, {row['time']}")
+        place = questions.at(number, t[k], time[k], f"line {line}: object {number}, {row['time']}")
         state = np.array([_number(path, line, row[name]) for name in STATE])
         _check_orbits(state[None], f"line {line}", path)
         turned = (turns[k] @ state.reshape(2, 3).T).T.ravel()
@@ -186,8 +188,8 @@ def _read_csv(path: Path, asked: _Asked) -> None:
         if has_covariance and row[COVARIANCE[0]]:
             covariance = _covariance(path, line, row, turns[k], turned)
         if place is not None:
-            asked.put([place], turned[None], covariance[None], f"line {line}", path)
-            asked.known[place] = _seconds(path, line, row["known"]) if row.get("known") else np.nan
+            questions.put([place], turned[None], covariance[None], f"line {line}", path)
+            questions.known[place] = _seconds(path, line, row["known"]) if row.get("known") else np.nan
 
 
 def _rows(path: Path) -> Iterator[tuple[int, dict[str, str]]]:

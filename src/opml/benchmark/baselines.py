@@ -1,6 +1,6 @@
 """Baselines: what a task's own inputs give without effort, written as answers that any tool could give.
 
-Each reads the folder of t alone, and a model where it is told one. `predict` answers as `opml predict` does.
+Each reads the folder of t alone, and optionally a model. `predict` answers as `opml predict` does.
 All others propagate sets by SGP4; along the track sigmas come from the predictions of the mornings before t,
 radially and across from what sets usually err by.
 """
@@ -54,7 +54,7 @@ _UPPER = np.triu_indices(3)
 
 @dataclass(frozen=True, eq=False)
 class Morning:
-    """What a baseline sees."""
+    """Inputs of a baseline."""
 
     known: improve.PublicData
     model: CatalogueModel
@@ -74,7 +74,7 @@ def _by_past(morning: Morning, correction: pd.Series) -> pd.DataFrame:
     return pd.DataFrame({"correction": correction, "sigma": rows["lead"].map(size) * rows["scale"]})
 
 
-def _taught(morning: Morning) -> pd.DataFrame:
+def _pretrained(morning: Morning) -> pd.DataFrame:
     """Correct by the model alone, by the populations that left least of an object's own predictions."""
     tried = _candidates(morning).items()
     return _by_weight(morning, {name: one for name, one in tried if name not in _UNLEARNED})
@@ -85,14 +85,14 @@ def _candidates(morning: Morning) -> Ways:
 
 
 def _by_weight(morning: Morning, tried: Ways) -> pd.DataFrame:
-    """Correct by the ways as objects' pasts weigh them, where nothing speaks against it."""
+    """Correct by the candidates, weighted by objects' pasts, where nothing speaks against it."""
     rows, catalogue = morning.rows, morning.known.catalogue
     newest = improve.newest_sets(catalogue)
     today = modified_julian_day(morning.known.date)
     why = improve.reasons(catalogue, newest, rows, date=today)
     weights = improve.where_usable(weighting.weights(rows, tried), why)
-    found = weighting.combined(rows, tried, weighting.of_objects(weights, rows))
-    return found[["correction", "sigma"]].reindex(rows.index)
+    correction = weighting.combined(rows, tried, weighting.of_objects(weights, rows))
+    return correction[["correction", "sigma"]].reindex(rows.index)
 
 
 Regression = Callable[[np.ndarray, np.ndarray], Callable[[np.ndarray], np.ndarray]]
@@ -118,14 +118,17 @@ def _learned(learner: Regression) -> Correction:
         half = corrector.drawn_halves(rows["number"].to_numpy(), "half of a task", seed=_SEED)
         seen = (rows["is_fit"] & np.isfinite(rows["error"]) & ~morning.is_now).to_numpy()
         x, y = rows[list(FEATURES)].to_numpy(), (rows["error"] / rows["scale"]).to_numpy()
-        found = np.zeros(len(rows))
+        corrections = np.zeros(len(rows))
         for lead in set_errors.LEADS:
             own = (rows["lead"] == lead).to_numpy()
-            for part in (0, 1):  # an object is corrected by what others taught
-                taught, asked = own & seen & (half != part), own & rows["is_fit"].to_numpy() & (half == part)
-                if np.count_nonzero(taught) >= _FEWEST and asked.any():
-                    found[asked] = learner(x[taught], y[taught])(x[asked])
-        return _by_past(morning, pd.Series(found, rows.index) * rows["scale"])
+            for part in (0, 1):  # an object is corrected by a model trained on others
+                training, wanted = (
+                    own & seen & (half != part),
+                    own & rows["is_fit"].to_numpy() & (half == part),
+                )
+                if np.count_nonzero(training) >= _FEWEST and wanted.any():
+                    corrections[wanted] = learner(x[training], y[training])(x[wanted])
+        return _by_past(morning, pd.Series(corrections, rows.index) * rows["scale"])
 
     return correct
 
@@ -135,16 +138,16 @@ CORRECTIONS: Mapping[str, Correction] = {
     "density": lambda morning: _by_past(morning, morning.rows["density"]),
     # As `opml improve` does: by what left least of an object's own predictions.
     "improve": lambda morning: _by_weight(morning, _candidates(morning)),
-    "learned": _taught,
+    "learned": _pretrained,
     "svr": _learned(_support_vectors),
     "trees": _learned(_trees),
 }
-"""Ways that correct the newest sets."""
+"""Corrections of the newest sets, by name."""
 
-FIT = "fit"  # the way that fits a new set to the last ones
-PREDICT = "predict"  # the way of `opml predict`
+FIT = "fit"  # the baseline that fits a new set to the last ones
+PREDICT = "predict"  # the baseline of `opml predict`
 
-WAYS = (PREDICT, *CORRECTIONS, FIT)
+BASELINES = (PREDICT, *CORRECTIONS, FIT)
 
 
 def _check_written(path: FilePath, task: BenchmarkTask, trained: FilePath | None) -> None:
@@ -155,16 +158,18 @@ def _check_written(path: FilePath, task: BenchmarkTask, trained: FilePath | None
         raise InputError(f"{path}: expected a file outside {task.folder}, the task")
 
 
-def write(path: FilePath, task: BenchmarkTask, way: str, trained: FilePath | None, progress: Progress) -> int:
-    """Write a baseline's answers as CSV, and what tells of their making; return how many.
+def write(
+    path: FilePath, task: BenchmarkTask, baseline: str, trained: FilePath | None, progress: Progress
+) -> int:
+    """Write a baseline's answers as CSV, and a file about their making; return how many.
 
-    way: one of WAYS
+    baseline: one of BASELINES
     trained: a model of `opml train`; None: that of the package
 
     Raises InputError for inputs that cannot be read.
     """
-    if way not in WAYS:
-        raise InputError(f"answer: expected {', '.join(WAYS)}, got {way}")
+    if baseline not in BASELINES:
+        raise InputError(f"answer: expected {', '.join(BASELINES)}, got {baseline}")
     _check_written(path, task, trained)
     if any(task.folder.glob(f"{tasks.INPUTS}/*/*.tdm")):
         raise InputError(f"{task.name}: expected a task of element sets, got tracks: benchmark/track_fits.py")
@@ -172,16 +177,16 @@ def write(path: FilePath, task: BenchmarkTask, way: str, trained: FilePath | Non
     model, first = models.read(trained), process_time()
     for t, questions in task.questions.groupby("t", sort=True):
         begin = process_time()
-        if way == PREDICT:
+        if baseline == PREDICT:
             lines += _predicted(task, str(t), questions, trained)
         else:
-            lines += _answers(task, str(t), questions, way, model)
+            lines += _answers(task, str(t), questions, baseline, model)
         progress(f"{t}: {len(questions)} answers in {process_time() - begin:.1f} s")
     with replacing(path) as temporary:
         tasks.write_csv(temporary, (*REQUIRED, *COVARIANCE), lines)
     about = {
-        "tool": f"opml {__version__}: {way}",
-        "command": f"opml answer {task.name} {way}{f' --model {Path(trained).name}' if trained else ''}",
+        "tool": f"opml {__version__}: {baseline}",
+        "command": f"opml answer {task.name} {baseline}{f' --model {Path(trained).name}' if trained else ''}",
         "runtime_s": round(process_time() - first, 1),
     }
     with replacing(about_file(Path(path))) as temporary:
@@ -192,7 +197,7 @@ def write(path: FilePath, task: BenchmarkTask, way: str, trained: FilePath | Non
 def _predicted(
     task: BenchmarkTask, t: str, questions: pd.DataFrame, trained: FilePath | None
 ) -> Iterator[list[str]]:
-    """Yield the rows of the answers to what is asked at a time, as `opml predict` has them."""
+    """Yield the rows of the answers to the questions of a time, as `opml predict` has them."""
     folder = task.inputs(t)
     sets = [folder / "sets.tle"]
     morning = PublicMorning.read(
@@ -207,19 +212,19 @@ def _predicted(
 
 
 def _answers(
-    task: BenchmarkTask, t: str, questions: pd.DataFrame, way: str, model: CatalogueModel
+    task: BenchmarkTask, t: str, questions: pd.DataFrame, baseline: str, model: CatalogueModel
 ) -> list[list[str]]:
-    """Return the rows of the answers to what is asked at a time."""
+    """Return the rows of the answers to the questions of a time."""
     folder = task.inputs(t)
     weather = str(folder / "weather.csv")
     known = improve.read([folder / "sets.tle"], date=t, weather=weather, latency=task.latency)
     today = modified_julian_day(t)
     rows = improve.replayed(known, model, np.arange(-_MORNINGS, 1) + today)
     morning = Morning(known, model, rows, (rows["morning"] == today).to_numpy())
-    found = CORRECTIONS["sgp4" if way == FIT else way](morning)
-    now = rows.loc[morning.is_now, ["number", "lead", "tau", "response"]].join(found)
+    correction = CORRECTIONS["sgp4" if baseline == FIT else baseline](morning)
+    now = rows.loc[morning.is_now, ["number", "lead", "tau", "response"]].join(correction)
     newest = improve.newest_sets(known.catalogue)
-    satellites = _fitted(known.catalogue) if way == FIT else _corrected(known.catalogue, newest, now)
+    satellites = _fitted(known.catalogue) if baseline == FIT else _corrected(known.catalogue, newest, now)
     sigmas = now.set_index(["number", "lead"])["sigma"].to_dict()
     return [
         [str(number), t, when, "GCRF", *_state(satellites[number], when, sigmas.get((number, lead)))]

@@ -1,7 +1,7 @@
 """Recipes: how a task is made from public element sets, weather and forecasts.
 
 Objects fall into groups by their number. A morning asks for one group, so that an object's next history
-begins after what was asked last: no file of a task holds what another question asks for.
+begins after the last question about it: no file of a task holds the answer to a question.
 """
 
 from collections.abc import Iterable
@@ -36,7 +36,7 @@ _TLE = 2  # lines
 
 
 class Recipe(Section):
-    """How a task is made.
+    """A recipe of a task.
 
     first, last: dates of the mornings that ask, one every so many days
     """
@@ -46,9 +46,9 @@ class Recipe(Section):
     first: date
     last: date
     every_days: Count
-    groups: Count  # of objects, each asked in turn
+    groups: Count  # of objects, each in turn
     history_days: Count  # days of sets before a morning
-    latency_hours: NotNegative = 6.0  # from epoch to publication of sets that do not tell when they were made
+    latency_hours: NotNegative = 6.0  # from epoch to publication of sets without a creation date
     digest: str = ""  # SHA-256 of SHA256SUMS, '' before the task is frozen
 
     @property
@@ -70,7 +70,7 @@ def read(path: FilePath) -> Recipe | TrackRecipe:
         return TrackRecipe.read(values, str(path))
     recipe = Recipe.read(values, str(path))
     if recipe.groups * recipe.every_days < recipe.history_days + set_errors.LEADS[-1] + 1:
-        raise InputError(f"{path}: groups: expected more, so that no history holds what was asked before")
+        raise InputError(f"{path}: groups: expected more, so that no history holds an earlier answer")
     return recipe
 
 
@@ -88,7 +88,7 @@ def make(
     if isinstance(recipe, TrackRecipe):
         return track_recipes.make(recipe, orbits, folders, known)
     catalogue = catalogues.read(orbits, latency=recipe.latency_hours / 24.0)
-    rows, judges = _asked(recipe, catalogue)
+    rows, judges = _questioned(recipe, catalogue)
     questions, states = _questions(catalogue, rows, judges)
     mornings = {utc_text(float(morning)): part for morning, part in rows.groupby("morning")}
 
@@ -102,7 +102,7 @@ def make(
 def make_truth(folders: Folders, sets: Iterable[FilePath]) -> int:
     """Make the truth of a hidden task from sets published later; return the number of questions it judges.
 
-    The later set nearest to the time asked, at most half a day away, gives the state by SGP4. Weeks are as
+    The later set nearest in time, at most half a day away, gives the state by SGP4. Weeks are as
     stormy as the packaged weather has them. Raises InputError for unreadable files, and without such a set.
     """
     task = tasks.read(folders.task)
@@ -120,24 +120,24 @@ def make_truth(folders: Folders, sets: Iterable[FilePath]) -> int:
             states[k] = mean_elements.state(catalogue.satellites[gaps.idxmin()], epoch=time)
     judged = np.isfinite(states).all(axis=1)
     if not judged.any():
-        raise InputError(f"{task.name}: expected sets within half a day of what was asked, got none")
+        raise InputError(f"{task.name}: expected sets within half a day of the questions, got none")
     questions = list(task.questions[judged].itertuples(index=False, name=None))
     with replacing_folder(folders.truth) as new:
         task_folders.write_truth(new, questions, list(states[judged]), known_weather.read(OBSERVED))
     return len(questions)
 
 
-def _asked(recipe: Recipe, catalogue: ElementCatalogue) -> tuple[pd.DataFrame, np.ndarray]:
-    """Return the rows of pairs that are asked, and the sets (rows,) that judge them."""
+def _questioned(recipe: Recipe, catalogue: ElementCatalogue) -> tuple[pd.DataFrame, np.ndarray]:
+    """Return the rows of pairs of the questions, and the sets (rows,) that judge them."""
     mornings = recipe.mornings
     rows, judges = set_errors.find(catalogue, mornings)
     turn = np.searchsorted(mornings, rows["morning"].to_numpy()) % recipe.groups
-    asked = turn == _group(rows["number"].to_numpy(), recipe.groups)
+    chosen = turn == _group(rows["number"].to_numpy(), recipe.groups)
     if (judges >= 0).any():
-        asked &= judges >= 0
-    if not asked.any():
+        chosen &= judges >= 0
+    if not chosen.any():
         raise InputError(f"{recipe.name}: expected sets from {recipe.first} on with later ones, got none")
-    order = rows[asked].sort_values(["morning", "number", "lead"], kind="stable").index
+    order = rows[chosen].sort_values(["morning", "number", "lead"], kind="stable").index
     return rows.loc[order].reset_index(drop=True), judges[order]
 
 

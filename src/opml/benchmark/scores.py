@@ -1,4 +1,4 @@
-"""What answers to a task are worth: errors in RSW of the truth, proper scores, coverage, by blocks.
+"""Scores of answers to a task: errors in RSW of the truth, proper scores, coverage, by blocks.
 
 Log score and CRPS are those of normal distributions, axis by axis; smaller is better. Source: Gneiting &
 Raftery 2007, Strictly proper scoring rules, prediction, and estimation, J. Am. Stat. Assoc. 102. Intervals of
@@ -22,7 +22,7 @@ from opml.orbits.elements import bent_rsw
 from opml.orbits.rsw_covariance import half_width
 
 AXES = {"s": "along_track", "r": "radial", "w": "cross_track"}
-"""Names of the axes, in the order in which they are told."""
+"""Names of the axes, in the order in which they are printed."""
 
 LEVEL = corrector.LEVEL  # share of the errors that intervals are to hold
 STORM = 30  # daily Ap from which a day is a storm, NOAA's minor one
@@ -33,19 +33,19 @@ _INTERVAL = (2.5, 97.5)
 
 def errors(task: BenchmarkTask, answers: Answers, truth: np.ndarray) -> pd.DataFrame:
     """Return the errors of what was answered: number, morning (modified Julian day), lead [d], height,
-    r, s, w and sigma_r, sigma_s, sigma_w [m], NaN where no covariance is told.
+    r, s, w and sigma_r, sigma_s, sigma_w [m], NaN without a covariance.
 
     truth: GCRF states (questions, 6) [m, m/s]
     """
-    told = answers.is_answered
-    asked = task.questions[told]
-    bent = bent_rsw(answers.states[told, :3], truth[told])
-    sigmas = np.sqrt(np.diagonal(answers.covariances[told], axis1=1, axis2=2))
-    mornings = {t: modified_julian_day(t) for t in asked["t"].unique()}
+    answered = answers.is_answered
+    questions = task.questions[answered]
+    bent = bent_rsw(answers.states[answered, :3], truth[answered])
+    sigmas = np.sqrt(np.diagonal(answers.covariances[answered], axis1=1, axis2=2))
+    mornings = {t: modified_julian_day(t) for t in questions["t"].unique()}
     table = pd.DataFrame(
-        {"number": asked["object"], "morning": asked["t"].map(mornings), "lead": asked["lead"]}
+        {"number": questions["object"], "morning": questions["t"].map(mornings), "lead": questions["lead"]}
     )
-    table["height"] = np.linalg.norm(truth[told, :3], axis=1) - WGS84_A
+    table["height"] = np.linalg.norm(truth[answered, :3], axis=1) - WGS84_A
     for k, axis in enumerate("rsw"):
         table[axis], table[f"sigma_{axis}"] = bent[:, k], sigmas[:, k]
     return table
@@ -67,16 +67,16 @@ def log_score(error: pd.Series, sigma: pd.Series) -> float:
 
 
 def scores(task: BenchmarkTask, table: pd.DataFrame) -> pd.DataFrame:
-    """Return a row for each lead: asked, answered [%], and by axis median, p95 and crps [m], log_score,
+    """Return a row for each lead: questions, answered [%], and by axis median, p95 and crps [m], log_score,
     inside [%] of intervals of LEVEL, each of the last with its interval for the median along the track and
     what is inside there, `_low` and `_high`.
 
     table: of `errors`
     """
     rows = []
-    for lead, asked in task.questions.groupby("lead").size().items():
+    for lead, questions in task.questions.groupby("lead").size().items():
         part = table[table["lead"] == lead]
-        row = {"lead": lead, "asked": asked, "answered": 100.0 * len(part) / asked}
+        row = {"lead": lead, "questions": questions, "answered": 100.0 * len(part) / questions}
         for axis, name in AXES.items():
             row |= {f"{name}_{key}": value for key, value in _of_axis(part, axis).items()}
         rows.append(row | _intervals(part, int(str(lead))))
@@ -93,12 +93,12 @@ def by_height(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def by_weather(table: pd.DataFrame) -> pd.DataFrame:
-    """Return the same by weeks, quiet or stormy, where the weather is told.
+    """Return the same by weeks, quiet or stormy, where the weather is known.
 
     table: of `errors`, with highest_ap of the week after the morning
     """
-    told = table[np.isfinite(table["highest_ap"])]
-    return _by(np.where(told["highest_ap"] >= STORM, "stormy", "quiet"), told, "weeks")
+    known = table[np.isfinite(table["highest_ap"])]
+    return _by(np.where(known["highest_ap"] >= STORM, "stormy", "quiet"), known, "weeks")
 
 
 def _by(parts: np.ndarray, table: pd.DataFrame, name: str) -> pd.DataFrame:
@@ -113,12 +113,12 @@ def _of_axis(part: pd.DataFrame, axis: str) -> dict[str, float]:
     error = part[axis].to_numpy()
     if not len(error):
         return dict.fromkeys(("median", "p95", "crps", "log_score", "inside"), np.nan)
-    found = {"median": np.median(np.abs(error)), "p95": np.percentile(np.abs(error), 95.0)}
+    statistics = {"median": np.median(np.abs(error)), "p95": np.percentile(np.abs(error), 95.0)}
     sure = part[np.isfinite(part[f"sigma_{axis}"])]
     error, sigma = sure[axis].to_numpy(), sure[f"sigma_{axis}"].to_numpy()
     if not len(sure):
-        return found | dict.fromkeys(("crps", "log_score", "inside"), np.nan)
-    return found | {
+        return statistics | dict.fromkeys(("crps", "log_score", "inside"), np.nan)
+    return statistics | {
         "crps": crps(error, sigma).mean(),
         "log_score": log_score(sure[axis], sure[f"sigma_{axis}"]),
         "inside": 100.0 * _inside(error, sigma).mean(),

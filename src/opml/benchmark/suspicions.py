@@ -1,6 +1,6 @@
-"""What is wrong with answers, where it shows: cut short, at other times, in another frame, from the truth.
+"""Signs that answers are wrong: cut short, at other times, in another frame, from the truth.
 
-Each check returns a sentence, or none where nothing is to be told.
+Each check yields a sentence, or none.
 """
 
 from collections.abc import Iterator
@@ -26,19 +26,19 @@ _MANY = 100  # answers to a lead, of which a tenth may say something
 
 
 def sentences(task: BenchmarkTask, answers: Answers, errors: pd.DataFrame, truth: np.ndarray) -> list[str]:
-    """Return what is to be told of answers, a sentence each.
+    """Return the suspicions, a sentence each.
 
     errors: of `scores.errors`
     truth: GCRF states (questions, 6) [m, m/s]
     """
-    found = [*_missing(task, answers), *_stray(answers), *_later_inputs(task, answers)]
+    suspicions = [*_missing(task, answers), *_stray(answers), *_later_inputs(task, answers)]
     if answers.is_answered.any():
         frame = [*_frame(task, answers, truth)]
-        found += [*_copied(answers, truth), *frame]
-        found += [*_of_others(answers, truth)] if not frame else []
+        suspicions += [*_copied(answers, truth), *frame]
+        suspicions += [*_of_others(answers, truth)] if not frame else []
         shifted = [*_shifted(errors, truth[answers.is_answered])]
-        found += shifted or [*_without_growth(errors)]
-    return found
+        suspicions += shifted or [*_without_growth(errors)]
+    return suspicions
 
 
 def _missing(task: BenchmarkTask, answers: Answers) -> Iterator[str]:
@@ -105,8 +105,8 @@ def _from_earth(time: np.ndarray) -> np.ndarray:
 
 def _of_others(answers: Answers, truth: np.ndarray) -> Iterator[str]:
     """Tell of positions, or of velocities alone, that are not those of the objects."""
-    apart = answers.states[answers.is_answered] - truth[answers.is_answered]
-    far, fast = (float(np.median(np.linalg.norm(part, axis=1))) for part in np.split(apart, 2, axis=1))
+    difference = answers.states[answers.is_answered] - truth[answers.is_answered]
+    far, fast = (float(np.median(np.linalg.norm(part, axis=1))) for part in np.split(difference, 2, axis=1))
     if far > _FAR:
         yield f"object: answers are {far / 1e3:.0f} km from the truth: are they of other objects?"
     elif fast > _FAST:
@@ -126,7 +126,7 @@ def _shifted(errors: pd.DataFrame, truth: np.ndarray) -> Iterator[str]:
         if abs(middle) > _LEAST_SHIFT and is_alike and part.sum() >= min(_MANY, len(lead)):
             where = "ahead of" if middle > 0.0 else "behind"
             yield (
-                f"time: states are {abs(middle):.4g} s {where} their times, nearly all alike: is another "
+                f"time: states are {abs(middle):.4g} s {where} their times, nearly all the same: is another "
                 "time system than UTC meant (TAI is 37 s, TT 69 s, GPS 18 s ahead since 2017)?"
             )
             return

@@ -1,4 +1,4 @@
-"""The folders of a task and of its truth: what every kind of recipe writes alike, digests last."""
+"""The folders of a task and of its truth: the part common to all kinds of recipes, digests last."""
 
 import json
 from collections.abc import Callable, Sequence
@@ -28,7 +28,7 @@ _ISSUED = "issued"
 
 @dataclass(frozen=True)
 class Facts:
-    """What a task says about itself; digest: SHA-256 of SHA256SUMS, '' before the task is frozen."""
+    """Facts about a task; digest: SHA-256 of SHA256SUMS, '' before the task is frozen."""
 
     name: str
     title: str
@@ -38,7 +38,7 @@ class Facts:
 
 @dataclass(frozen=True)
 class WeatherSources:
-    """What a recipe is given beside orbits.
+    """Sources of a recipe besides orbits.
 
     forecasts: CSV of forecasts with a column `issued` (UTC), as they were issued; None: the task has none
     """
@@ -49,14 +49,14 @@ class WeatherSources:
 
 @dataclass(frozen=True)
 class Folders:
-    """Where a task and its truth are written."""
+    """Folders of a task and of its truth."""
 
     task: FilePath
     truth: FilePath
 
     @classmethod
     def of(cls, task: str) -> Self:
-        """Return a task's folder and that of its truth beside it."""
+        """Return a task's folder and that of its truth next to it."""
         return cls(task, f"{task.rstrip('/')}-truth")
 
     @property
@@ -78,7 +78,7 @@ Question = tuple[int, str, int, str]  # object, t, lead [d] and time, the times 
 
 @dataclass(frozen=True, eq=False)
 class Content:
-    """What a task asks, and from what.
+    """Questions of a task, and their inputs.
 
     states: true GCRF states (6,) [m, m/s] of the questions; none: the truth is made later
     """
@@ -114,9 +114,11 @@ def freeze(facts: Facts, content: Content, known: WeatherSources, folders: Folde
             truth = stack.enter_context(replacing_folder(folders.truth))
             digest = write_truth(truth, questions, content.states, measured)
         _write_task(new, facts, digest)
-        found = tasks.digest(new / tasks.SUMS)
-        if facts.digest not in ("", found):
-            raise InputError(f"{facts.name}: digest: expected {facts.digest}, got {found}: other sources")
+        digest_now = tasks.digest(new / tasks.SUMS)
+        if facts.digest not in ("", digest_now):
+            raise InputError(
+                f"{facts.name}: digest: expected {facts.digest}, got {digest_now}: other sources"
+            )
     return len(questions)
 
 
@@ -132,8 +134,8 @@ def write_truth(
     folder: Path, questions: Sequence[Question], states: Sequence[np.ndarray], measured: Weather
 ) -> str:
     """Write the truth and the storms of the weeks after each t; return the truth's SHA-256."""
-    told = [(*one, *_rounded(state)) for one, state in zip(questions, states, strict=True)]
-    tasks.write_csv(folder / tasks.TRUTH, (*tasks.QUESTION, *tasks.STATE), told)
+    rows = [(*one, *_rounded(state)) for one, state in zip(questions, states, strict=True)]
+    tasks.write_csv(folder / tasks.TRUTH, (*tasks.QUESTION, *tasks.STATE), rows)
     weeks = [(t, _strongest(measured, modified_julian_day(t))) for t in sorted({one[1] for one in questions})]
     tasks.write_csv(folder / tasks.WEEKS, ("t", "highest_ap"), weeks)
     return tasks.digest(folder / tasks.TRUTH)

@@ -1,4 +1,4 @@
-"""A task: what was known at times t, and for which later times the states are asked.
+"""A task: what was known at times t, and the later times for which states are predicted.
 
 A folder has `task.json`, `questions.csv` (object, t, lead, time), `inputs/<t>/` with what was known at t, and
 SHA256SUMS of all of them. The truth is a file in another folder; the task holds its digest.
@@ -41,7 +41,7 @@ _PACKAGED = Path(__file__).parents[1] / "data" / "benchmark"
 
 @dataclass(frozen=True, eq=False)
 class BenchmarkTask:
-    """What is asked."""
+    """A task with its questions."""
 
     folder: Path  # of the task
     name: str
@@ -122,7 +122,7 @@ def _check_sums(folder: Path) -> None:
 def read_truth(task: BenchmarkTask, folder: FilePath | None) -> np.ndarray:
     """Return true GCRF states (n, 6) [m, m/s] of a task's questions, NaN where a hidden one has none.
 
-    folder: of the truth; None: that of the package, or beside the task under its name and `-truth`
+    folder: of the truth; None: that of the package, or next to the task under its name and `-truth`
 
     Raises InputError for a file that is missing or not the one the task was frozen with.
     """
@@ -136,7 +136,7 @@ def read_truth(task: BenchmarkTask, folder: FilePath | None) -> np.ndarray:
 
 
 def read_weeks(task: BenchmarkTask, folder: FilePath | None) -> np.ndarray:
-    """Return the highest daily Ap (n,) in the week after the t of each question, NaN where it is not told."""
+    """Return the highest daily Ap (n,) in the week after the t of each question, NaN where unknown."""
     path = _truth_folder(task, folder) / WEEKS
     weeks = pd.read_csv(path, dtype={"t": str}).set_index("t")["highest_ap"] if path.is_file() else {}
     return np.asarray(task.questions["t"].map(weeks), dtype=float)

@@ -53,7 +53,7 @@ class TrackedObject(Section):
 
 
 class TrackRecipe(Section):
-    """How a task of tracks is made; seed: of the noise; digest: as of a recipe of element sets."""
+    """A recipe of a task of tracks; seed: of the noise; digest: as of a recipe of element sets."""
 
     name: Text
     title: Text
@@ -71,14 +71,14 @@ def make(recipe: TrackRecipe, orbits: Iterable[FilePath], folders: Folders, know
     tracks: dict[str, dict[int, pd.DataFrame]] = {}
     for number, one in recipe.objects.items():
         epoch = utc_text(modified_julian_day(one.first) - recipe.history_days)
-        found, seen = _measured(recipe, number, epoch, files)
+        orbit, seen = _measured(recipe, number, epoch, files)
         for t in one.times:
             now = DAY * (modified_julian_day(t) - modified_julian_day(epoch))
-            asked = now + DAY * np.array(LEADS)
-            rows = found.set_index(found["t"].round()).reindex(asked)[STATE].dropna()
+            times = now + DAY * np.array(LEADS)
+            rows = orbit.set_index(orbit["t"].round()).reindex(times)[STATE].dropna()
             questions += [
                 (number, t, lead, utc_text(modified_julian_day(t) + lead))
-                for lead, time in zip(LEADS, asked, strict=True)
+                for lead, time in zip(LEADS, times, strict=True)
                 if time in rows.index
             ]
             states += list(rows.to_numpy())
@@ -108,15 +108,15 @@ def _measured(
     recipe: TrackRecipe, number: int, epoch: str, files: list[Path]
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
     """Return true states of an object since an epoch, UTC text, and what its stations measured."""
-    one = recipe.objects[number]
-    paths = sorted(path for path in files if fnmatch(path.name, one.files))
+    satellite = recipe.objects[number]
+    paths = sorted(path for path in files if fnmatch(path.name, satellite.files))
     if not paths:
-        raise InputError(f"{recipe.name}: {number}: expected files as {one.files}, got none")
-    days = recipe.history_days + one.every_days * (one.mornings - 1) + LEADS[-1]
+        raise InputError(f"{recipe.name}: {number}: expected files as {satellite.files}, got none")
+    days = recipe.history_days + satellite.every_days * (satellite.mornings - 1) + LEADS[-1]
     orbit, _ = truth_from_orbit.truth(OrbitFiles(paths, epoch, DAY * days), step=_STEP)
     sheet = read_stations(project_file(_SHEET))
     orientation = earth_orientation.tabulate(epoch, nodes(epoch, DAY * days))
-    stations = [sheet[name] for name in one.stations]
+    stations = [sheet[name] for name in satellite.stations]
     seen = tracking.simulate(orbit, orientation, stations, rso=str(number), seed=recipe.seed, epoch=epoch)
     for name in ("azimuth", "elevation"):
         seen[name] = np.radians(np.degrees(seen[name]).round(_DIGITS[name]))

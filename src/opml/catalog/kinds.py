@@ -1,7 +1,7 @@
 """Kinds of measurement: each is one value of KINDS, which settings, checks, jobs and fits ask.
 
-The module of a kind, of its name in `opml.catalog.measure`, has `check(asked)`, which raises InputError where
-no measurements could be made of the files. What fits are made to is in `opml.catalog.fit.fixes.MEASUREMENTS`.
+The module of a kind, of its name in `opml.catalog.measure`, has `check(request)`, which raises InputError
+where files hold no measurements. Measurements of fits are in `opml.catalog.fit.fixes.MEASUREMENTS`.
 """
 
 from collections.abc import Mapping, Sequence
@@ -23,10 +23,10 @@ class Kind:
     name: str  # of the setting of its files
     table: str  # name of the schema of its measurements
     stations: str = ""  # name in the place of a station set; '' where stations of the sheet measure
-    taking: str = ""  # the setting that says how files are taken; '' without any
-    needs_taking: bool = False  # whether there is no default of it
+    options: str = ""  # the setting with the options of reading; '' without any
+    needs_options: bool = False  # whether there is no default of it
     beneath: str = ""  # file of the settings beneath a user's; '' without any
-    beneath_alone: str = ""  # the same where no object is measured in another way
+    beneath_alone: str = ""  # the same where no object has another kind
     tells_orbit: bool = True  # whether a first orbit can be determined from the measurements alone
     for_mornings: bool = True  # whether mornings read it
 
@@ -41,7 +41,7 @@ class MeasurementRequest:
     """A request for the measurements in an object's files."""
 
     paths: Sequence[str]  # of them
-    taking: Any  # the validated settings of how they are taken
+    options: Any  # the validated options of reading them
     stations: Mapping[str, Station]  # all that there are, by name
     epoch: str  # UTC text
     duration: float  # of the run [s]
@@ -49,13 +49,13 @@ class MeasurementRequest:
 
 
 TRACKS = Kind("tracks", "tracking")
-FIXES = Kind("fixes", "fixes", stations="fixes", taking="fixing")
+FIXES = Kind("fixes", "fixes", stations="fixes", options="fixing")
 RANGES = Kind(
     "ranges",
     "laser_ranges",
     stations="ranges",
-    taking="ranging",
-    needs_taking=True,
+    options="ranging",
+    needs_options=True,
     beneath="config/ranges.yaml",
     tells_orbit=False,
     for_mornings=False,
@@ -63,7 +63,7 @@ RANGES = Kind(
 ELEMENTS = Kind(
     "elements",
     "fixes",
-    taking="histories",
+    options="histories",
     beneath="config/elements.yaml",
     beneath_alone="config/elements_alone.yaml",
 )
@@ -98,8 +98,8 @@ def of_table(table: pd.DataFrame) -> Kind:
 def track_times(tracking: pd.DataFrame) -> pd.DataFrame:
     """Return by track when its estimate is, `at`, and since when its measurements are known, `known` [s].
 
-    tracking: of any kind; where it tells neither, they are a track's first and last time
+    tracking: of any kind; without either, they are a track's first and last time
     """
     t = tracking["t"]
-    told = pd.DataFrame({"at": tracking.get("t_estimate", t), "known": tracking.get("t_known", t)})
-    return told.groupby(tracking["track"]).agg({"at": "min", "known": "max"})
+    times = pd.DataFrame({"at": tracking.get("t_estimate", t), "known": tracking.get("t_known", t)})
+    return times.groupby(tracking["track"]).agg({"at": "min", "known": "max"})

@@ -33,12 +33,12 @@ def neighbour_paths(path: np.ndarray, near: np.ndarray, neighbours: np.ndarray) 
     path: (n, 6) under the whole field, GCRF [m, m/s]
     near, neighbours: (n, 6) the same path, and (k, n, 6) the arcs, under the near part
 
-    The distance turns with the orbit, as the two paths are kilometres apart. At 430 km, over a week, arcs
+    The distance turns with the orbit, as it may be kilometres. At 430 km, over a week, arcs
     that drag or energy parts are off by up to 0.0003 of their distance, others on one orbit by up to 0.004.
     """
     turn = rsw_rotation(path).swapaxes(-1, -2) @ rsw_rotation(near)
-    apart = (neighbours - near).reshape(len(neighbours), -1, 2, 3)
-    return path + (apart @ turn.swapaxes(-1, -2)).reshape(neighbours.shape)
+    offsets = (neighbours - near).reshape(len(neighbours), -1, 2, 3)
+    return path + (offsets @ turn.swapaxes(-1, -2)).reshape(neighbours.shape)
 
 
 class PropagatorSettings(JobSettings):
@@ -88,7 +88,7 @@ class Propagator:
         """Return the propagator of arcs of which only the distance from a neighbour is wanted.
 
         Neighbours part under the first degrees of a large field as they do under all of it. A small field
-        stays as it is: to propagate the arc beside them once more would cost as much as it saves.
+        stays as it is: to propagate the arc with them once more would cost as much as it saves.
         """
         if self.model.degree <= _LARGE:
             return self

@@ -42,13 +42,13 @@ def screen(path: FilePath, *, days: float, within: float, radius: float) -> Iter
     orbits = [(one.orbit, life) for one, life in living]
     for begin, end, pairs in sieve.near_pairs(orbits, elements[0].span, within):
         reach = begin - _REACH, end + _REACH
-        found = [
+        near = [
             conjunction
             for pair in pairs
             for conjunction in _approaches([living[k][0] for k in pair], reach, within, radius)
             if begin <= conjunction.t < end
         ]
-        yield from sorted(found, key=lambda conjunction: conjunction.t)
+        yield from sorted(near, key=lambda conjunction: conjunction.t)
 
 
 def _approaches(

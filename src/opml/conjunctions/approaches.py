@@ -49,12 +49,12 @@ def find(one: Path, other: Path, *, within: float) -> list[Approach]:
     turns = np.flatnonzero((partings[:-1] < 0.0) & (partings[1:] >= 0.0) & near[1:])
     t = _turned(one, other, times[turns], times[turns + 1])
     refined, _ = _apart(one, other, t)
-    found = [Approach(*pair) for pair in zip(t.tolist(), refined.tolist(), strict=True)]
+    approaches = [Approach(*pair) for pair in zip(t.tolist(), refined.tolist(), strict=True)]
     if partings[0] >= 0.0:
-        found.insert(0, Approach(begin, float(distances[0]), is_end=True))
+        approaches.insert(0, Approach(begin, float(distances[0]), is_end=True))
     if partings[-1] < 0.0:
-        found.append(Approach(end, float(distances[-1]), is_end=True))
-    return [approach for approach in found if approach.distance <= within]
+        approaches.append(Approach(end, float(distances[-1]), is_end=True))
+    return [approach for approach in approaches if approach.distance <= within]
 
 
 def _apart(one: Path, other: Path, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -13,7 +13,7 @@ _COLUMNS = [
     *("speed_mps", "radius_m", "probability", "stated", "correlated", "method", "largest", "remark"),
 ]
 NONE = "no conjunction"
-_MORE = 1.5  # times the probability of an encounter that its revolution has to hold to be told
+_MORE = 1.5  # times the probability of an encounter that its revolution has to hold to be shown
 
 
 def table(conjunctions: Iterable[Conjunction], *, epoch: str) -> pd.DataFrame:
@@ -46,10 +46,10 @@ def table(conjunctions: Iterable[Conjunction], *, epoch: str) -> pd.DataFrame:
                 "remark": _remark(one),
             }
         )
-    made = pd.DataFrame(rows, columns=_COLUMNS)
-    times = ccsds.utc_texts(epoch, made["tca"].to_numpy(float)) if rows else []
-    made["tca"] = np.array(times, dtype=object)
-    return made.sort_values("probability", ascending=False, kind="stable", ignore_index=True)
+    frame = pd.DataFrame(rows, columns=_COLUMNS)
+    times = ccsds.utc_texts(epoch, frame["tca"].to_numpy(float)) if rows else []
+    frame["tca"] = np.array(times, dtype=object)
+    return table.sort_values("probability", ascending=False, kind="stable", ignore_index=True)
 
 
 def text(table: pd.DataFrame) -> str:
@@ -67,19 +67,19 @@ def text(table: pd.DataFrame) -> str:
 def _remark(conjunction: Conjunction) -> str:
     """Return what to know of a probability: why there is none, or how far it can be trusted."""
     chance, pair = conjunction.chance, (conjunction.first, conjunction.second)
-    told = [remark for one in pair for remark in one.remarks]
+    known = [remark for one in pair for remark in one.remarks]
     if conjunction.is_end:
-        told.append("nothing known beyond")
+        known.append("nothing known beyond")
     if chance is None:
         none = "no covariance" if conjunction.encounter is None else "long encounter: no probability"
-        return "; ".join([*told, none])
+        return "; ".join([*known, none])
     unknown = [str(one.identity) for one in pair if one.covariance is None]
     remarks = (
-        *((remark, True) for remark in told),
+        *((remark, True) for remark in known),
         (f"{', '.join(unknown)} without covariance", bool(unknown)),
         (f"{chance.around:.1e} in its revolution", chance.around > _MORE * chance.probability),
         ("covariance not positive definite", not all(one.is_definite for one in pair)),
-        ("covariance widened", chance.mended),
+        ("covariance inflated", chance.mended),
         ("diluted", chance.is_diluted),
     )
     return "; ".join(remark for remark, holds in remarks if holds)

@@ -160,14 +160,14 @@ def read(path: FilePath, *, epoch: str, radius: float | None = None) -> list[Con
 
     States are turned from the frames of `ccsds.FRAMES`, and from the ITRF, to GCRF. A covariance of positions
     alone, or whose other parts are none, counts as one of positions. Raises InputError, naming file and line,
-    for a malformed message, another frame, a radius that neither tells, and one that is none.
+    for a malformed message, another frame, a radius that neither has, and one that is none.
     """
     names = _DENSITY_KEYS | {_RADIUS: _RADIUS}
     message = ccsds.Message(path, version_key=_KEY, versions=("1.0",), in_comments=names)
-    found = [_conjunction(message, epoch, radius)]
+    conjunctions = [_conjunction(message, epoch, radius)]
     while message.begins_another():
-        found.append(_conjunction(message, epoch, radius))
-    return found
+        conjunctions.append(_conjunction(message, epoch, radius))
+    return conjunctions
 
 
 def _conjunction(message: ccsds.Message, epoch: str, radius: float | None) -> Conjunction:
@@ -192,12 +192,12 @@ def _conjunction(message: ccsds.Message, epoch: str, radius: float | None) -> Co
     return Conjunction(t, first, second, radius, known=known, stated=stated)
 
 
-def _check_stated(message: ccsds.Message, head: ccsds.KeyValues, key: str, found: float) -> None:
-    """Raise InputError where states are not as far apart, or not as fast, as the message has under a key."""
+def _check_stated(message: ccsds.Message, head: ccsds.KeyValues, key: str, value: float) -> None:
+    """Raise InputError where states contradict the distance or speed under a key of the message."""
     line = head.line(key)
-    stated = message.scale(head.text(key, repr(found)), 0, line)
-    if abs(stated - found) > _ROUGH * stated + 1.0:
-        raise message.error(f"states of {key} = {stated:g} {_UNITS_OF[key]}", f"{found:g}", line)
+    stated = message.scale(head.text(key, repr(value)), 0, line)
+    if abs(stated - value) > _ROUGH * stated + 1.0:
+        raise message.error(f"states of {key} = {stated:g} {_UNITS_OF[key]}", f"{value:g}", line)
 
 
 def _blocks(message: ccsds.Message, radii: set[str]) -> list[ccsds.KeyValues]:
@@ -277,7 +277,7 @@ def _from_earth(state: np.ndarray, epoch: str, t: float) -> np.ndarray:
 
 
 def _density(message: ccsds.Message, block: ccsds.KeyValues) -> DensityError | None:
-    """Return what the forecast density's error does to an object, None where that is not told."""
+    """Return what the forecast density's error does to an object, None where that is not given."""
     uncertainty, *vectors = _DENSITY_KEYS.values()
     if not all(block.has(key) for key in _DENSITY_KEYS.values()):
         return None
@@ -288,14 +288,14 @@ def _density(message: ccsds.Message, block: ccsds.KeyValues) -> DensityError | N
     return DensityError(message.scale(block.text(uncertainty), 0, line), np.array(numbers))
 
 
-def _radius(path: FilePath, told: set[str]) -> float:
+def _radius(path: FilePath, stated: set[str]) -> float:
     """Return the sum of the radii [m] of comments HBR; in metres, where it has no unit."""
     with suppress(ValueError, KeyError, TypeError):
-        matches = [_LENGTH.fullmatch(text) for text in told]
+        matches = [_LENGTH.fullmatch(text) for text in stated]
         (radius,) = {float(match[1]) * _METRES[match[2]] for match in matches if match}
-        if len(matches) == len(told) and 0.0 < radius <= LARGEST_RADIUS:
+        if len(matches) == len(stated) and 0.0 < radius <= LARGEST_RADIUS:
             return radius
-    got = " and ".join(sorted(told)) or "none"
+    got = " and ".join(sorted(stated)) or "none"
     raise InputError(
         f"{path}: expected a radius up to {LARGEST_RADIUS:g} m in COMMENT HBR, or --radius, got {got}"
     )

@@ -59,7 +59,7 @@ class Participant:
 
     @property
     def inertial_density(self) -> np.ndarray:
-        """What one standard deviation of the density does to the state (6,) in GCRF [m, m/s], 0: unknown."""
+        """Change of the state (6,) by one standard deviation of the density, in GCRF [m, m/s], 0: unknown."""
         if self.density is None:
             return np.zeros(6)
         return self._axes.T @ self.density.effect
@@ -116,7 +116,7 @@ class Conjunction:
         return np.asarray(in_rsw(difference, self.first.state[None])[0])
 
     def is_again(self, other: "Conjunction") -> bool:
-        """Return whether another one tells the same of both objects, but for rounding."""
+        """Return whether another one has the same of both objects, but for rounding."""
         pairs = (self.first, other.first), (self.second, other.second)
         return abs(self.t - other.t) < _SAME and all(one.is_again(another) for one, another in pairs)
 
@@ -140,15 +140,15 @@ class Conjunction:
         """
         if self.encounter is None or not self._may_bend:
             return self.encounter
-        found = self._pair.collisions()
-        if not found.is_straight:
+        collisions = self._pair.collisions()
+        if not collisions.is_straight:
             return None
-        position, covariance = found.cloud.mean[:3], found.cloud.covariance[:3, :3]
-        return Encounter(position, found.velocity, covariance, self.radius)
+        position, covariance = collisions.cloud.mean[:3], collisions.cloud.covariance[:3, :3]
+        return Encounter(position, collisions.velocity, covariance, self.radius)
 
     @property
     def is_short(self) -> bool:
-        """Whether the encounter, if there is one, is short beside a revolution at the pace of either object.
+        """Whether the encounter is short compared with a revolution at the pace of either object.
 
         The likeliest collision may be as far from the approach in time as the relative motion takes to its
         place.
@@ -180,7 +180,7 @@ class Conjunction:
 
     @cached_property
     def chance(self) -> Chance | None:
-        """How likely a collision is; None where it is unknown, and for a long encounter of no ellipses."""
+        """The probability of a collision; None: unknown, or a long encounter of no ellipses."""
         if self.is_short and self.likeliest is not None:
             return chance(self.likeliest)
         if self.encounter is None or not self._may_bend:

@@ -1,4 +1,4 @@
-"""What `opml screen` is asked: one object against others, all of a catalogue, or a message alone."""
+"""Conjunctions in files: one object against others, all of a catalogue, or those of messages."""
 
 from collections.abc import Iterable, Sequence
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Where two objects most likely collide, and how their relative state is distributed about there.
+"""The likeliest collision of two objects, and the distribution of their relative state about it.
 
 An error of kilometres along an orbit follows its curve: it is normal in equinoctial elements, and not in
 positions. So the elements are looked for with which both objects collide, and which are likelier than all
@@ -9,7 +9,7 @@ An error of the air's density carries both objects along their tracks at once. T
 with what both share of it the errors of both are normal together (Casali et al. 2018).
 
 Each object's elements are those in the RSW axes of its own state, where the inclination is none. That there
-are spheres around the objects widens what they meet in.
+are spheres around the objects enlarges where they meet.
 
 Sources: Hall 2021, Expected collision rates for tracked satellites, J. Spacecr. Rockets 58; Hall, Baars &
 Casali 2023, A multistep probability of collision computational algorithm (AAS 23-398); Casali et al. 2018,
@@ -32,13 +32,13 @@ _ROUNDS = 30  # at most, to the likeliest elements
 _FAR, _FAR_ROUNDS = 1500.0, 6  # squared distance with no probability, rounds after which it stays so
 _SETTLED = 1e-3  # change of the squared distance in standard deviations that ends them
 STEADY = 0.02  # share of a velocity that its standard deviation may be
-_STANDSTILL = 1e-6  # relative speed below which objects stand beside each other [m/s]
+_STANDSTILL = 1e-6  # relative speed below which objects do not pass each other [m/s]
 _FARTHEST = 0.5  # change of an element, as a share of what lacks an eccentricity of 1
 
 
 @dataclass(frozen=True, eq=False)
 class Cloud:
-    """Where a relative state may be."""
+    """Distribution of a relative state."""
 
     mean: np.ndarray  # (..., 6) [m, m/s]
     covariance: np.ndarray  # (..., 6, 6)
@@ -49,7 +49,7 @@ class Cloud:
 
 @dataclass(frozen=True, eq=False)
 class Collision:
-    """Where two objects most likely collide."""
+    """The likeliest collision of two objects."""
 
     cloud: Cloud  # the relative state, linear in the elements about there
     velocity: np.ndarray  # (..., 3) with which they collide [m/s]
@@ -151,7 +151,7 @@ class UncertainPairs:
 
     @cached_property
     def _inverse(self) -> np.ndarray:
-        """How the elements change (..., 2, 6, 6) with states in the axes of the elements."""
+        """Partial derivatives (..., 2, 6, 6) of the elements with respect to states in their axes."""
         _, slope = self._propagated(self._elements, np.zeros(self.states.shape[:-2]))
         return np.linalg.inv(self._axes @ slope)
 

@@ -3,7 +3,7 @@
 While slow objects pass, the relative motion bends and the covariance changes. So probability flows, at any
 time and from all sides, into the sphere of the sum of their radii, and its flow is summed over the time from
 one largest expected distance to the next. What is in the sphere to begin with is added. Where the flow has
-not ended at such a limit, it belongs to the next encounter from the least flow on, and is told beside. Both
+not ended at such a limit, it belongs to the next encounter from the least flow on, and is separate. Both
 objects are propagated by Kepler's laws, and at each time their deviations are linear in the elements about
 where they most likely collide then. Who enters twice counts twice.
 
@@ -21,7 +21,7 @@ from opml.conjunctions.likeliest_collision import Cloud, UncertainPairs
 from opml.conjunctions.probability import Chance, is_flat
 
 LEAST_SIGMA = 0.1
-"""Least standard deviation of the relative position, as a share of the radius: narrower ones are widened."""
+"""Least standard deviation of the relative position, as a share of the radius: narrower ones are inflated."""
 
 _PANELS = 32  # to either side, before they are halved
 _HALVINGS = 16  # of a panel, at most
@@ -29,7 +29,7 @@ _MOST_PANELS = 400  # after that, where the likeliest collision jumps with time
 _RESOLVED = 4.0  # change of the squared distance in a panel that is not halved
 _TIMES, _TIME_WEIGHTS = np.polynomial.legendre.leggauss(8)
 _HEIGHTS, _HEIGHT_WEIGHTS = np.polynomial.legendre.leggauss(32)  # of points on a sphere
-_DIP = 3.0  # sum of both neighbours' distances, in those of one that may lie beside a collision
+_DIP = 3.0  # sum of both neighbours' distances, in those of one that may lie next to a collision
 _BEYOND = 40.0  # squared distance above the least from which on nothing flows
 _QUIET, _NOTABLE = 1e-6, 1e-3  # shares of the largest flow: an encounter has ended, one has been
 _FALLEN = 0.5  # share of the largest flow before, at which it has fallen
@@ -51,7 +51,7 @@ def chance(pair: UncertainPairs, period: float) -> Chance:
 
 @dataclass(frozen=True, eq=False)
 class _Side:
-    """What flows into the sphere before the closest approach, or after it."""
+    """Probability that flows into the sphere before the closest approach, or after it."""
 
     probability: float  # of that, up to the end of the encounter
     around: float  # the same up to the largest distance
@@ -113,7 +113,7 @@ def _edges(pair: UncertainPairs, end: float) -> np.ndarray:
         # About a collision the distance falls and rises in straight lines.
         may_dip = distance[:-2] + distance[2:] > _DIP * distance[1:-1]
         is_low = may_dip | (squared < squared.min() + _BEYOND)
-        # A minimum between two equal values shows in the panels beside them.
+        # A minimum between two equal values shows in the panels next to them.
         change = np.abs(np.diff(np.pad(squared, 1, mode="edge")))
         is_steep = np.maximum(np.maximum(change[:-2], change[2:]), change[1:-1]) > _RESOLVED
         halved = np.flatnonzero(is_steep & (is_low[:-1] | is_low[1:]))
@@ -176,5 +176,5 @@ def _inward(cloud: Cloud, radius: float) -> np.ndarray:
 def _inside(cloud: Cloud, radius: float) -> float:
     """Return the probability to be in the sphere at the one time of a cloud."""
     shells, weights = 0.5 * radius * (1.0 + _TIMES), 0.5 * radius * _TIME_WEIGHTS
-    found = [float(_density(cloud, shell * _POINTS)[0] @ _AREAS) * shell**2 for shell in shells]
-    return float(weights @ found)
+    flows = [float(_density(cloud, shell * _POINTS)[0] @ _AREAS) * shell**2 for shell in shells]
+    return float(weights @ flows)

@@ -6,7 +6,7 @@ sum of their radii. In the principal axes of the covariance the probability of t
 error functions.
 
 The larger an uncertain covariance, the smaller the probability in the end: it is diluted. The largest
-probability under any multiple of the covariance tells so.
+probability under any multiple of the covariance shows it.
 
 Sources: Foster & Estes 1992, A parametric analysis of orbital debris collision probability (JSC 25898);
 Alfano 2005, A numerical implementation of spherical object collision probability, J. Astronaut. Sci. 53;
@@ -29,7 +29,7 @@ from opml.base.errors import InputError
 SHORT = 0.02  # longest share of a revolution that a short encounter may last
 
 LEAST_SIGMA = 1e-4
-"""Least standard deviation in the plane, as a share of the radius: narrower ones are widened to it."""
+"""Least standard deviation in the plane, as a share of the radius: narrower ones are inflated to it."""
 
 _EDGES = np.array([-40.0, -20.0, -10.0, -6.0, -4.0, -3.0, -2.0, -1.0, 0.0])
 _EDGES = np.concatenate([_EDGES, -_EDGES[-2::-1]])
@@ -67,7 +67,7 @@ class Encounter:
 
     @property
     def duration(self) -> float:
-        """How long the objects may touch [s], by how uncertain their place along the motion is if they do."""
+        """Time in which the objects may touch [s], by the uncertainty along their relative motion."""
         if not (speed := float(np.linalg.norm(self.velocity))) > 0.0:
             return math.inf
         ahead = self.velocity / speed
@@ -79,7 +79,7 @@ class Encounter:
 
 @dataclass(frozen=True)
 class Chance:
-    """How likely a collision is.
+    """The probability of a collision.
 
     scale: factor of the standard deviations at which it is reached; below 1 the probability is diluted
     around: the probability within half a revolution to either side, NaN for a short encounter
@@ -88,7 +88,7 @@ class Chance:
     probability: float  # of a collision
     most: float  # largest probability under any multiple of the covariance, NaN for a long encounter
     scale: float
-    mended: bool  # whether the covariance was none, or flat, and was widened
+    mended: bool  # whether the covariance was none, or flat, and was inflated
     around: float = math.nan
 
     @property
@@ -161,6 +161,8 @@ def _largest(by_scale: Callable[[float], float]) -> tuple[float, float]:
     if probabilities[k] == 0.0:
         return 0.0, 1.0
     bounds = np.log(_SCALES[max(k - 1, 0)]), np.log(_SCALES[min(k + 1, len(_SCALES) - 1)])
-    found = minimize_scalar(lambda logarithm: -by_scale(math.exp(logarithm)), bounds=bounds, method="bounded")
-    best = max((-float(found.fun), math.exp(found.x)), (probabilities[k], float(_SCALES[k])))
+    optimum = minimize_scalar(
+        lambda logarithm: -by_scale(math.exp(logarithm)), bounds=bounds, method="bounded"
+    )
+    best = max((-float(optimum.fun), math.exp(optimum.x)), (probabilities[k], float(_SCALES[k])))
     return best

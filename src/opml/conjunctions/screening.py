@@ -34,9 +34,9 @@ from opml.interop.curves.orbit_path import EPOCH
 from opml.interop.element_sets.mean_elements import WARN_DAYS
 from opml.interop.object_ids import ObjectId
 
-RADIUS = 20.0  # sum of the radii of two objects of which nothing is told [m]
+RADIUS = 20.0  # sum of the radii of two objects by default [m]
 DAYS = 7.0  # days that mean elements are propagated by default
-WITHIN = 5.0  # distance that is near where nobody tells [km]
+WITHIN = 5.0  # distance that is near by default [km]
 
 _SECONDS = len("2016-09-28T12:09:45")
 _log = logging.getLogger(__name__)
@@ -44,7 +44,7 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True, eq=False)
 class ScreenedObject:
-    """What a file knows of an object.
+    """An object of a file.
 
     propagate: return the trajectories, in the order of the file, none where the object has decayed, or its
         elements are too old
@@ -58,7 +58,7 @@ class ScreenedObject:
 
     @cached_property
     def trajectories(self) -> Sequence[Trajectory]:
-        """Where the object is expected, propagated when it is first asked for."""
+        """Trajectories of the object, propagated at first use."""
         return self.propagate()
 
     def participant(self, trajectory: Trajectory, t: float) -> Participant:
@@ -142,10 +142,12 @@ def screen(ephemerides: Sequence[ScreenedObject], *, within: float, radius: floa
     if len(near) == len(others) and not any(_met_spans(ours, one) for one in near):
         begin, end = _texts(whole)
         raise InputError(f"conjunctions: expected another ephemeris from {begin} to {end}, got none")
-    found = [
-        conjunction for one in near for conjunction in _told_once(approaches_of(ours, one, within, radius))
+    conjunctions = [
+        conjunction
+        for one in near
+        for conjunction in _without_repetitions(approaches_of(ours, one, within, radius))
     ]
-    return sorted(found, key=lambda conjunction: conjunction.t)
+    return sorted(conjunctions, key=lambda conjunction: conjunction.t)
 
 
 def _whole(spans: Iterable[Span]) -> Span:
@@ -170,7 +172,7 @@ def _texts(span: Span) -> tuple[str, str]:
 
 
 def _uncovered(span: Span, covered: Sequence[Span]) -> Iterator[Span]:
-    """Yield the parts of a span beside those that are covered, which stand in the order of time."""
+    """Yield the parts of a span that are not covered by others, which stand in the order of time."""
     reached, end = span
     for begin, until in covered:
         if begin > reached:
@@ -200,13 +202,13 @@ def approaches_of(
                 yield Conjunction(approach.t, *pair, radius, approach.is_end, known)
 
 
-def _told_once(conjunctions: Iterable[Conjunction]) -> list[Conjunction]:
-    """Return conjunctions of two objects without those that segments of the same states tell again."""
-    told: list[Conjunction] = []
+def _without_repetitions(conjunctions: Iterable[Conjunction]) -> list[Conjunction]:
+    """Return conjunctions of two objects without those that segments of the same states repeat."""
+    kept: list[Conjunction] = []
     for one in conjunctions:
-        if not any(one.is_again(before) for before in told):
-            told.append(one)
-    return told
+        if not any(one.is_again(before) for before in kept):
+            kept.append(one)
+    return kept
 
 
 def _goes_on(approach: Approach, span: Span, spans: Sequence[Span]) -> bool:

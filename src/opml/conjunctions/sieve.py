@@ -1,8 +1,8 @@
-"""Which objects may come near each other: looks at their states by SGP4, far between, then closer.
+"""Objects that may come near each other, by samples of their states by SGP4, coarse, then fine.
 
-Between two looks objects move relative to each other almost straight: off that by at most what the tide pulls
-them apart in the time to the nearest look, and what SGP4's velocities are off. What is farther at its nearest
-on the straight path is left out, and so nothing is missed.
+Between two looks objects move relative to each other almost straight: off that by at most the tide in
+the time to the nearest look, and what SGP4's velocities are off. What is farther at its nearest
+on the straight path is left out, and so no approach is lost.
 """
 
 from collections.abc import Iterator, Sequence
@@ -136,6 +136,6 @@ def _pairs(states: np.ndarray, half: float, within: float) -> np.ndarray:
 
 
 def _looks(begin: float, end: float, longest: float, closer: int) -> np.ndarray:
-    """Return times from a beginning to an end [s], `closer` steps of them at most `longest` apart."""
+    """Return times from a beginning to an end [s], `closer` steps of them at most `longest` long."""
     count = closer * max(1, int(np.ceil((end - begin) / longest)))
     return np.linspace(begin, end, count + 1)

@@ -1,4 +1,4 @@
-"""Where objects are expected for a while, and how surely: by states in messages, or by mean elements."""
+"""Trajectories of objects with their covariances: by states in messages, or by mean elements."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -22,7 +22,7 @@ from opml.orbits.density_error import DensityErrors
 from opml.orbits.state_polynomials import FEWEST
 
 USUAL = "is typical of public sets at its height"
-"""What is told of a covariance that the object's own past has no part in."""
+"""Remark on a covariance that does not come from the object's own past."""
 
 _LOWEST = 1e-3 * WGS84_A + 80.0  # distance from the Earth's centre below which nothing orbits [km]
 _SPARSE = 10  # states of a path from one of its covariances to the next
@@ -30,7 +30,7 @@ _SPARSE = 10  # states of a path from one of its covariances to the next
 
 @dataclass(frozen=True, eq=False)
 class Trajectory:
-    """Where an object is expected for a while, and how surely."""
+    """A trajectory of an object, and its covariances."""
 
     path: Path
     covariance_t: np.ndarray = field(default_factory=lambda: np.empty(0))  # (m,) ascending [s]
@@ -45,8 +45,8 @@ class Trajectory:
 
     def covariance(self, t: float) -> np.ndarray | None:
         """Return the covariance at a time [s], linear between those that are known; None far from all."""
-        found = covariances_at(self.covariance_t, self.covariances, np.array([t]))[0]
-        return found if np.isfinite(found).all() else None
+        covariance = covariances_at(self.covariance_t, self.covariances, np.array([t]))[0]
+        return covariance if np.isfinite(covariance).all() else None
 
 
 def of_segment(segment: Segment) -> Trajectory:
@@ -76,12 +76,12 @@ class PropagatedElements:
 
     @cached_property
     def orbit(self) -> Sgp4Orbit:
-        """What SGP4 propagates."""
+        """The elements as SGP4 propagates them."""
         return Sgp4Orbit(self.row["t"], histories.satellite(self.row, epoch=EPOCH))
 
     @cached_property
     def life(self) -> Span | None:
-        """First and last state about the span [s], a minute apart; None: too old, or decayed before.
+        """First and last state about the span [s], every minute; None: too old, or decayed before.
 
         SGP4 may go on after a failure or below the ground, for an object that has decayed.
         """
@@ -127,10 +127,10 @@ class PropagatedElements:
         """Return the trajectory with the covariances that sets of such orbits usually have, or none."""
         satellite = self.orbit.satellite
         days = (path.t - self.orbit.t) / DAY
-        told = np.flatnonzero(np.abs(days) <= sgp4_errors.LONGEST)[::_SPARSE]
-        if not (len(told) and sgp4_errors.are_known(satellite)):
+        rows = np.flatnonzero(np.abs(days) <= sgp4_errors.LONGEST)[::_SPARSE]
+        if not (len(rows) and sgp4_errors.are_known(satellite)):
             return Trajectory(path)
-        t, states, days = path.t[told], path.states[told], np.abs(days[told])
+        t, states, days = path.t[rows], path.states[rows], np.abs(days[rows])
         sigmas = sgp4_errors.expected(satellite, days)
         density = sgp4_errors.density_errors(satellite, t, states, days, sigmas)
         return Trajectory(path, t, sgp4_errors.covariances(sigmas, states), USUAL, density)

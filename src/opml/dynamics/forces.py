@@ -105,13 +105,13 @@ def _padded(coefficients: np.ndarray) -> np.ndarray:
     return np.pad(coefficients, [(0, count) for count in missing])
 
 
-def _added(environment: Environment, asked: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
-    """Return the first column of each added force, OFF where it is not asked for, and the columns of all."""
+def _added(environment: Environment, names: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
+    """Return the first column of each added force, OFF where it is not selected, and the columns of all."""
     nothing = np.empty((len(environment.ephemerides), 0))
-    needing = {*TABULATED} & {*asked}
+    needing = {*TABULATED} & {*names}
     parts = [TABULATED[name](environment) if name in needing else nothing for name in FORCES]
     first = np.cumsum([0, *(part.shape[1] for part in parts[:-1])])
-    return np.where([name in asked for name in FORCES], first, OFF), np.hstack(parts)
+    return np.where([name in names for name in FORCES], first, OFF), np.hstack(parts)
 
 
 def _precession(environment: Environment) -> np.ndarray:
@@ -128,7 +128,7 @@ def _precession(environment: Environment) -> np.ndarray:
 
 
 TABULATED = {"relativity": _precession}
-"""What added forces need of time, (nodes, columns) of an environment, by name; one without needs none."""
+"""Time-dependent columns of added forces, (nodes, columns) of an environment, by name."""
 
 
 def logarithms(thermosphere: pd.DataFrame) -> np.ndarray:

@@ -1,8 +1,8 @@
 """Arcs of several callers in the same blocks, so that objects with a few arcs each leave no lanes empty.
 
 Each caller runs in a thread of its own, one at a time. One that asks for arcs waits until all others have
-asked for theirs or ended; then all arcs of a kind are propagated together, on a raster of epochs that is the
-same whatever is propagated beside them, so no caller's arcs depend on the others.
+requested theirs or ended; then all arcs of a kind are propagated together, on a grid of epochs that is the
+same whatever is propagated with them, so no caller's arcs depend on the others.
 """
 
 from collections.abc import Callable, Sequence
@@ -20,9 +20,9 @@ from opml.dynamics.kernels.surroundings import ForceModel
 from opml.dynamics.settings import Integrator
 
 STEP = 300.0
-"""Between the epochs of the raster, which are its multiples [s].
+"""Between the epochs of the grid, which are its multiples [s].
 
-Arcs whose integrator takes longer steps have a raster of more, `pace` of them, from where they begin.
+Arcs whose integrator takes longer steps have a grid of more, `pace` of them, from where they begin.
 """
 
 MOST = 1024
@@ -45,13 +45,13 @@ class _Request:
 
     @property
     def pace(self) -> int:
-        """Length of a step in units of STEP, if all epochs are as far apart."""
+        """Length of a step in units of STEP, if all epochs are equally spaced."""
         longest = max(1, int(self.integrator.max_step_s // STEP))
         return longest if not ((self.epochs - self.epochs[0]) % longest).any() else 1
 
     @property
     def kind(self) -> _Kind:
-        """Common properties of arcs that are propagated together: model, integrator, direction and raster."""
+        """Common properties of arcs that are propagated together: model, integrator, direction and grid."""
         phase = int(self.epochs[0]) % self.pace
         forward = bool(self.epochs[0] <= self.epochs[-1])
         return id(self.model), self.integrator, forward, self.pace, phase
@@ -90,7 +90,7 @@ class SharedBlocks:
         threads: int = 1,
         progress: Callable[[float], None] | None = None,
     ) -> Arcs:
-        """Propagate arcs as `ensemble.propagate`; those on the raster beside other callers'."""
+        """Propagate arcs as `ensemble.propagate`; those on the grid together with other callers'."""
         epochs = np.asarray(epochs, float)
         multiples = np.round(epochs / STEP)
         stand_still = np.array_equal(departures.first, departures.last)
@@ -122,9 +122,9 @@ class SharedBlocks:
         if not self._waiting or len(self._waiting) < self._under_way:
             return
         kind = min(self._waiting, key=lambda request: request.longest).kind
-        alike = [request for request in self._waiting if request.kind == kind]
-        arcs = np.cumsum([len(request.departures) for request in alike])
-        _propagate(alike[: max(1, int(np.searchsorted(arcs, MOST, side="right")))])
+        same_kind = [request for request in self._waiting if request.kind == kind]
+        arcs = np.cumsum([len(request.departures) for request in same_kind])
+        _propagate(same_kind[: max(1, int(np.searchsorted(arcs, MOST, side="right")))])
         self._waiting = [request for request in self._waiting if not request.arcs.done()]
         self._turn.notify_all()
 
@@ -145,11 +145,11 @@ def _propagate(requests: Sequence[_Request]) -> None:
 
 
 def _propagated(requests: Sequence[_Request]) -> Arcs:
-    one = requests[0]
-    raster = _raster(requests)
-    places = [np.abs(request.epochs - raster[0]) // one.pace for request in requests]
+    first = requests[0]
+    grid = _grid(requests)
+    places = [np.abs(request.epochs - grid[0]) // first.pace for request in requests]
     departures = [request.departures for request in requests]
-    outlooks = [request.departures.outlooks(one.model, STEP * request.epochs) for request in requests]
+    outlooks = [request.departures.outlooks(first.model, STEP * request.epochs) for request in requests]
     together = Departures(
         np.concatenate([np.asarray(each.states) for each in departures]),
         first=np.concatenate([at[each.first] for at, each in zip(places, departures, strict=True)]),
@@ -158,10 +158,10 @@ def _propagated(requests: Sequence[_Request]) -> Arcs:
         reflection=np.concatenate([np.asarray(each.reflection) for each in departures]),
         outlook=np.concatenate(outlooks),
     )
-    return ensemble.propagate(one.model, STEP * raster, together, integrator=one.integrator)
+    return ensemble.propagate(first.model, STEP * grid, together, integrator=first.integrator)
 
 
-def _raster(requests: Sequence[_Request]) -> np.ndarray:
+def _grid(requests: Sequence[_Request]) -> np.ndarray:
     """Return the multiples from the first epoch of any request to the last, in their direction."""
     ends = np.array([[request.epochs[0], request.epochs[-1]] for request in requests])
     if requests[0].epochs[0] <= requests[0].epochs[-1]:
@@ -172,7 +172,7 @@ def _raster(requests: Sequence[_Request]) -> np.ndarray:
 def _own(arcs: Arcs, begin: int, request: _Request) -> Arcs:
     """Return a request's own arcs, from the one at `begin` on, at the request's own epochs."""
     first, last = (np.asarray(ends) for ends in (request.departures.first, request.departures.last))
-    # Arcs were propagated at all epochs of the raster; a request has its own, counted from its start.
+    # Arcs were propagated at all epochs of the grid; a request has its own, counted from its start.
     count = last - first
     start = np.concatenate([[0], np.cumsum(count)])
     arc = np.repeat(np.arange(len(first)), count)

@@ -48,7 +48,7 @@ def nodes(environment: Environment) -> np.ndarray:
 
     environment: its tables of Earth orientation and ephemerides have the same nodes
 
-    They are those in a frame that does not turn with the Earth, where they change with the Moon's way alone,
+    They are those in a frame that does not turn with the Earth, where only the Moon's motion changes them,
     so that hourly nodes will do. Raises InputError for a field that they cannot be added to.
     """
     check_tide_system(environment.tide_system)
@@ -83,13 +83,13 @@ def _equilibrium(places: np.ndarray, mass: float, radius: float) -> dict[tuple[i
     """
     r = np.linalg.norm(places, axis=0)
     harmonics = _harmonics(*(places / r))
-    found = {
+    coefficients = {
         (n, m): love / (2 * n + 1) * mass * (radius / r) ** (n + 1) * harmonics[n, m]
         for (n, m), love in _LOVE.items()
     }
     for (_, m), love in _LOVE_PLUS.items():
-        found[4, m] = love / 5.0 * mass * (radius / r) ** 3 * harmonics[2, m]
-    return found
+        coefficients[4, m] = love / 5.0 * mass * (radius / r) ** 3 * harmonics[2, m]
+    return coefficients
 
 
 def _harmonics(x: np.ndarray, y: np.ndarray, z: np.ndarray) -> dict[tuple[int, int], np.ndarray]:
@@ -118,11 +118,11 @@ def _corrections(epoch: str, t: np.ndarray) -> list[np.ndarray]:
     ]
     # Sidereal time less the angle of the Earth's rotation, which is the same at any universal time.
     sidereal = erfa.gmst06(*tt, *tt) - erfa.era00(*tt)
-    found = []
+    coefficients = []
     for m, answer in enumerate((1.0, -1j, 1.0)):
         rows = table[table["order"] == m]
         multipliers = rows[["l", "l_prime", "f", "d", "omega"]].to_numpy()
         amplitudes = _UNIT * (rows["in_phase"].to_numpy() + 1j * rows["out_of_phase"].to_numpy())
         phases = m * (sidereal + np.pi) - multipliers @ np.array(delaunay)
-        found.append(answer * (amplitudes @ np.exp(1j * phases)))
-    return [found[0].real, *found[1:]]
+        coefficients.append(answer * (amplitudes @ np.exp(1j * phases)))
+    return [coefficients[0].real, *coefficients[1:]]

@@ -67,7 +67,7 @@ def read(source: str | Path) -> Weather:
 
 @lru_cache(maxsize=2)
 def _measured(path: str | Path, text: str) -> Weather:
-    """Return the measured weather of a file's text: half a second a file of decades, asked for many times."""
+    """Return the measured weather of a file's text: half a second a file of decades, needed many times."""
     days = space_weather.read(path, text).iloc[: space_weather.observed_days(path, text)]
     if days.empty:
         raise InputError(f"{path}: expected measured days, got predicted ones only")

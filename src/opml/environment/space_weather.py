@@ -97,7 +97,7 @@ def read(path: str | Path, text: str) -> pd.DataFrame:
 def _without_bursts(path: str | Path, weather: pd.DataFrame) -> pd.DataFrame:
     """Return the weather without bursts of the Sun in the hour of a measurement, which no atmosphere follows.
 
-    A flux far above the median of the days before it gives way to that median, in the centred mean as well.
+    A flux far above the median of the days before it is replaced by that median, in the centred mean as well.
     No flux after it matters, as none was known then.
     """
     flux = weather["F10.7_OBS"]
@@ -181,7 +181,7 @@ def tabulate(path: str | Path, text: str, epoch: str, t: np.ndarray) -> pd.DataF
 def days(epoch: str, t: np.ndarray) -> np.ndarray:
     """Return modified Julian days (UTC) at times `t` [s since `epoch`], every day of 86400 s.
 
-    ERFA stretches a day with a leap second, which would move the hours of Kp.
+    ERFA lengthens a day with a leap second, which would move the hours of Kp.
     """
     whole, part = epochs.utc(epoch, t)
     day: np.ndarray = (whole - epochs.MJD_ZERO) + part

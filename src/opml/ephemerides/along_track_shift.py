@@ -2,7 +2,7 @@
 
 Nearly all of a prediction's error lies along its path, e_y. So the correction follows the path instead of
 its tangent: the orbit of a moment tau earlier, tau = asin(e_y / r) / w, with w the rate at which the position
-turns. What tau tells of the radial error x follows from the motion beside a circular orbit without drag
+turns. The radial error x by tau follows from the motion near a circular orbit without drag
 (Clohessy & Wiltshire 1960, J. Aerospace Sci. 27; Vallado, ch. 6), in which y = r w tau:
 
     a slow drift         x = -2/3 r tau'      a higher orbit falls behind
@@ -34,7 +34,7 @@ _PATH = 7  # so that a path sampled every minute is interpolated to a millimetre
 def corrected(t: np.ndarray, states: np.ndarray, along_track: np.ndarray) -> np.ndarray:
     """Return corrected states (n, 6) GCRF [m, m/s] of one predicted path.
 
-    t: (n,) ascending [s], a minute or so apart
+    t: (n,) ascending [s], every minute or so
     states: (n, 6) as predicted, GCRF [m, m/s]
     along_track: (n,) predicted less true position [m], the component e_y in RSW of the true state
 
@@ -99,10 +99,10 @@ class NotSmoothError(InputError):
 def check_smooth(t: np.ndarray, along_track: np.ndarray) -> None:
     """Raise NotSmoothError for a correction (n,) [m] at t (n,) [s] that has steps, and so no velocity."""
     off = np.abs(make_interp_spline(t[::2], along_track[::2], _FAST)(t) - along_track)
-    # Near its ends a spline misses what is smooth, too.
-    missed = float(off[_FAST + 1 : -_FAST - 1].max())
-    if missed > ROUGH * float(np.median(np.diff(t))):
+    # Near its ends a spline is off what is smooth, too.
+    step = float(off[_FAST + 1 : -_FAST - 1].max())
+    if step > ROUGH * float(np.median(np.diff(t))):
         raise NotSmoothError(
             "ephemeris: expected a correction that is smooth in time, as that of a kernel or a law, "
-            f"got one with steps of {missed:.3g} m (another learner, or a smaller step_s)"
+            f"got one with steps of {step:.3g} m (another learner, or a smaller step_s)"
         )

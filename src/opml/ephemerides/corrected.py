@@ -23,7 +23,7 @@ from opml.ephemerides.task_part import Grid, TaskPart
 from opml.learning.data.splits import are_over
 from opml.learning.judge.error_sizes import Sizes
 from opml.learning.models.contract import Model
-from opml.learning.models.daily_training import Lessons
+from opml.learning.models.daily_training import DailyLearner
 from opml.orbits.elements import in_rsw
 from opml.orbits.rsw_covariance import rates, rsw_covariances
 from opml.tables import SIGMAS, SPREAD, STATE, read_table, state_rows
@@ -46,12 +46,12 @@ def spreading(files: Any, settings: PropagatorSettings, known: KnownTables, *, t
 
 
 def build(
-    task: Task, lessons: Lessons, replay: pd.DataFrame, *, spreads: Spreads, first_morning: float
+    task: Task, daily: DailyLearner, replay: pd.DataFrame, *, spreads: Spreads, first_morning: float
 ) -> pd.DataFrame:
     """Return the `corrected` table.
 
-    lessons: the learner as of a morning
-    replay: the table of the same lessons, which sizes are learned from
+    daily: the learner, retrained each morning
+    replay: the table of the same learner, from which sizes are learned
     spreads: how far drag and weather may take pairs
     first_morning: when the first ephemeris is made [s]; later ones know what is known when the day begins
 
@@ -64,12 +64,12 @@ def build(
         return Sizes.learned(replay, now=now)
 
     def ephemerides(part: TaskPart) -> Iterator[pd.DataFrame]:
-        columns = part.columns(lessons.variables, arc=lessons.arc)
+        columns = part.columns(daily.variables, arc=daily.arc)
         sparse = columns[_is_sparse(columns, part.grid)]
         causes = sparse[["i", "t_j"]].join(spreads(sparse)[SPREAD])
-        for rows in reached(columns, (*STATE, *lessons.variables)):
+        for rows in reached(columns, (*STATE, *daily.variables)):
             now = morning(rows["t_i"].iloc[0], first=first_morning)
-            along = expected(rows, lessons(now))
+            along = expected(rows, daily(now))
             check_smooth(rows["t_j"].to_numpy(), along)
             states = moved(rows, along)
             rate = rates(states)

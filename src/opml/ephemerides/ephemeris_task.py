@@ -65,7 +65,7 @@ class Task:
     def joined(self, tables: Sequence[pd.DataFrame]) -> pd.DataFrame:
         """Return the tables of all ephemerides as one; raise InputError where none reaches anywhere."""
         if not tables:
-            least = f"{LEAST_EPOCHS} epochs {self.grid.step:g} s apart"
+            least = f"{LEAST_EPOCHS} epochs every {self.grid.step:g} s"
             raise InputError(
                 f"ephemeris: expected {least} after an estimate and before the run ends, got fewer"
             )

@@ -19,7 +19,7 @@ from opml.tables import read_measured, read_metadata, read_table
 
 
 class LongArcs(JobSettings):
-    """Long arcs beside estimates, and the resonances that they are asked for."""
+    """Long arcs of estimates, and the resonances that they give."""
 
     long_window_hours: float
     resonances: list[tuple[int, int]]
@@ -40,7 +40,7 @@ class KnownTables:
     """A catalogue's knowledge of an RSO.
 
     others: tables of fits of the same tracks over other windows, by these [h], as learners ask for them
-    manoeuvres: those that any table tells of, each with the time since which it is known
+    manoeuvres: those of any table, each with the time since which it is known
     """
 
     estimates: pd.DataFrame  # the table, of fits over window_hours

@@ -1,8 +1,8 @@
 """The mornings that are over, run again: ephemerides as they would have been issued, and what came of them.
 
 At the beginning of each day a learner is trained on the errors known by then. The estimates of the day start
-ephemerides, made as `opml.ephemerides.corrected` makes those that leave, and later tracks tell what they were
-off by. So nothing behind a row was known after its t_i, but the row's own error; and what sizes are learned
+ephemerides, made as `opml.ephemerides.corrected` makes those that leave, and later tracks give their
+errors. So nothing behind a row was known after its t_i, but the row's own error; and what sizes are learned
 from has been through all that the next ephemeris will go through.
 """
 
@@ -24,7 +24,7 @@ from opml.ephemerides.task_part import Grid, TaskPart
 from opml.learning.data.splits import known_at
 from opml.learning.judge.error_sizes import as_known
 from opml.learning.models.contract import hours_to_fill
-from opml.learning.models.daily_training import Lessons
+from opml.learning.models.daily_training import DailyLearner
 from opml.learning.models.learners import needed_tables
 from opml.orbits.elements import in_rsw
 from opml.orbits.rsw_covariance import rates
@@ -34,7 +34,7 @@ STEP = 120.0
 """Time between the epochs of the ephemerides that are replayed [s]: a centimetre from those of a minute."""
 
 _NEAR = 64
-"""Epochs to both sides of a time that tell where an ephemeris is: others move splines by less than 1 um."""
+"""Epochs to both sides of a time that give its state: others move splines by less than 1 um."""
 
 
 def morning_departures(known: KnownTables, *, every_hours: float, first_day: float = 0.0) -> pd.DataFrame:
@@ -51,20 +51,20 @@ def first_of_each(estimates: pd.DataFrame, *, every_hours: float) -> pd.DataFram
     return estimates[~np.floor(estimates["t"] / (HOUR * every_hours)).duplicated().to_numpy()]
 
 
-def first_day(lessons: Lessons, known: KnownTables, *, train_days: Sequence[float]) -> float:
+def first_day(daily: DailyLearner, known: KnownTables, *, train_days: Sequence[float]) -> float:
     """Return the day of the first morning.
 
     A learner that learns waits until half of the days to train on are over, any other until a window of
     tracks is full, a filter until it has forgotten how it began.
     """
     begin, end = train_days
-    if lessons.learns:
+    if daily.learns:
         return float(np.ceil(begin + 0.5 * (end - begin)))
     hours = [known.window_hours]
-    if "mechanism" in needed_tables(lessons.variables):
+    if "mechanism" in needed_tables(daily.variables):
         hours.append(known.long_window_hours)
-    if lessons.arc:
-        hours.append(hours_to_fill(lessons.arc[0]))
+    if daily.arc:
+        hours.append(hours_to_fill(daily.arc[0]))
     return begin + max(hours) / 24.0
 
 
@@ -73,11 +73,11 @@ def judge(dataset: pd.DataFrame, predictions: pd.DataFrame, later: pd.DataFrame 
 
     Pairs that were dropped are left out.
     predictions: the table, whose true states are taken where `later` is None
-    later: the estimates that labels are from, which come with their doubt
+    later: the estimates that labels are from, with their standard deviations
     """
     kept = dataset[dataset["keep"]]
-    doubt = {name: kept.get(f"sigma_e_{name[-1]}", 0.0) for name in DOUBT}
-    pairs = kept[["i", "j", "t_j"]].assign(t_known=known_at(kept), **doubt)
+    reference = {name: kept.get(f"sigma_e_{name[-1]}", 0.0) for name in DOUBT}
+    pairs = kept[["i", "j", "t_j"]].assign(t_known=known_at(kept), **reference)
     if later is not None:
         return pairs.join(later.set_index("track")[STATE], on="j")
     true = predictions.set_index(["i", "j"])[TRUE].set_axis(STATE, axis=1)
@@ -105,7 +105,7 @@ def grid(judge: pd.DataFrame, *, max_days: float) -> Grid:
 class ReplaySeries:
     """The mornings of one learner that are to be run again."""
 
-    lessons: Lessons  # the learner as of a morning
+    daily: DailyLearner  # the learner, retrained each morning
     starts: pd.DataFrame  # the estimates that its ephemerides start from, `morning_departures`
     judge: pd.DataFrame  # rows i, j, t_j, t_known, DOUBT, SPREAD and a state (STATE), `at_starts`
 
@@ -118,7 +118,7 @@ def build(
     propagator: under the assumed model
     max_days: length of an ephemeris at most
 
-    Learners with the same mornings share the arcs that they ask for. Others do not, so that a table is the
+    Learners with the same mornings share the arcs that they need. Others do not, so that a table is the
     same whatever is replayed with it: arcs share their steps, which end where any of them begins.
     """
     groups: dict[tuple[int, Grid], list[int]] = {}
@@ -135,11 +135,11 @@ def build(
 
 def _together(task: Task, series: Sequence[ReplaySeries]) -> Iterator[pd.DataFrame]:
     """Yield the tables of learners that have the mornings of one task."""
-    found: list[list[pd.DataFrame]] = [[] for _ in series]
+    by_learner: list[list[pd.DataFrame]] = [[] for _ in series]
     for part in task.parts():
-        for tables, one in zip(found, series, strict=True):
+        for tables, one in zip(by_learner, series, strict=True):
             tables += _ephemerides(part, one)
-    for tables in found:
+    for tables in by_learner:
         joined = task.known.marked(task.joined(tables))
         table = as_known(joined, joined["morning"].to_numpy())
         yield table[SCHEMAS["replay"].among(table.columns).names]
@@ -147,25 +147,25 @@ def _together(task: Task, series: Sequence[ReplaySeries]) -> Iterator[pd.DataFra
 
 def _ephemerides(part: TaskPart, series: ReplaySeries) -> Iterator[pd.DataFrame]:
     """Yield how far a learner's ephemerides are off the states of later tracks."""
-    lessons, by_start = series.lessons, dict(tuple(series.judge.groupby("i")))
-    columns = part.columns(lessons.variables, arc=lessons.arc)
-    for rows in reached(columns, (*STATE, *lessons.variables)):
+    daily, by_start = series.daily, dict(tuple(series.judge.groupby("i")))
+    columns = part.columns(daily.variables, arc=daily.arc)
+    for rows in reached(columns, (*STATE, *daily.variables)):
         track = rows["i"].iloc[0]
         if track in by_start:
-            yield _held(rows, by_start[track], lessons)
+            yield _judged(rows, by_start[track], daily)
 
 
-def _held(rows: pd.DataFrame, later: pd.DataFrame, lessons: Lessons) -> pd.DataFrame:
+def _judged(rows: pd.DataFrame, later: pd.DataFrame, daily: DailyLearner) -> pd.DataFrame:
     """Return how far one ephemeris is off the states of later tracks."""
     t, t_i = rows["t_j"].to_numpy(), float(rows["t_i"].iloc[0])
     now = morning(t_i)
-    corrections = np.array([expected(rows, lessons(now))])
+    corrections = np.array([expected(rows, daily(now))])
     reached = later[later["t_j"].between(t[0], t[-1])]
     columns = {name: reached[name].to_numpy() for name in reached}
-    return pd.DataFrame(missed(rows, corrections, columns, now=now))
+    return pd.DataFrame(differences(rows, corrections, columns, now=now))
 
 
-def missed(
+def differences(
     rows: pd.DataFrame, corrections: np.ndarray, later: Mapping[str, np.ndarray], *, now: float
 ) -> dict[str, np.ndarray]:
     """Return how far an ephemeris is off later states by each correction in turn, but for SIGMA_STATE.

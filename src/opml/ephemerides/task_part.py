@@ -1,6 +1,6 @@
-"""A part of a task: ephemerides that are made side by side, and the arcs that models ask for beside them.
+"""A part of a task: ephemerides that are made side by side, and the further arcs that models need.
 
-Several models may ask for the same arcs. Each family of them is propagated once in a part.
+Several models may need the same arcs. Each family of them is propagated once in a part.
 """
 
 from collections.abc import Callable, Hashable, Sequence
@@ -23,8 +23,8 @@ from opml.ephemerides.known_tables import KnownTables
 from opml.learning.models.learners import needed_tables
 from opml.tables import STATE
 
-PARTED = {f"l_arc_{axis}" for axis in STATE}
-"""Columns of the table `arcs` that tell how its arcs part from predictions."""
+DEPARTURES = {f"l_arc_{axis}" for axis in STATE}
+"""Columns of the table `arcs` that are the differences of its arcs from predictions."""
 
 Arguments = ParamSpec("Arguments")
 _Method = Callable[Concatenate["TaskPart", Arguments], pd.DataFrame]
@@ -73,9 +73,9 @@ class TaskPart:
     def columns(
         self, variables: Sequence[str] = (), *, arc: tuple[float, float] | None = None
     ) -> pd.DataFrame:
-        """Return predictions from the starts to the grid, with the learning variables that a model asks for.
+        """Return predictions from the starts to the grid, with the learning variables that a model needs.
 
-        arc: window [h] and memory [days] of the arcs that it asks for
+        arc: window [h] and memory [days] of the arcs that it needs
 
         j is the number of the epoch on the grid. Rows without numbers are where an arc does not reach.
         """
@@ -87,25 +87,25 @@ class TaskPart:
         """Return the duration and the learning variables of `columns` by their names."""
         pairs = self.pairs()
         of_estimates = self.known.at_estimates
-        asked = [name for name in variables if name in of_estimates]
-        found = {"duration": pairs["t_j"] - pairs["t_i"]}
-        found |= dict(of_estimates.loc[pairs["i"], asked].set_axis(pairs.index).items()) if asked else {}
+        names = [name for name in variables if name in of_estimates]
+        values = {"duration": pairs["t_j"] - pairs["t_i"]}
+        values |= dict(of_estimates.loc[pairs["i"], names].set_axis(pairs.index).items()) if names else {}
         for kind in needed_tables(variables):
-            table = self._beside(kind, arc, variables)
-            found |= {name: table[name] for name in variables if name in table}
-        return found
+            table = self._table(kind, arc, variables)
+            values |= {name: table[name] for name in variables if name in table}
+        return values
 
-    def _beside(self, kind: str, arc: tuple[float, float] | None, variables: Sequence[str]) -> pd.DataFrame:
-        """Return the table of a kind; raise InputError for one that asks for more than one RSO."""
+    def _table(self, kind: str, arc: tuple[float, float] | None, variables: Sequence[str]) -> pd.DataFrame:
+        """Return the table of a kind; raise InputError for one of several RSOs."""
         hours, memory_days = arc or (0.0, 0.0)
         makers: dict[str, Callable[[], pd.DataFrame]] = {
             "mechanism": self.mechanism,
-            "arcs": partial(self.parted if set(variables) <= PARTED else self.arcs, hours),
+            "arcs": partial(self.arc_departures if set(variables) <= DEPARTURES else self.arcs, hours),
             "cd_past": partial(self.cd_past, hours, memory_days),
             "held": partial(self.held_table, hours, memory_days),
         }
         if kind not in makers:
-            raise InputError(f"ephemeris: expected a learner that asks for one RSO alone, got the {kind}")
+            raise InputError(f"ephemeris: expected a learner of one RSO alone, got the {kind}")
         return makers[kind]()
 
     @_once
@@ -119,27 +119,30 @@ class TaskPart:
         return self._predicted(self._at_starts(hours), self.propagator)
 
     def propagate_together(
-        self, windows: Sequence[float], nudged: Sequence[float], held: Sequence[tuple[float, float]]
+        self, windows: Sequence[float], perturbed: Sequence[float], held: Sequence[tuple[float, float]]
     ) -> None:
-        """Make `pairs`, `predictions` of windows [h], `nudged` and `held_predictions`, all from one start.
+        """Make `pairs`, `predictions` of windows [h], `perturbed` and `held_predictions`, all from one start.
 
-        nudged: windows [h] of those
+        perturbed: windows [h] of those
         held: window [h] and memory [days] of each of these arcs
 
-        In a large field the first are propagated under all of it, and the others beside them. A few arcs
+        In a large field the first are propagated under all of it, and the others near them. A few arcs
         alone leave most lanes of a block empty.
         """
         families: dict[Hashable, pd.DataFrame] = {
             ("pairs", (), ()): self.starts,
             **{("predictions", (hours,), ()): self._at_starts(hours) for hours in windows},
-            **{("nudged", (hours,), ()): other_windows.nudged(self._at_starts(hours)) for hours in nudged},
+            **{
+                ("perturbed", (hours,), ()): other_windows.perturbed(self._at_starts(hours))
+                for hours in perturbed
+            },
             **{("held_predictions", arc, ()): self._with_held_cd(*arc) for arc in held},
         }
         numbered = pd.concat(families.values(), ignore_index=True)
         near = self.propagator.for_neighbours()
         propagated = self._predicted(numbered.assign(track=np.arange(len(numbered))), near)
         if near is not self.propagator:
-            propagated = _beside(self.pairs(), propagated)
+            propagated = _near(self.pairs(), propagated)
         family = np.repeat(np.arange(len(families)), [len(one) for one in families.values()])[propagated["i"]]
         propagated["i"] = numbered["track"].to_numpy()[propagated["i"]]
         self.made.update(
@@ -182,20 +185,20 @@ class TaskPart:
         return other_windows.arcs_table(
             self.pairs(),
             self.predictions(hours),
-            self.nudged(hours),
+            self.perturbed(hours),
             arc_estimates=self.known.estimates_without_burns(hours),
             apriori=self.propagator.rso.cd,
         )
 
     @_once
-    def nudged(self, hours: float) -> pd.DataFrame:
+    def perturbed(self, hours: float) -> pd.DataFrame:
         """Return `predictions` of a window [h], their Cd a little larger."""
-        return other_windows.nudged_predictions(
+        return other_windows.perturbed_predictions(
             self.propagator, self._at_starts(hours), self.predictions(hours)
         )
 
     @_once
-    def parted(self, hours: float) -> pd.DataFrame:
+    def arc_departures(self, hours: float) -> pd.DataFrame:
         """Return the columns `l_arc` of that table, for which no further arcs are propagated."""
         return other_windows.arc_departures(
             self.pairs(),
@@ -232,7 +235,7 @@ class TaskPart:
         return predict(propagator, estimates, arrivals=arrivals, max_days=self.grid.max_days)
 
 
-def _beside(predictions: pd.DataFrame, near: pd.DataFrame) -> pd.DataFrame:
+def _near(predictions: pd.DataFrame, near: pd.DataFrame) -> pd.DataFrame:
     """Return predictions that begin at one time, from those under the near part of their field.
 
     predictions: of the first of them, under all of the field

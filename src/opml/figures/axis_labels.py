@@ -66,7 +66,7 @@ def describe_test(name: str) -> str:
     """Return in words the rows that a test names, and how it treats them: `the rest`, `days 30 to 40`."""
     split = naming.parse_test(name)
     words = [_days(split) if split.kind == "days" else ASIDE[split.kind]]
-    if split.unseen:
+    if split.starts_inside:
         words.append("new estimates only")
     if split.fence is not None:
         words.append("no fences" if math.isinf(split.fence) else "fences of its own")

@@ -11,7 +11,7 @@ LABEL_STEP = 0.05  # least distance of names, in parts of the axis: a line of th
 
 
 def name_ends(axes: Axes, ends: Mapping[str, float], colors: Mapping[str, str]) -> None:
-    """Write the names of lines at their right ends, pushed apart.
+    """Write the names of lines at their right ends, moved until they do not overlap.
 
     ends: values that lines end at, by name
     colors: by name
@@ -42,8 +42,8 @@ def name_ends(axes: Axes, ends: Mapping[str, float], colors: Mapping[str, str]) 
 
 
 def push_apart(values: Sequence[float], least: float) -> np.ndarray:
-    """Return ascending values moved as far apart as `least` [powers of ten], as many up as down."""
+    """Return ascending values moved to distances of at least `least` [powers of ten], as many up as down."""
     wanted = np.log10(np.asarray(values, float))
     steps = least * np.arange(len(wanted))
-    apart = np.maximum.accumulate(wanted - steps) + steps
-    return 10.0 ** (apart - np.mean(apart - wanted) if len(wanted) else apart)
+    spaced = np.maximum.accumulate(wanted - steps) + steps
+    return 10.0 ** (spaced - np.mean(spaced - wanted) if len(wanted) else spaced)

@@ -45,7 +45,7 @@ LEAST_ROWS = 5
 UNCORRECTED_NOTE = "errors without correction: medians and middle halves by a prediction's first day"
 """Note on the errors below Cd."""
 
-BASELINE = PREDICTED_COLOR  # colour of the models beside the one that a figure shows
+BASELINE = PREDICTED_COLOR  # colour of the models other than the one that a figure shows
 OUTSIDE = 0.3  # room above and below the middle 90 % of the estimates of Cd, in parts of their range
 
 

@@ -102,16 +102,16 @@ def transfer_curve(
             f"{', '.join(targets) or 'some target'}, got none"
         )
     points = points.assign(varied=points["target"].map(targets), is_own=points["target"] == points["rso"])
-    apart = _APART * np.ptp(list(targets.values()))
+    offset = _APART * np.ptp(list(targets.values()))
     figure, axes = column_figure(height_mm=80.0)
     for k, (test, rows) in enumerate(points.groupby("test", sort=False)):
         label, look = _window_label(test), {"color": _shade(k)}
-        rows = rows.assign(varied=rows["varied"] + k * apart)
+        rows = rows.assign(varied=rows["varied"] + k * offset)
         # No line joins what the model was trained on to what it was not.
         for is_own, line in ((True, _marker(k)), (False, f"{_marker(k)}-")):
             _draw_curve(axes, rows[rows["is_own"] == is_own], "varied", line, label=label, **look)
         if published and test in published:
-            papers = {value + k * apart: p_ml for value, p_ml in published[test].items()}
+            papers = {value + k * offset: p_ml for value, p_ml in published[test].items()}
             _draw_published(axes, papers, label=PAPER)
     for value in points.loc[points["is_own"], "varied"].unique():
         axes.axvline(value, color=MUTED, ls=":", lw=1.2, zorder=1, label="RSO trained on")
@@ -236,7 +236,7 @@ def _split_label(train: str, test: str) -> str:
 def _window_label(test: str) -> str:
     split = naming.parse_test(test)
     first, last = split.days
-    seen = ", new estimates" if split.unseen else ""
+    seen = ", new estimates" if split.starts_inside else ""
     return f"days {first:g} to {last:g}{seen}"
 
 

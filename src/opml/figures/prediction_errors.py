@@ -57,7 +57,7 @@ DECADES = 4.5  # powers of ten of the sizes of errors that a logarithmic axis sh
 HEADROOM = 0.16  # room above error bars that their P_ML stands in, in parts of the axis
 
 LINES_OF_COUNTS = "\n\n"
-"""What keeps an RSO's name above the counts on the right of its panel, which may be as long as the panel."""
+"""Height of an RSO's name above the counts on the right of its panel, which may be as long as the panel."""
 
 BARS = "bars: mean and standard deviation by quarter of a day"  # note on error bars
 
@@ -129,7 +129,7 @@ def svr_absolute(
     standard deviation to either side of the mean, cut at zero; see `clusters`. After the paper's figures
     'Results of the trained SVM model ...', panels 'Absolute value'. Raises InputError without a row.
 
-    context: what the figure tells beside the errors
+    context: what the figure has besides the errors
     """
     return _points_and_bars(evaluation, component, context, absolute=True)
 
@@ -162,7 +162,7 @@ def rso_grid(
     Raises InputError without an RSO, or for an RSO without a row.
 
     evaluations: those tables, by RSO, the panel's title
-    contexts: what each panel tells beside the errors, by RSO
+    contexts: what each panel has besides the errors, by RSO
     """
     if not evaluations:
         raise InputError("grid of RSOs: expected at least one evaluation, got none")
@@ -175,8 +175,8 @@ def rso_grid(
 
     figure = panel_figure(list(names), draw, columns=2, heights_mm=(16.0, 56.0), share_y=False)
     notes = dict.fromkeys(context.note for context in contexts.values())
-    found = sorted((_p_ml(evaluation), display_rso(rso)) for rso, evaluation in evaluations.items())
-    (least, best), (most, worst) = found[0], found[-1]
+    ranked = sorted((_p_ml(evaluation), display_rso(rso)) for rso, evaluation in evaluations.items())
+    (least, best), (most, worst) = ranked[0], ranked[-1]
     headline = f"{least:.0f} % ({best}) to {most:.0f} % ({worst}) of the error remains"
     note = lines(*notes, f"{BARS}; each panel has its own scale")
     add_head_and_legend(figure, headline, note, columns=3)
@@ -397,7 +397,7 @@ class _Change:
     """Style of the errors that a model changed in one direction."""
 
     name: str
-    limits: tuple[float, float]  # of the p_ML [%] that the colours tell apart
+    limits: tuple[float, float]  # of the p_ML [%] that the colours distinguish
     colors: Colormap
 
 

@@ -24,7 +24,7 @@ PAGE_HEIGHT_MM = 297.0
 SCREEN_WIDTH_MM = 100.0
 MM_PER_INCH = 25.4
 
-# Okabe & Ito's palette (Color Universal Design, 2008): told apart under every common colour blindness.
+# Okabe & Ito's palette (Color Universal Design, 2008): distinct under every common colour blindness.
 TRUE_COLOR = "#000000"
 PREDICTED_COLOR = "#0072B2"
 RESIDUAL = "#D55E00"
@@ -144,9 +144,9 @@ def _legend_entries(figure: Figure) -> dict[str, Artist]:
 
 
 def legend(figure: Figure, *, columns: int, note: str = "") -> Legend:
-    """Add one legend above all panels, under a note in small type; faint and tiny marks are made stronger."""
+    """Add one legend above all panels, under a note in small type; faint and tiny marks are box stronger."""
     entries = _legend_entries(figure)
-    made = figure.legend(
+    box = figure.legend(
         entries.values(),
         entries.keys(),
         loc="outside upper left",
@@ -156,13 +156,13 @@ def legend(figure: Figure, *, columns: int, note: str = "") -> Legend:
         alignment="left",
         columnspacing=1.2,
     )
-    made.get_title().set_color(PUBLISHED)
-    for handle in filter(None, made.legend_handles):
+    box.get_title().set_color(PUBLISHED)
+    for handle in filter(None, box.legend_handles):
         if (alpha := handle.get_alpha()) is not None:
             handle.set_alpha(max(float(alpha), LEAST_ALPHA))
         if isinstance(handle, Line2D):
             handle.set_markersize(max(handle.get_markersize(), 4.0))
-    return made
+    return box
 
 
 def add_note(figure: Figure, note: str) -> None:

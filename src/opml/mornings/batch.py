@@ -67,7 +67,7 @@ class ObjectSettings(JobSettings):
     rso: Rso
     kind: str
     files: list[str]
-    taking: dict[str, Any]
+    options: dict[str, Any]
     start: str
     manoeuvres: list[str]
     has_message: bool
@@ -294,7 +294,7 @@ def _begin(
     calendar, plan = settings.calendar, replace(settings.plan, has_message=one.has_message)
     span = Span(settings.epoch, plan.end)
     source = MeasurementSource(
-        one.kind, one.files, one.taking, one.start, one.manoeuvres, surroundings.read_sets
+        one.kind, one.files, one.options, one.start, one.manoeuvres, surroundings.read_sets
     )
     found = measurement_files.read(
         source,
@@ -317,7 +317,7 @@ def _begin(
         found.identity,
         found.sgp4 and replace(found.sgp4, improved=surroundings.improved),
     )
-    own = one.model_dump(include={"rso", "taking"})
+    own = one.model_dump(include={"rso", "options"})
     if found.sgp4 is not None:
         own["high_degree"] = settings.high_degree
     digest = settings_digest(settings.shared | own)

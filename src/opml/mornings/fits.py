@@ -202,4 +202,4 @@ def newest_burn(fitting: Fitting, kept: pd.DataFrame, *, since: float) -> Manoeu
         settings=fitting.settings.evolve(suspect_sigma=FAR),
     )
     times = found.loc[found["burn_t"] > since + _APART, "burn_t"]
-    return Manoeuvre(float(times.iloc[-1]), anew=True) if len(times) else None
+    return Manoeuvre(float(times.iloc[-1]), restarts=True) if len(times) else None

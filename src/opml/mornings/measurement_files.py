@@ -28,13 +28,13 @@ from opml.orbits.sheets import Rso, Station
 class MeasurementSource:
     """Where the measurements of an object are.
 
-    taking: how fixes or mean elements are taken; of fixes and tracks also the satellite, of several
+    options: how fixes or mean elements are taken; of fixes and tracks also the satellite, of several
     read_sets: `histories.read`, or what reads files once for all objects in them
     """
 
     kind: str  # tracks, fixes or elements
     files: list[str]  # of them
-    taking: Mapping[str, Any]
+    options: Mapping[str, Any]
     start: str = ""  # file of a state that the very first fits may start from, if any
     manoeuvres: Sequence[str] = ()  # UTC texts
     read_sets: Callable[..., History] = histories.read
@@ -74,19 +74,19 @@ def read(
     """
     known = manoeuvres.at_times(source.manoeuvres, epoch=span.epoch)
     if source.kind == "tracks":
-        satellite = source.taking.get("satellite")
+        satellite = source.options.get("satellite")
         found = tdm.measurements(source.files, epoch=span.epoch, wanted=satellite)
         tracking = measured_tracks.tracks(found[found["t"] >= since], stations)
         started = [first_state.identity(source.start)] if source.start else []
         return ObjectMeasurements(tracking, known, most_specific([*started, tdm.identity(found)]))
     if source.kind == "fixes":
-        taking = FixTaking.model_validate(source.taking)
-        files = OrbitFiles(source.files, span.epoch, span.duration, taking.satellite)
-        points = points_from_files.read(files, orientation, taking.sampling)
-        tracking = fixes.stretches(points, length=HOUR * taking.stretch_hours)
+        options = FixTaking.model_validate(source.options)
+        files = OrbitFiles(source.files, span.epoch, span.duration, options.satellite)
+        points = points_from_files.read(files, orientation, options.sampling)
+        tracking = fixes.arcs(points, length=HOUR * options.stretch_hours)
         identity, burns = points_from_files.identity_and_burns(files)
         return ObjectMeasurements(tracking, known + burns, identity)
-    asked = HistoryTaking.model_validate(source.taking)
+    asked = HistoryTaking.model_validate(source.options)
     history = source.read_sets(
         tuple(source.files), epoch=span.epoch, leave_out_damaged=asked.leave_out_damaged
     )
@@ -94,16 +94,16 @@ def read(
 
 
 def _of_elements(
-    history: History, taking: HistoryTaking, span: Span, known: list[Manoeuvre], *, since: float
+    history: History, options: HistoryTaking, span: Span, known: list[Manoeuvre], *, since: float
 ) -> ObjectMeasurements:
     """Return what mean elements measured; the manoeuvres are with those that they show, if asked for."""
-    ours = histories.of_object(history.sets, taking.number)
+    ours = histories.of_object(history.sets, options.number)
     sets, identity = measured_sets.of_run(ours, span.duration), history.objects[int(ours["number"].iloc[0])]
-    known = burns_in_sets.manoeuvres_of(sets, known, epoch=span.epoch, find=taking.find_manoeuvres)
+    known = burns_in_sets.manoeuvres_of(sets, known, epoch=span.epoch, find=options.find_manoeuvres)
     found = measured_sets.measured(
         sets,
         # On the raster arcs of several objects share blocks.
-        replace(taking.of_sets, raster=shared_blocks.STEP, since=since),
+        replace(options.of_sets, raster=shared_blocks.STEP, since=since),
         epoch=span.epoch,
         duration=span.duration,
         manoeuvres=known,

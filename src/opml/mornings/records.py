@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from opml.base.constants import HOUR
-from opml.ephemerides.replays import missed
+from opml.ephemerides.replays import differences
 from opml.orbits.manoeuvres import Manoeuvre, are_unaware
 from opml.tables import SCHEMAS
 
@@ -40,10 +40,10 @@ class Paths:
         """The names of their models."""
         return [name.removeprefix(_ALONG) for name in self.table if name.startswith(_ALONG)]
 
-    def missed(self, later: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-        """Return how far each model is off later states, as `replays.missed`."""
+    def differences(self, later: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+        """Return how far each model is off later states, as `replays.differences`."""
         corrections = np.stack([self.table[f"{_ALONG}{model}"].to_numpy() for model in self.models])
-        return missed(self.table, corrections, later, now=self.made_at)
+        return differences(self.table, corrections, later, now=self.made_at)
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ class Records:
     def burns(self) -> list[Manoeuvre]:
         """The burns that mornings found, which windows of fits begin anew behind."""
         times = self.issued["burn_t"].dropna()
-        return [Manoeuvre(float(t), anew=True) for t in times]
+        return [Manoeuvre(float(t), restarts=True) for t in times]
 
     def estimates_over(self, hours: float) -> pd.DataFrame:
         """Return the estimates over a window [h] in the order of tracks.

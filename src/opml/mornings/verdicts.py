@@ -25,7 +25,7 @@ from opml.tables import DOUBT, SIGMA_STATE, SIGMAS, STATE
 def later_states(estimates: pd.DataFrame, recent: Recent) -> pd.DataFrame:
     """Return what estimates tell of the orbit: j, t_j, t_known, DOUBT and a state of each that converged.
 
-    They are `alike` where mean elements are fitted.
+    They are `correlated` where mean elements are fitted.
     """
     ends = dict(zip(recent.numbers, recent.ends, strict=True))
     known = labels.with_sigmas(estimates[estimates["converged"].astype(bool)])
@@ -33,7 +33,7 @@ def later_states(estimates: pd.DataFrame, recent: Recent) -> pd.DataFrame:
     states = known.assign(j=known["track"], t_j=known["t"], t_known=known["track"].map(ends), **doubt)[
         ["j", "t_j", "t_known", *DOUBT, *STATE]
     ]
-    return states.assign(alike=True) if fixes.are_of_sets(recent.tracking) else states
+    return states.assign(correlated=True) if fixes.are_of_sets(recent.tracking) else states
 
 
 def judge(watched: Watched, estimates: pd.DataFrame, recent: Recent, records: Records) -> pd.DataFrame:
@@ -48,7 +48,7 @@ def judge(watched: Watched, estimates: pd.DataFrame, recent: Recent, records: Re
     for one in records.paths:
         ahead = _ahead(one.table, later, watched)
         if count := len(ahead["t_j"]):
-            parts.append(one.missed(ahead))
+            parts.append(one.differences(ahead))
             models += [name for name in one.models for _ in range(count)]
     if not parts:
         return Records.empty().judged

@@ -39,7 +39,7 @@ class Split:
     kind: str  # random, grouped, days, rest or seen
     percent: float = 100.0  # of the rows (random) or of the estimates (grouped)
     days: tuple[float, float] = (0.0, 0.0)  # window of t_j
-    unseen: bool = False  # whether t_i lies in the window, too
+    starts_inside: bool = False  # whether t_i lies in the window, too
     fence: float | None = None  # Tukey's, of the test's rows [IQR]; infinite: no fence, None: the dataset's
     standardisation: str = "training"  # rows that standardise the variables: training or own
 
@@ -49,8 +49,8 @@ class Split:
                 return f"{self.kind}-{number(self.percent)}"
             case "days":
                 first, last = map(number, self.days)
-                unseen = "-unseen" if self.unseen else ""
-                return f"days-{first}-{last}{unseen}{fence_suffix(self.fence)}{self._standardisation_suffix}"
+                suffix = "-unseen" if self.starts_inside else ""
+                return f"days-{first}-{last}{suffix}{fence_suffix(self.fence)}{self._standardisation_suffix}"
         return self.kind + self._standardisation_suffix
 
     @property
@@ -98,14 +98,14 @@ def parse_test(text: str) -> Split:
         raise InputError(
             f"test split '{text}': expected seen, rest, days-<first>-<last> or days-<first>-<last>-unseen"
         )
-    kind, first, last, unseen, fence, mark = match.groups()
+    kind, first, last, starts_inside, fence, mark = match.groups()
     standardisation = next(name for name, suffix in STANDARDISATIONS.items() if suffix == mark)
     if kind is not None:
         return Split(kind, standardisation=standardisation)
     return Split(
         "days",
         days=_days(text, first, last),
-        unseen=unseen is not None,
+        starts_inside=starts_inside is not None,
         fence=_fence(fence),
         standardisation=standardisation,
     )
@@ -141,7 +141,7 @@ def days_split(days: Sequence[float]) -> str:
 def unseen_test(test: str) -> str:
     """Return the name of a test whose window holds t_i, too; a test without a window stays as it is."""
     split = parse_test(test)
-    return str(replace(split, unseen=True)) if split.kind == "days" else test
+    return str(replace(split, starts_inside=True)) if split.kind == "days" else test
 
 
 def treat_test(test: str, *, fence: float | None = None, standardisation: str = "training") -> str:

@@ -1,6 +1,6 @@
 """Effect of the density forecast's error, which all objects share, on each of them.
 
-The 18th Space Defense Squadron calls it the dynamic consider parameter, and tells it in its messages.
+The 18th Space Defense Squadron calls it the dynamic consider parameter, and gives it in its messages.
 Source: Casali et al. 2018, Effect of cross-correlation of orbital error on probability of collision
 determination (AAS 18-272).
 """

@@ -133,7 +133,7 @@ def bent_rsw(positions: np.ndarray, reference: np.ndarray) -> np.ndarray:
 
 
 def positions_beside(reference: np.ndarray, bent: np.ndarray) -> np.ndarray:
-    """Return the positions (..., 3) that `bent_rsw` has at (..., 3) beside a reference (..., 6)."""
+    """Return the positions (..., 3) that `bent_rsw` has at (..., 3) from a reference (..., 6)."""
     radius = np.linalg.norm(reference[..., :3], axis=-1)
     height, angle = radius + bent[..., 0], bent[..., 1] / radius
     in_axes = np.stack([height * np.cos(angle), height * np.sin(angle), bent[..., 2]], axis=-1)

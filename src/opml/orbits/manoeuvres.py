@@ -23,7 +23,7 @@ class Manoeuvre:
 
     t: float  # when it was [s]
     known: float = -math.inf  # since when it is known [s]; one that somebody named always was
-    anew: bool = False  # whether the windows of fits begin anew behind it, once it is known
+    restarts: bool = False  # whether the windows of fits restart after it, once it is known
 
     @property
     def counts_from(self) -> float:
@@ -40,7 +40,7 @@ def contain_any(
     """
     contain = np.zeros(len(end), dtype=bool)
     for one in manoeuvres:
-        first = begin if one.anew else begin - window
+        first = begin if one.restarts else begin - window
         contain |= (first < one.t) & (one.counts_from <= end)
     return contain
 
@@ -48,13 +48,13 @@ def contain_any(
 def when_burns_are_known(begin: np.ndarray, end: np.ndarray, manoeuvres: Sequence[Manoeuvre]) -> np.ndarray:
     """Return when a manoeuvre in each span (begin, end], (n,) [s], becomes known: (n,) [s].
 
-    Infinite without one, and where fits had begun anew behind it by the end of the span.
+    Infinite without one, and where fits had restarted after it by the end of the span.
     """
     since = np.full(len(end), np.inf)
     for one in manoeuvres:
-        found = one.counts_from
-        hold = (begin < one.t) & (one.t <= end) & ((found > end) | (not one.anew))
-        since[hold] = np.minimum(since[hold], found)
+        counts = one.counts_from
+        hold = (begin < one.t) & (one.t <= end) & ((counts > end) | (not one.restarts))
+        since[hold] = np.minimum(since[hold], counts)
     return since
 
 
@@ -89,13 +89,13 @@ def facts(manoeuvres: Sequence[Manoeuvre]) -> dict[str, Any]:
 
 def _fact(one: Manoeuvre) -> dict[str, Any]:
     known = {"known": one.known} if math.isfinite(one.known) else {}
-    return {"t": one.t} | known | ({"anew": True} if one.anew else {})
+    return {"t": one.t} | known | ({"restarts": True} if one.restarts else {})
 
 
 def read_manoeuvres(path: FilePath) -> list[Manoeuvre]:
     """Read the manoeuvres that a table's metadata hold. Raises as `read_metadata` does."""
-    found = read_metadata(path).get("manoeuvres", [])
-    return [Manoeuvre(one["t"], one.get("known", -math.inf), one.get("anew", False)) for one in found]
+    listed = read_metadata(path).get("manoeuvres", [])
+    return [Manoeuvre(one["t"], one.get("known", -math.inf), one.get("restarts", False)) for one in listed]
 
 
 def read_times(path: FilePath) -> list[str]:

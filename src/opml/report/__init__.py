@@ -1,1 +1,1 @@
-"""Tables to read: the settings as the paper tabulates them, and its numbers beside ours."""
+"""Tables to read: the settings as the paper tabulates them, and its numbers with ours."""

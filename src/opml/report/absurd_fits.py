@@ -23,8 +23,10 @@ LONGER_HOURS = 48.0  # least window that is advised [h]
 
 def symptoms(estimates: Mapping[Dataset, pd.DataFrame]) -> dict[Dataset, str]:
     """Return in words what is absurd about `estimates` tables, of those alone that are not sound."""
-    found = {dataset: _symptoms(table[table["converged"]]) for dataset, table in estimates.items()}
-    return {dataset: words for dataset, words in found.items() if words}
+    symptoms_by_dataset = {
+        dataset: _symptoms(table[table["converged"]]) for dataset, table in estimates.items()
+    }
+    return {dataset: words for dataset, words in symptoms_by_dataset.items() if words}
 
 
 def section(absurd: Mapping[Dataset, str], window_hours: float) -> Iterator[Block]:

@@ -21,7 +21,7 @@ TITLE = "Which model to use"
 
 ALL_MODELS = "all models"  # what the figure shows that an answer holds
 
-FEWEST = 10  # predictions of a duration below which neither their median nor a share of them is told
+FEWEST = 10  # predictions of a duration below which neither their median nor a share of them is stated
 MORNINGS = 14  # mornings below which the selection is poor: `opml docs operations`
 
 _SPANS = {1.0: "a day", 7.0: "a week"}
@@ -60,18 +60,17 @@ def section(
     """
     yield Heading(TITLE)
     for (rso, stations), source in sources.items():
-        found = replays.get((rso, stations))
+        mornings = replays.get((rso, stations))
         items = [f"**Why:** {', '.join(map(link_to, proof))}."]
-        if found is None:
+        if mornings is None:
             verdict = "No morning was replayed, so no model can be recommended."
         else:
-            chosen = found.last_choice
-            verdict = (
-                f"Use `{chosen}`: {_left(found, marks)} {_held(found, durations)} {_others(found, laws)}"
-            )
+            chosen = mornings.last_choice
+            parts = _left(mornings, marks), _held(mornings, durations), _others(mornings, laws)
+            verdict = f"Use `{chosen}`: {' '.join(parts)}"
             file = texts.sentences("answer.file", path=source.files[chosen], day=source.day, end=source.end)
-            items += [file, _training(found, laws)]
-        items += _to_watch(found, source, durations, (rso, stations) in absurd)
+            items += [file, _training(mornings, laws)]
+        items += _to_watch(mornings, source, durations, (rso, stations) in absurd)
         figures = ", ".join(f"[{shows}]({path})" for shows, path in source.figures.items())
         yield Paragraph(f"**{rso}, {stations}.** {verdict}")
         yield Items([*items, f"**Figures:** {figures}."])
@@ -80,18 +79,18 @@ def section(
             yield Picture(pictures[rso, stations], source.figures[ALL_MODELS], shows)
 
 
-def _left(found: Mornings, marks: Sequence[float]) -> str:
-    chosen = found.last_choice
-    own = found.tables[chosen]
+def _left(mornings: Mornings, marks: Sequence[float]) -> str:
+    chosen = mornings.last_choice
+    own = mornings.tables[chosen]
     sizes = at_days(own.assign(true=own["before"], residual=own["e_y"]), marks)
-    told = sizes[sizes["rows"] >= FEWEST] if len(sizes) else sizes
-    names = [choice.chosen for choice in found.choices.values()]
+    counted = sizes[sizes["rows"] >= FEWEST] if len(sizes) else sizes
+    names = [choice.chosen for choice in mornings.choices.values()]
     on = f"on {len(names)} mornings, selected on {names.count(chosen)} of them"
-    if told.empty:
+    if counted.empty:
         return f"no lead time has {FEWEST} predictions to state errors, {on}."
     words = [
         f"{_distance(row['after_50'])} after {_span(row['day'])} ({row['rows']} predictions)"
-        for row in told.iloc[[0, -1]].drop_duplicates("day").to_dict("records")
+        for row in counted.iloc[[0, -1]].drop_duplicates("day").to_dict("records")
     ]
     return f"{', '.join(words)}, median along-track error {on}."
 
@@ -106,18 +105,18 @@ def _distance(metres: float) -> str:
     return f"{rounded:g} m" if rounded < 1000.0 else f"{rounded / 1000.0:g} km"
 
 
-def _held(found: Mornings, durations: Sequence[float]) -> str:
-    shares = _ellipsoids(found, durations)
+def _held(mornings: Mornings, durations: Sequence[float]) -> str:
+    shares = _ellipsoids(mornings, durations)
     if not shares:
         return uncertainty.TOO_SHORT
     low, high = (f"{100.0 * share:.0f}" for share in (min(shares.values()), max(shares.values())))
     return f"Its 90 % ellipsoid contains {low if low == high else f'{low} to {high}'} % of the errors."
 
 
-def _ellipsoids(found: Mornings, durations: Sequence[float]) -> dict[float, float]:
+def _ellipsoids(mornings: Mornings, durations: Sequence[float]) -> dict[float, float]:
     """Return shares of the errors of the selected models inside the 90 % ellipsoid, by duration [days]."""
     try:
-        shares = calibration.of_replay(found.selected, days=durations)
+        shares = calibration.of_replay(mornings.selected, days=durations)
     except InputError:  # the past was too short for a covariance
         return {}
     is_told = (shares["level"] == LEVEL) & (shares["rows"] >= FEWEST)
@@ -125,21 +124,23 @@ def _ellipsoids(found: Mornings, durations: Sequence[float]) -> dict[float, floa
     return dict(zip(rows["day"], rows["inside"], strict=True))
 
 
-def _others(found: Mornings, laws: Collection[str]) -> str:
+def _others(mornings: Mornings, laws: Collection[str]) -> str:
     """Return in words what the best model without learning would have left, and the best that learned."""
-    selected, words = summed(found.selected), []
-    plain, learned = [[name for name in found.tables if (name in laws) is kind] for kind in (False, True)]
+    selected, words = summed(mornings.selected), []
+    plain, learned = [[name for name in mornings.tables if (name in laws) is kind] for kind in (False, True)]
     for names, what in ((plain, "the best without learning"), (learned, "the best with learning")):
         if names:
-            best = found.best(names)
-            words.append(f"`{best}`, {what}, would have had {_more(summed(found.tables[best]), selected)}")
-    few = " So few mornings select poorly, four weeks select well." if len(found.choices) < MORNINGS else ""
+            best = mornings.best(names)
+            words.append(f"`{best}`, {what}, would have had {_more(summed(mornings.tables[best]), selected)}")
+    few = (
+        " So few mornings select poorly, four weeks select well." if len(mornings.choices) < MORNINGS else ""
+    )
     against = "In hindsight, against the models selected each morning,"
-    return f"{against} {' and '.join(words)}.{few} {_learned(found, laws)}"
+    return f"{against} {' and '.join(words)}.{few} {_learned(mornings, laws)}"
 
 
-def _learned(found: Mornings, laws: Collection[str]) -> str:
-    learned = [choice.chosen in laws for choice in found.choices.values()]
+def _learned(mornings: Mornings, laws: Collection[str]) -> str:
+    learned = [choice.chosen in laws for choice in mornings.choices.values()]
     if any(learned):
         return f"A learned model was used on {sum(learned)} of {len(learned)} mornings."
     return "No learned model was used: on no morning did past results show that it would be better."
@@ -150,29 +151,29 @@ def _more(left: float, selected: float) -> str:
     return f"{abs(percent)} % {'more' if percent > 0 else 'less'} error" if percent else "the same error"
 
 
-def _training(found: Mornings, laws: Collection[str]) -> str:
-    names = [choice.chosen for choice in found.choices.values()]
+def _training(mornings: Mornings, laws: Collection[str]) -> str:
+    names = [choice.chosen for choice in mornings.choices.values()]
     changes = sum(new != old for old, new in pairwise(names))
     again = texts.sentences(f"answer.{'again' if names[-1] in laws else 'never'}", name=names[-1])
     return f"{again} On {changes} of {len(names)} mornings the selected model changed."
 
 
 def _to_watch(
-    found: Mornings | None, source: Sources, durations: Sequence[float], is_absurd: bool
+    mornings: Mornings | None, source: Sources, durations: Sequence[float], is_absurd: bool
 ) -> Iterator[str]:
     if is_absurd:
         yield f"**Watch the fits:** {link_to(absurd_fits.TITLE)}."
-    if found is not None:
+    if mornings is not None:
         more = f"In seconds and degrees: {link_to(EVERY_MORNING)}."
-        yield f"**Watch the errors:** {days_within(found.selected)} {more}"
+        yield f"**Watch the errors:** {days_within(mornings.selected)} {more}"
         low, high = uncertainty.HOLDS
-        misses = [
+        outside = [
             f"{100.0 * share:.0f} % after {_span(day)}"
-            for day, share in _ellipsoids(found, durations).items()
+            for day, share in _ellipsoids(mornings, durations).items()
             if not low <= share <= high
         ]
-        if misses:
-            held = f"the 90 % ellipsoid contains {', '.join(misses)}"
+        if outside:
+            held = f"the 90 % ellipsoid contains {', '.join(outside)}"
             yield f"**Watch the covariance:** {held}. {link_to(uncertainty.TITLE)}"
     if source.manoeuvres:
         yield texts.sentences("answer.burns", manoeuvres=source.manoeuvres)

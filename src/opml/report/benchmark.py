@@ -38,7 +38,7 @@ class Score:
     by_height: pd.DataFrame
     by_weather: pd.DataFrame
     suspicions: Sequence[str]  # a sentence each
-    about: Mapping[str, Any]  # tool, command and runtime_s, where they are told
+    about: Mapping[str, Any]  # tool, command and runtime_s, where stated
 
     def values(self) -> dict[str, Any]:
         """Return all of it as JSON values."""
@@ -82,27 +82,27 @@ def score(task: FilePath, answers: FilePath, truth: FilePath | None = None) -> S
 
     task: folder, or SAMPLE
     answers: file or folder
-    truth: folder; None: that of the package, or beside the task
+    truth: folder; None: that of the package, or next to the task
 
     Raises InputError for files that cannot be read.
     """
     frozen = tasks.read(task)
     true = tasks.read_truth(frozen, truth)
-    told = read_answers(answers, frozen)
+    given = read_answers(answers, frozen)
     judged = np.isfinite(true).all(axis=1)  # a hidden question may have no later set
-    asked, told, true = frozen.among(judged), told.among(judged), true[judged]
+    questions, given, true = frozen.among(judged), given.among(judged), true[judged]
     weeks = tasks.read_weeks(frozen, truth)[judged]
-    errors = scores.errors(asked, told, true)
+    errors = scores.errors(questions, given, true)
     return Score(
-        asked.name,
-        asked.title,
-        str(told.about.get("tool", Path(answers).stem)),
-        told.digest,
-        scores.scores(asked, errors),
+        questions.name,
+        questions.title,
+        str(given.about.get("tool", Path(answers).stem)),
+        given.digest,
+        scores.scores(questions, errors),
         scores.by_height(errors),
-        scores.by_weather(errors.assign(highest_ap=weeks[told.is_answered])),
-        suspicions.sentences(asked, told, errors, true),
-        told.about,
+        scores.by_weather(errors.assign(highest_ap=weeks[given.is_answered])),
+        suspicions.sentences(questions, given, errors, true),
+        given.about,
     )
 
 
@@ -131,13 +131,13 @@ def board_lines(score: Score) -> str:
 
 def document(score: Score) -> list[Block]:
     """Return the page."""
-    found = Items([as_it_is(text) for text in score.suspicions])
+    suspicions_found = Items([as_it_is(text) for text in score.suspicions])
     nothing = Paragraph("Nothing of the answers is suspicious.")
     return [
         Heading(f"{score.task}: {as_it_is(score.tool)}", level=1),
         Paragraph(as_it_is(score.title)),
         Heading("Findings"),
-        found if score.suspicions else nothing,
+        suspicions_found if score.suspicions else nothing,
         *texts.blocks("benchmark.scores", level=100 * LEVEL),
         *(block for name in AXES.values() for block in _axis_table(score.scores, name)),
         *_part_table("heights", score.by_height.assign(part=score.by_height["from"] / 1e3)),
@@ -153,7 +153,7 @@ def _axis_table(scores: pd.DataFrame, name: str) -> Iterator[Block]:
 
 def _cells(row: "pd.Series[Any]", name: str) -> list[str]:
     return [
-        *(rounded_cell(row[key]) for key in ("lead", "asked", "answered")),
+        *(rounded_cell(row[key]) for key in ("lead", "questions", "answered")),
         _with_interval(row, f"{name}_median"),
         rounded_cell(row[f"{name}_p95"]),
         rounded_cell(row[f"{name}_crps"]),

@@ -72,8 +72,8 @@ def _transfers(report: BeyondReport, results: Results) -> Iterator[Block]:
             ]
             for target in dict.fromkeys(target for _, target in experiments)
         ]
-        told = {"train": first.train, "rso": first.rso, "test": first.test, "curve": curve.replace("_", " ")}
-        yield from texts.blocks("beyond.transfers", rows, **told, names=_codes(names))
+        words = {"train": first.train, "rso": first.rso, "test": first.test, "curve": curve.replace("_", " ")}
+        yield from texts.blocks("beyond.transfers", rows, **words, names=_codes(names))
 
 
 def _left_out(experiments: Mapping[_Key, Experiment], results: Results) -> Iterator[Block]:
@@ -85,8 +85,8 @@ def _left_out(experiments: Mapping[_Key, Experiment], results: Results) -> Itera
         [pool, f"`{rso}`", *(results.p_ml_cell(experiments[pool, learner, rso]) for learner in names)]
         for pool, rso in dict.fromkeys((pool, rso) for pool, _, rso in experiments)
     ]
-    told = {"train": first.train, "test": first.test, "names": _codes(names)}
-    yield from texts.blocks("beyond.left_out", rows, **told)
+    words = {"train": first.train, "test": first.test, "names": _codes(names)}
+    yield from texts.blocks("beyond.left_out", rows, **words)
 
 
 def _codes(names: Iterable[str]) -> str:

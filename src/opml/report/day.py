@@ -24,10 +24,10 @@ TO_DO = {
     UNPROVEN: "Send with care: unproven",
     GOOD: "Send: good",
 }
-"""What to do with a message, by its verdict."""
+"""Actions for a message, by its verdict."""
 
 SHAPES = {FAILED: "!", DO_NOT_USE: "\u2715", WIDE: "\u25d0", UNPROVEN: "\u25cb", GOOD: "\u25cf"}
-"""How verdicts stand in the row of the last mornings."""
+"""Signs of verdicts in the row of the last mornings."""
 
 LEADS = (1, 3, 7)  # days of duration whose errors the page states
 
@@ -104,7 +104,7 @@ def _expected(outcome: Outcome) -> str:
 
 
 def _sgp4_comparison(outcome: Outcome) -> Iterator[str]:
-    """Yield how far the selected models were off, and SGP4 beside them, where mean elements were taken."""
+    """Yield the errors of the selected models and of SGP4, where mean elements were taken."""
     by_day = {one["day"]: one for one in outcome["beside_sgp4"]}
     parts = [
         f"{with_unit(by_day[day]['flown_m'])} (SGP4 {with_unit(by_day[day]['sgp4_m'])}) after {day} d, "
@@ -176,10 +176,10 @@ def _past(outcomes: Sequence[Outcome]) -> Iterator[Block]:
 
 
 def _fared(scores: Sequence[Mapping[str, Any]], day: int) -> str:
-    found = [score for score in scores if score["day"] == day]
-    if not found:
+    of_day = [score for score in scores if score["day"] == day]
+    if not of_day:
         return NO_VALUE
-    (score,) = found
+    (score,) = of_day
     median, most = length(score["along_track_m"]), length(score["along_track_95_m"])
     return f"{median} / {most}, {100.0 * score['inside']:.0f} %"
 

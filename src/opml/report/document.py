@@ -223,9 +223,9 @@ def _class(kind: str) -> str:
 def _kind(cells: Sequence[str]) -> str:
     """Return the class of a column's cells, as ` class="number"`: what all of them are, or one a sentence."""
     kinds = {"number": _NUMBERS, "time": _TIME}
-    found = [name for name, form in kinds.items() if cells and all(map(form.fullmatch, cells))]
-    found += ["sentence"] if any(len(cell) >= _SENTENCE for cell in cells) else []
-    return f' class="{found[0]}"' if found else ""
+    classes = [name for name, form in kinds.items() if cells and all(map(form.fullmatch, cells))]
+    classes += ["sentence"] if any(len(cell) >= _SENTENCE for cell in cells) else []
+    return f' class="{classes[0]}"' if classes else ""
 
 
 def _row(cells: Sequence[str], tag: str, kinds: Sequence[str]) -> str:

@@ -34,9 +34,9 @@ def section(
         return
     yield from texts.blocks("mornings.section", title=TITLE, confidence=100.0 * CONFIDENCE)
     for (rso, stations), mornings in replays.items():
-        told = {"rso": rso, "stations": stations, "verdict": _verdict(mornings, laws)}
+        names = {"rso": rso, "stations": stations, "verdict": _verdict(mornings, laws)}
         days = texts.across(f"{day:g} d" for day in marks)
-        yield from texts.blocks("mornings.dataset", _rows(mornings, marks, laws), **told, days=days)
+        yield from texts.blocks("mornings.dataset", _rows(mornings, marks, laws), **names, days=days)
         yield from on_the_sky(mornings.selected, marks)
 
 

@@ -153,8 +153,8 @@ def _splits(
         rows.append([*names, *map(results.p_ml_cell, experiments), kept])
         later.append([*names, *(percent(results.row(one).get("p_ml_later")) for one in experiments)])
     limits = {"low": PAPER_BOUNDS[0], "high": PAPER_BOUNDS[1], "fence": PAPER_FENCE}
-    told = {"hours": report.settings.estimation.window_hours, "shown": report.shown, "splits": splits}
-    yield from texts.blocks("own_study.paper_measure", rows, **told, **limits)
+    facts = {"hours": report.settings.estimation.window_hours, "shown": report.shown, "splits": splits}
+    yield from texts.blocks("own_study.paper_measure", rows, **facts, **limits)
     if report.label != "truth" and set(report.truths) != {"measured"}:
         yield from texts.blocks("own_study.labels", later, later=LATER[report.label], splits=splits)
 
@@ -163,7 +163,7 @@ LATER = {
     "later": "the estimate that is made when the track predicted to is over",
     "smoothed": "an estimate from tracks on both sides of the time predicted to",
 }
-"""What a label is compared with, in words."""
+"""The reference of a label, in words."""
 
 
 def _by_model(report: OwnStudyReport) -> Iterator[tuple[str, str, str, list[Experiment]]]:
@@ -181,7 +181,7 @@ def _errors(report: OwnStudyReport, tables: OwnStudyTables) -> Iterator[Block]:
     train, test = report.pairs[report.shown]
     unit = "m/s" if report.component.startswith("e_v") else "m"
     end, tested = _training_end(report), parse_test(test)
-    touches = end is None or not tested.unseen or end > tested.days[0]
+    touches = end is None or not tested.starts_inside or end > tested.days[0]
     yield from texts.blocks(
         "own_study.errors",
         title=_errors_title(report),

@@ -55,9 +55,9 @@ def _expected(rows: pd.DataFrame) -> Iterator[Block]:
         "cross_track": "cross-track [m]",
         "sgp4_along_track": "SGP4 along track [m]",
     }
-    told = {name: words for name, words in names.items() if name in rows}
-    cells = [[str(row["lead"]), *(length(row[name]) for name in told)] for row in rows.to_dict("records")]
-    return texts.blocks("prediction_page.expected", cells, names=texts.across(told.values()))
+    shown = {name: words for name, words in names.items() if name in rows}
+    cells = [[str(row["lead"]), *(length(row[name]) for name in shown)] for row in rows.to_dict("records")]
+    return texts.blocks("prediction_page.expected", cells, names=texts.across(shown.values()))
 
 
 def _passes(where: Place, rows: pd.DataFrame) -> Iterator[Block]:

@@ -1,4 +1,4 @@
-"""The report on the reproduction: the paper's numbers beside ours, their spread, and why they differ.
+"""The report on the reproduction: the paper's numbers and ours, their spread, and why they differ.
 
 Nothing is tuned towards the paper but one column, which says so: its kernel scale was chosen to meet one
 number, and every other number of the column is a prediction.
@@ -51,7 +51,7 @@ class Reproduction:
 
 @dataclass(frozen=True)
 class Comparison:
-    """A headline beside our number and its ranges over the seeds, all [%]."""
+    """A headline, our number and its ranges over the seeds, all [%]."""
 
     headline: Headline
     ours: float
@@ -110,7 +110,7 @@ def document(
         ),
         *_drawn_numbers(reproduction.drawn, results),
         *texts.blocks("reproduction.counts", counted, columns=texts.across(datasets.columns)),
-        *texts.blocks("reproduction.doubts", doubts()),
+        *texts.blocks("reproduction.open_points", open_points()),
     ]
 
 
@@ -118,9 +118,9 @@ def _code(comparison: Comparison) -> str:
     return f"`{comparison.headline.name}`"
 
 
-def doubts() -> list[list[str]]:
-    """Return slips and doubts in the paper, each with how it is read here."""
-    lines = (files("opml") / "data" / "doubts.tsv").read_text(encoding="utf-8").splitlines()
+def open_points() -> list[list[str]]:
+    """Return slips and open points of the paper, each with how it is read here."""
+    lines = (files("opml") / "data" / "open_points.tsv").read_text(encoding="utf-8").splitlines()
     return [line.split("\t") for line in lines[2:]]
 
 

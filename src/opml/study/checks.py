@@ -211,7 +211,7 @@ def _check_paths(source: Source, settings: Settings) -> None:
     kinds: Mapping[str, Mapping[str, Any]] = {
         "orbits": settings.orbits,
         **{kind.name: settings.files_of(kind) for kind in KINDS},
-        **{kind.taking: settings.companion_files(kind) for kind in KINDS},
+        **{kind.options: settings.companion_files(kind) for kind in KINDS},
         "starts": settings.starts,
         "manoeuvres": settings.manoeuvre_files,
         "environment": source.values["environment"],
@@ -226,18 +226,18 @@ def _check_paths(source: Source, settings: Settings) -> None:
 def _check_measured(source: Source, settings: Settings, kind: Kind) -> None:
     """Look at what was measured in one way: its RSOs, each measured in no other, and whether files fit."""
     values, files = source.values, settings.files_of(kind)
-    if strange := [name for name in values.get(kind.taking, {}) if name not in files]:
-        raise source.wrong((kind.taking, strange[0]), f"expected an RSO that has {kind.name}")
+    if strange := [name for name in values.get(kind.options, {}) if name not in files]:
+        raise source.wrong((kind.options, strange[0]), f"expected an RSO that has {kind.name}")
     for name, paths in files.items():
-        if kind.needs_taking and name not in values.get(kind.taking, {}):
-            raise source.wrong((kind.name, name), f"expected {name} under {kind.taking}, too, got none")
+        if kind.needs_options and name not in values.get(kind.options, {}):
+            raise source.wrong((kind.name, name), f"expected {name} under {kind.options}, too, got none")
         with source.naming((kind.name, name)):
             rso = sheets.parse_rso(name, settings.rsos)
             if others := [other for other in KINDS if other is not kind and name in settings.files_of(other)]:
                 raise InputError(f"expected one of {kinds.names()}, got {kind.name} and {others[0].name}")
             asked = MeasurementRequest(
                 paths,
-                settings.taking(kind, name),
+                settings.options(kind, name),
                 settings.stations,
                 settings.run.epoch,
                 DAY * settings.run.duration_days,

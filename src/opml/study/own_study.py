@@ -64,7 +64,7 @@ class OwnStudy:
         The first whose predictions start after the training; else the first of later days; else the first.
         """
         tests = {name: naming.parse_test(test) for name, (_, test) in self.splits.items()}
-        unseen = [name for name, test in tests.items() if test.unseen]
+        unseen = [name for name, test in tests.items() if test.starts_inside]
         later = [name for name, test in tests.items() if test.kind == "days"]
         return [*unseen, *later, *self.splits][0]
 

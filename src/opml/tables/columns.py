@@ -31,7 +31,7 @@ SIGMA_STATE = [f"sigma_{name}" for name in STATE]
 """Columns of the standard deviations behind a covariance (`rsw_covariance.rsw_covariances`)."""
 
 UNSEEN = ["unseen_x", "unseen_z"]
-"""Columns of the part of these that errors against states that err alike do not show."""
+"""Columns of the part of these that is common to predictions and reference, so that differences lack it."""
 
 ELEMENTS = ["mean_motion", "eccentricity", "inclination", "raan", "argp", "mean_anomaly", "bstar"]
 
@@ -82,8 +82,8 @@ class Schema:
     def among(self, names: Iterable[str]) -> Self:
         """Return the schema of a table with columns of these names, optional ones where it has them."""
         given = set(names)
-        found = tuple(column for column in self.optional if column.name in given)
-        return replace(self, columns=self.columns + found, optional=())
+        present = tuple(column for column in self.optional if column.name in given)
+        return replace(self, columns=self.columns + present, optional=())
 
     def empty(self) -> pd.DataFrame:
         """Return a table without rows."""

@@ -13,7 +13,7 @@ FIRST_ROWS = 3
 _LONGEST = 1000  # characters of an entry of the metadata that are shown
 
 _FORMULA = re.compile(r"[=@\t]|[+-](?!(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?$)")
-"""How a text begins that a spreadsheet works out; a number is none."""
+"""Beginning of a text that a spreadsheet evaluates; a number is none."""
 
 HOW_TO_CSV = "Any table as CSV: `opml table FILE --csv`"  # what every page of results ends with
 

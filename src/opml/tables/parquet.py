@@ -228,9 +228,9 @@ def _checked(path: FilePath, schema: Schema) -> Iterator[tuple[pq.ParquetFile, S
         if seal := _check_footer(path):
             _check_pages(path, seal)
         with pq.ParquetFile(path) as file:
-            found = file.schema_arrow  # made anew whenever it is asked for
-            schema = schema.among(found.names)
-            dtypes = dict(zip(found.names, found.types, strict=True))
+            stored = file.schema_arrow  # made at each access
+            schema = schema.among(stored.names)
+            dtypes = dict(zip(stored.names, stored.types, strict=True))
             for column in schema.columns:
                 if (dtype := dtypes.get(column.name)) is None:
                     raise InputError(f"{path}: {column.name}: column of table {schema.name} is missing")

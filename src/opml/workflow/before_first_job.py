@@ -1,4 +1,4 @@
-"""What a run does before its first job."""
+"""Steps of a run before its first job."""
 
 import os
 import time

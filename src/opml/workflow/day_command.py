@@ -33,7 +33,7 @@ _PROJECT = "config/config.yaml"
 _NAMED = 5  # objects at most
 
 _START, _DATE, _OBJECT, _WINDOW = 20.0, 2.2, 0.8, 0.9
-"""What mornings take of a core [s]: before the first, each date, each object on it, as their arcs are side by
+"""Time of mornings on a core [s]: before the first, each date, each object on it, as their arcs are side by
 side, and of one that is measured by points or tracks, as Swarm A, each window of the models' fits."""
 
 _ARENAS = "2"
@@ -43,33 +43,33 @@ _TABLES, _MESSAGE, _EPHEMERIDES = 0.006, 1.7, 0.33  # what it leaves [MB]
 _STAY = 14  # mornings that ephemerides stay
 
 _LONGER = 28
-"""Days by which a run is lengthened at a time: its environment is tabulated anew each time."""
+"""Days by which a run is lengthened at a time: its environment is tabulated again each time."""
 
 
 @dataclass(frozen=True)
 class Call:
-    """What is asked for."""
+    """A call of the command."""
 
     day: date  # the last date of mornings
     first: date  # the first date that has a page
     configfiles: Sequence[str]  # files of settings
-    where: Sequence[str]  # options of Snakemake that tell where jobs run
+    where: Sequence[str]  # options of Snakemake for where jobs run
     dry: bool  # whether the plan alone is shown
 
 
 def show(name: str, day: date, configfiles: Sequence[str]) -> None:
     """Print what became of an object on a day; raise InputError where its morning is not over."""
-    asked = _asked(configfiles)
-    if name not in asked.measured:
-        known = ", ".join(list(asked.measured)[:_NAMED])
+    settings = _settings(configfiles)
+    if name not in settings.measured:
+        known = ", ".join(list(settings.measured)[:_NAMED])
         raise InputError(f"--object: expected an object of the run, such as {known}, got {name}")
-    places = Store(Path(asked.run.results, "days"), "0", [name]).places(day)
+    places = Store(Path(settings.run.results, "days"), "0", [name]).places(day)
     if name not in places:
         raise InputError(f"--object: expected an object whose morning of {day} is over, got {name}")
     print(markdown(document([places[name].outcomes[name]], [], date=day.isoformat())))
 
 
-def _asked(configfiles: Sequence[str]) -> Settings:
+def _settings(configfiles: Sequence[str]) -> Settings:
     """Return settings that ask for mornings; raise InputError for others, and without a project."""
     if not Path(_PROJECT).exists():
         raise InputError(f"{_PROJECT}: no such file in {Path.cwd()}; `opml init FOLDER` makes a project")
@@ -87,8 +87,8 @@ def run(call: Call) -> int:
     Mornings that failed are tried again. Raises InputError for settings that ask for no mornings, as
     `check_dates` does, and where another run holds the folder of results.
     """
-    asked = _asked(call.configfiles)
-    settings = asked.run
+    whole = _settings(call.configfiles)
+    settings = whole.run
     check_dates(call, settings.epoch, today=datetime.now(UTC).date())
     duration = lengthened(settings.duration_days, settings.epoch, call.day)
     dates = [date.fromordinal(k).isoformat() for k in range(call.first.toordinal(), call.day.toordinal() + 1)]
@@ -98,8 +98,8 @@ def run(call: Call) -> int:
             older_days.convert(Path(settings.results, "days"))
             for folder in folders:
                 _forget_failed(folder)
-    if any((ahead := mornings_ahead(call.day, asked)).values()):
-        print(f"opml: {beforehand(ahead, asked)}", file=sys.stderr, flush=True)
+    if any((ahead := mornings_ahead(call.day, whole)).values()):
+        print(f"opml: {beforehand(ahead, whole)}", file=sys.stderr, flush=True)
     # The last day brings all others up to date, whose pages then only have to be written.
     for pages in [folders[-1:], folders[:-1]]:
         if pages and _snakemake(call, [str(folder / "day.html") for folder in pages], duration):
@@ -162,8 +162,8 @@ def _snakemake(call: Call, pages: Sequence[str], duration_days: float) -> int:
     command = [sys.executable, "-m", "snakemake", *call.where, *how, *settings, "--", *pages]
     code = _exit_code(command)
     if code and not call.dry:
-        told = "opml: the workflow failed; `opml day -n` shows errors in its plan"
-        print(told, file=sys.stderr, flush=True)
+        message = "opml: the workflow failed; `opml day -n` shows errors in its plan"
+        print(message, file=sys.stderr, flush=True)
     return code
 
 

@@ -1,4 +1,4 @@
-"""Which tables of the environment each step of the chain reads."""
+"""Tables of the environment, by the step of the chain that reads them."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -33,7 +33,7 @@ class EnvironmentFiles:
 
     @property
     def knowledge(self) -> str | None:
-        """What fits and predictions know of the solar activity; None where they know all of it."""
+        """Knowledge that fits and predictions have of the solar activity; None: all of it."""
         return self.sources.knowledge
 
     @property

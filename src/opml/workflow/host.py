@@ -1,4 +1,4 @@
-"""What Snakemake takes for granted where it runs: a cache that can be written, a Python without blanks."""
+"""Prerequisites of Snakemake on a host: a cache that can be written, a Python without blanks."""
 
 import os
 import sys
@@ -11,8 +11,8 @@ import platformdirs
 def lend_cache() -> None:
     """Have another folder stand for the user's cache, here and in all jobs, where that cannot be written.
 
-    It is beside the installed packages, which all projects share, or in the folder of the run. Without one
-    Snakemake would not start, and each job would compile the kernels anew.
+    It is next to the installed packages, which all projects share, or in the folder of the run. Without one
+    Snakemake would not start, and each job would compile the kernels again.
     """
     if not _can_be_written(Path(platformdirs.user_cache_dir())):
         shared = Path(sys.prefix, "cache")

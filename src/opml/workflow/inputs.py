@@ -90,8 +90,8 @@ def checks(*functions: Callable[[Wildcards], object]) -> InputFunction:
     return check
 
 
-def _tables_asked(settings: ResolvedSettings) -> list[tuple[str, str]]:
-    """Return kind and suffix of the tables beside the dataset that have the variables of a learner."""
+def _tables_needed(settings: ResolvedSettings) -> list[tuple[str, str]]:
+    """Return kind and suffix of the further tables that have the variables of a learner."""
     suffixes: dict[str, str] = {}
     if arc := learners.arc_of(settings):
         suffixes["arcs"] = naming.arc_suffix(arc[0])
@@ -176,7 +176,7 @@ class Inputs:
 
     @_input_function
     def learner_tables(self, wildcards: Wildcards, part: str) -> _Paths:
-        """Find the tables beside the dataset that have the variables of learners, learner after learner.
+        """Find the further tables that have the variables of learners, learner after learner.
 
         part: wildcard of the RSO, `rso` or `target`
         """
@@ -185,7 +185,7 @@ class Inputs:
         return [
             self.plan.product(f"{kind}/{name}{suffix}").table
             for settings in self.params.learners(wildcards).values()
-            for kind, suffix in _tables_asked(settings)
+            for kind, suffix in _tables_needed(settings)
         ]
 
     def source(self, wildcards: Wildcards) -> _Paths:
@@ -202,8 +202,8 @@ class Inputs:
     @_input_function
     def long_estimates(self, wildcards: Wildcards, estimates: _Pattern) -> _Paths:
         """Find the estimates over the long window; none where no learner reads the mechanism."""
-        asked = map(_tables_asked, self.params.learners(wildcards).values())
-        if not any("mechanism" in dict(tables) for tables in asked):
+        needed = map(_tables_needed, self.params.learners(wildcards).values())
+        if not any("mechanism" in dict(tables) for tables in needed):
             return []
         hours = self.plan.settings.run.mechanism.long_window_hours
         return self._estimates(estimates, wildcards, self.plan.window(hours))

@@ -1,4 +1,4 @@
-"""What every job of the workflow needs around its one call: a log, metadata, errors in one line."""
+"""The frame of every job of the workflow: a log, metadata, errors in one line."""
 
 import logging
 import sys
@@ -19,7 +19,7 @@ from opml.base.provenance import settings_digest, settings_of_each
 from opml.base.section import JobSettings
 from opml.tables import Schema, read_table
 
-TOLD_EVERY = 30.0  # time after which a job that still runs tells on the screen how far it is [s]
+SHOWN_EVERY = 30.0  # time after which a job that still runs shows its progress [s]
 
 _log = logging.getLogger("opml")
 _warnings = logging.getLogger("py.warnings")
@@ -28,14 +28,14 @@ TableKey = TypeVar("TableKey")
 
 
 class _Common(JobSettings):
-    """What every table tells of its job's settings; the seed of those that draw."""
+    """Settings of a job in the metadata of its tables; the seed of those that draw."""
 
     epoch: str
     seed: int | dict[str, int] | None = None  # one, or those by what they draw
 
 
 class _LogFile(logging.FileHandler):
-    """A log that goes without the lines that a full disk does not take; the job itself tells of the disk."""
+    """A log that goes without the lines that a full disk does not take; the job itself reports the disk."""
 
     def handleError(self, record: logging.LogRecord) -> None:
         """Pass over a line that was not written."""
@@ -58,7 +58,7 @@ class _LongJob(logging.Handler):
         self._teller.start()
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Keep what was told last, and the share of the work that was done by then."""
+        """Keep the last message, and the share of the work that was done by then."""
         self._last = record.getMessage()
         self._share = getattr(record, "share", self._share)
 
@@ -69,7 +69,7 @@ class _LongJob(logging.Handler):
         super().close()
 
     def _tell(self) -> None:
-        while not self._ended.wait(TOLD_EVERY):
+        while not self._ended.wait(SHOWN_EVERY):
             print(f"opml: {self._job}: {self._last.strip()}, {self._time()}", file=sys.stderr, flush=True)
 
     def _time(self) -> str:
@@ -83,7 +83,7 @@ def job(snakemake: Any) -> Iterator[dict[str, Any]]:
     """Run a script's body with its log open; yield the metadata of the tables that it writes.
 
     Progress, through the loggers below ``opml``, goes to the rule's log, its last line to stderr every
-    TOLD_EVERY. An `InputError` ends the job with
+    SHOWN_EVERY. An `InputError` ends the job with
     one line there and on stderr and with exit code 1, any other error with its traceback. BLAS is held to one
     thread, as its sums depend on their number.
     """
@@ -147,7 +147,7 @@ def _open_log(paths: Any) -> list[logging.Handler]:
 
 
 def _metadata(settings: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what every table tells of its making; settings: of the rule's params."""
+    """Return the metadata of a table about its making; settings: of the rule's params."""
     common = _Common.model_validate(settings)
     return {
         "epoch": common.epoch,

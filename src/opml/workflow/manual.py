@@ -22,7 +22,7 @@ def page(name: str) -> str:
         near = " or ".join(_pages_with(f"opml {name} ") or close or _pages_with(name))
         expected = f"a page such as {near}" if near else "a page that `opml docs` lists"
         raise InputError(f"docs: expected {expected}, got {name}")
-    return _INCLUDED.sub(lambda found: (MANUAL / found[1]).read_text(encoding="utf-8"), _text(name)).rstrip(
+    return _INCLUDED.sub(lambda names: (MANUAL / names[1]).read_text(encoding="utf-8"), _text(name)).rstrip(
         "\n"
     )
 
@@ -47,8 +47,8 @@ def _text(name: str) -> str:
 
 
 def _names() -> list[str]:
-    found = [name for _, name in _CAPTION_OR_PAGE.findall(_text("index")) if name]
-    return [part for name in found for part in _parts(name)]
+    names = [name for _, name in _CAPTION_OR_PAGE.findall(_text("index")) if name]
+    return [part for name in names for part in _parts(name)]
 
 
 def _parts(name: str) -> list[str]:

@@ -34,10 +34,10 @@ study:
 """
 
 
-def write(folder: FilePath, study: str = SIMULATED, beside: Sequence[Path] = ()) -> None:
+def write(folder: FilePath, study: str = SIMULATED, others: Sequence[Path] = ()) -> None:
     """Write the workflow, its settings and a study into a folder, which is made where there is none.
 
-    study: YAML; beside: files that it reads
+    study: YAML; others: files that it reads
 
     Raises InputError for no name, for that of a file, and where the folder holds a file or folder of a
     project's; nothing is written then.
@@ -48,8 +48,8 @@ def write(folder: FilePath, study: str = SIMULATED, beside: Sequence[Path] = ())
     if folder.is_file():
         raise InputError(f"{folder}: expected a folder, got a file")
     parts = sorted(PROJECT.iterdir())
-    beside = [one for one in beside if one.resolve() != (folder / one.name).resolve()]
-    names = [*(part.name for part in (*parts, *beside)), STUDY]
+    others = [one for one in others if one.resolve() != (folder / one.name).resolve()]
+    names = [*(part.name for part in (*parts, *others)), STUDY]
     for name in names:
         if names.count(name) > 1:
             raise InputError(f"{name}: expected another name than that of a project's own file")
@@ -58,7 +58,7 @@ def write(folder: FilePath, study: str = SIMULATED, beside: Sequence[Path] = ())
     with writable(folder):
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(prefix=".new.", dir=folder) as temporary:
-            for part in (*parts, *beside):
+            for part in (*parts, *others):
                 _copy(part, Path(temporary, part.name))
             editor_schema.write(temporary)
             Path(temporary, STUDY).write_text(study, encoding="utf-8")

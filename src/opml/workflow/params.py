@@ -161,17 +161,17 @@ class Params:
             return variables
         return [name for name in variables if name not in MEASUREMENT]
 
-    def taking(self, wildcards: Wildcards) -> dict[str, Any]:
+    def options(self, wildcards: Wildcards) -> dict[str, Any]:
         """Return how what was measured of the wildcard `rso` is taken."""
-        return self._measured(wildcards.rso)["taking"]
+        return self._measured(wildcards.rso)["options"]
 
     def _measured(self, rso: str) -> dict[str, Any]:
         settings = self.plan.settings
         kind = settings.kind_of(rso)
         if kind is None:
             raise InputError(f"{rso}: expected an RSO that has {kinds.names()}")
-        taking = settings.taking(kind, rso).of_job()
-        return {"kind": kind.name, "files": settings.files_of(kind)[rso], "taking": taking}
+        options = settings.options(kind, rso).of_job()
+        return {"kind": kind.name, "files": settings.files_of(kind)[rso], "options": options}
 
     def split(self, wildcards: Wildcards) -> dict[str, Any]:
         """Return the training split and its seed."""
@@ -210,7 +210,7 @@ class Params:
             )
 
     def check_filtered(self, _: Wildcards) -> None:
-        """Raise InputError for a filter beside a setting of the fits that filters know nothing of."""
+        """Raise InputError for a filter with a setting of the fits that filters know nothing of."""
         if name := self.plan.study.not_filtered:
             raise InputError(f"estimation.{name}: expected none for sequential filters, which know no such")
 
@@ -239,7 +239,7 @@ class Params:
 
     @property
     def element_files(self) -> list[str]:
-        """Where the mean elements of all RSOs are: the catalogue beside which each set is improved."""
+        """Mean elements of all RSOs: the catalogue with which each set is improved."""
         files = self.plan.settings.files_of(kinds.ELEMENTS)
         return sorted({path for paths in files.values() for path in paths})
 
@@ -277,7 +277,7 @@ class Params:
         }
 
     def daily_training(self, wildcards: Wildcards) -> dict[str, Any]:
-        """Return the params of departures, and of the learners that are trained anew each morning."""
+        """Return the params of departures, and of the learners that are retrained each morning."""
         return self.departures(wildcards) | {
             "learners": [settings.of_job() for settings in self.learners(wildcards).values()],
             "seed": self.split(wildcards)["seed"],
@@ -293,13 +293,13 @@ class Params:
         }
 
     def check_from_newest(self, _: Wildcards) -> None:
-        """Raise InputError for a message of one ephemeris where one from each estimate is asked for."""
+        """Raise InputError for a message of one ephemeris where one from each estimate is set."""
         if self.run.ephemeris.start != "newest":
             expected = "expected newest for one message, .oem"
             raise InputError(f"ephemeris.from: {expected}, got each, which makes a folder of them, _oem")
 
     def check_from_each(self, _: Wildcards) -> None:
-        """Raise InputError for a folder of messages where an ephemeris from one estimate is asked for."""
+        """Raise InputError for a folder of messages where an ephemeris from one estimate is set."""
         if self.run.ephemeris.start != "each":
             expected = "expected each for a folder of messages, _oem"
             raise InputError(f"ephemeris.from: {expected}, got newest, which makes one message, .oem")
@@ -331,19 +331,19 @@ class Params:
     @property
     def catalogue_weather(self) -> dict[str, Any]:
         """Weather that a catalogue's objects are propagated under."""
-        asked = self.plan.values["catalogue"]
-        return {"epoch": self.run.epoch, "weather": asked["weather"]}
+        catalogue = self.plan.values["catalogue"]
+        return {"epoch": self.run.epoch, "weather": catalogue["weather"]}
 
     @property
     def catalogue_seasons(self) -> dict[str, Any]:
-        """Dates of all of a catalogue's tests, who taught, and what figures call them."""
-        asked = self.plan.settings.catalogue
-        tests = asked.tests if asked else {}
+        """Dates of all of a catalogue's tests, the populations trained on, and what figures call them."""
+        catalogue = self.plan.settings.catalogue
+        tests = catalogue.tests if catalogue else {}
         return {
             "epoch": self.run.epoch,
             "seasons_of_tests": {name: _seasons(test) for name, test in tests.items()},
-            "teachers": {name: test.teachers for name, test in tests.items()},
-            "labels": {name: asked.words(name) for name in tests} if asked else {},
+            "trained_on": {name: test.teachers for name, test in tests.items()},
+            "labels": {name: catalogue.words(name) for name in tests} if catalogue else {},
         }
 
     @property

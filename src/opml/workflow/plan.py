@@ -1,4 +1,4 @@
-"""What a run's settings mean for all rules: studies, products, and the patterns of wildcards."""
+"""The plan of a run by its settings: studies, products, and the patterns of wildcards."""
 
 import math
 import re
@@ -46,7 +46,7 @@ class Plan:
 
     @cached_property
     def study(self) -> Study:
-        """The study that is asked of the run."""
+        """The study of the run."""
         return Study(self.settings)
 
     @cached_property
@@ -84,8 +84,12 @@ class Plan:
     @property
     def catalogue_trials(self) -> list[list[str]]:
         """Test and learner of all that is judged of a catalogue."""
-        asked = self.settings.catalogue
-        return [[test, learner] for test in asked.tests for learner in asked.learners] if asked else []
+        catalogue = self.settings.catalogue
+        return (
+            [[test, learner] for test in catalogue.tests for learner in catalogue.learners]
+            if catalogue
+            else []
+        )
 
     @cached_property
     def watched(self) -> dict[str, list[str]]:
@@ -138,7 +142,7 @@ class Plan:
 
     @cached_property
     def weather(self) -> str:
-        """What fits and predictions know of the space weather, as a line of a figure."""
+        """Knowledge that fits and predictions have of the space weather, as a line of a figure."""
         return weather(self.settings.run.environment).replace("`", "").rstrip(".")
 
     @property

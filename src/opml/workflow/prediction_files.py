@@ -1,4 +1,4 @@
-"""What `opml predict` writes: each file by its suffix."""
+"""Files that `opml predict` writes, by their suffixes."""
 
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
@@ -25,7 +25,7 @@ Writer = Callable[[FilePath, Any, Passes], None]
 
 
 def check(paths: Sequence[FilePath]) -> None:
-    """Raise InputError for a path whose suffix tells no format, and for a page without what draws it."""
+    """Raise InputError for a path whose suffix has no format, and for a page without what draws it."""
     for path in paths:
         if suffix_of(path, WRITERS) == ".html" and find_spec("matplotlib") is None:
             raise InputError(f"{path}: expected matplotlib, got none: pip install 'opml-orbits[workflow]'")
@@ -71,8 +71,8 @@ def _fitted_set(path: FilePath, prediction: PredictedOrbit) -> None:
     if Path(path).suffix.lower() == ".tle":
         tle.write(path, satellite, identity)
         return
-    told = element_fits.residual(satellite, ephemeris, epoch=epoch)
-    omm.write(path, satellite, identity=identity, epoch=epoch, comment=told)
+    residual = element_fits.residual(satellite, ephemeris, epoch=epoch)
+    omm.write(path, satellite, identity=identity, epoch=epoch, comment=residual)
 
 
 def _table(path: FilePath, prediction: PredictedOrbit, _: Passes) -> None:

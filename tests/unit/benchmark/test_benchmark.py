@@ -479,7 +479,7 @@ def test_what_a_score_cannot_be_written_as_is_refused(sgp4, tmp_path, capsys):
     assert "expected a suffix .html, .json, .tsv, got .pdf" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("way", baselines.WAYS)
+@pytest.mark.parametrize("way", baselines.BASELINES)
 def test_baselines_answer_all_that_is_asked(way, task, tmp_path):
     last = task.questions[task.questions["t"] == task.questions["t"].max()]
     part = replace(task, questions=last.reset_index(drop=True))

@@ -47,7 +47,7 @@ def points(orbit, *, sigmas, velocities=False, seed=None):
 
 
 def stretched(orbit, *, length=3 * HOUR, **given):
-    return fixes.stretches(points(orbit, **given), length=length)
+    return fixes.arcs(points(orbit, **given), length=length)
 
 
 def estimates(propagator, table, **settings):
@@ -97,9 +97,9 @@ def test_weights_are_those_of_radial_along_and_cross_track(propagator, orbit):
     """Noise of a kilometre along the track harms nothing where the sigmas say so, and much where not."""
     sigmas = np.array([5.0, 1000.0, 5.0, 1.0, 1.0, 1.0])
     noisy = points(orbit, sigmas=sigmas, seed=5)
-    told = full(estimates(propagator, fixes.stretches(noisy, length=3 * HOUR)))
+    told = full(estimates(propagator, fixes.arcs(noisy, length=3 * HOUR)))
     alike = noisy.assign(**dict.fromkeys(FIX_SIGMAS[:3], 10.0))
-    untold = full(estimates(propagator, fixes.stretches(alike, length=3 * HOUR)))
+    untold = full(estimates(propagator, fixes.arcs(alike, length=3 * HOUR)))
     assert np.abs(off(told, orbit)[:, [0, 2]]).max() < 5.0
     assert np.median(np.abs(off(untold, orbit)[:, 0])) > 5.0 * np.median(np.abs(off(told, orbit)[:, 0]))
 
@@ -107,13 +107,13 @@ def test_weights_are_those_of_radial_along_and_cross_track(propagator, orbit):
 def test_windows_begin_anew_behind_a_burn_that_is_known(orbit):
     epochs = np.array([6.0, 12.0, 18.0, 23.0]) * HOUR
     table = sets(orbit, epochs, reach=5 * HOUR, known=np.full(4, np.nan), sigmas=TEN)
-    burn = Manoeuvre(9.0 * HOUR, 18.0 * HOUR, anew=True)
+    burn = Manoeuvre(9.0 * HOUR, 18.0 * HOUR, restarts=True)
     measured = fixes.Fixes(table).restart_after_burns([burn])
     windows = [measured.window(track, 20 * HOUR) for track in range(4)]
     # Nobody knew at 12 h; the points of that set begin before the burn.
     assert [window.tracks for window in windows] == [1, 2, 1, 2]
     assert [measured.epochs[window.first] / HOUR for window in windows] == [1.0, 1.0, 13.0, 13.0]
-    unmoved = fixes.Fixes(table).restart_after_burns([replace(burn, anew=False)])
+    unmoved = fixes.Fixes(table).restart_after_burns([replace(burn, restarts=False)])
     assert unmoved.window(3, 20 * HOUR).tracks == 4
 
 
@@ -168,7 +168,7 @@ def sets(orbit, epochs, *, reach=12 * HOUR, known=(np.nan,) * 3, **given):
 
 def test_sets_are_told_from_points_along_an_orbit(orbit):
     assert fixes.are_of_sets(sets(orbit, [DAY], known=[np.nan], sigmas=TEN))
-    assert not fixes.are_of_sets(fixes.stretches(points(orbit, sigmas=TEN)))
+    assert not fixes.are_of_sets(fixes.arcs(points(orbit, sigmas=TEN)))
     assert not fixes.are_of_sets(pd.DataFrame({"track": [0], "t": [5.0]}))
 
 
@@ -212,7 +212,7 @@ def test_a_set_is_known_at_its_epoch_and_no_filter_goes_back_to_its_points(propa
 def test_stretches_are_cut_from_the_epoch_so_that_gaps_and_more_points_move_none(orbit):
     rows = points(orbit, sigmas=TEN)
     gappy = rows[(rows["t"] < 2 * HOUR) | (rows["t"] > 6.5 * HOUR)]
-    table = fixes.stretches(gappy, length=HOUR)
+    table = fixes.arcs(gappy, length=HOUR)
     first = table.groupby("track").first()
     assert first["t"].iloc[:3].tolist() == [0.0, HOUR, 6.5 * HOUR + 120.0]
     assert (first["t"] == first["t_estimate"]).all()
@@ -223,9 +223,9 @@ def test_wrong_points_are_told_in_one_line(orbit):
     rows = points(orbit, sigmas=TEN, velocities=True)
     half = rows.assign(sigma_vr=rows["sigma_vr"].where(rows["t"] > 600.0))
     with pytest.raises(InputError, match=r"expected sigmas of velocities in all rows or none.* at 0.000 s"):
-        fixes.Fixes(fixes.stretches(half))
+        fixes.Fixes(fixes.arcs(half))
     for wrong in (rows.assign(sigma_s=0.0), rows.assign(vx=np.nan)):
         with pytest.raises(InputError, match="expected numbers, and sigmas above 0, of all that counts"):
-            fixes.Fixes(fixes.stretches(wrong))
+            fixes.Fixes(fixes.arcs(wrong))
     with pytest.raises(InputError, match=r"expected ascending epochs, got 7200.000 s twice"):
         fixes.of_sets(np.array([7200.0, 7200.0]), rows.assign(track=0), known=np.full(2, np.nan))

@@ -30,7 +30,7 @@ def measurements(table, _orientation, _stations):
     """The measurements of a table `toy_places`: positions under other names, each good to 10 m."""
     points = pd.DataFrame(np.nan, columns=[*STATE, *FIX_SIGMAS], index=table.index).assign(t=table["t"])
     points[[*HEIGHTS]] = table[[*HEIGHTS.values()]].to_numpy()
-    return fixes.Fixes(fixes.stretches(points.assign(sigma_r=10.0, sigma_s=10.0, sigma_w=10.0)))
+    return fixes.Fixes(fixes.arcs(points.assign(sigma_r=10.0, sigma_s=10.0, sigma_w=10.0)))
 
 
 @pytest.fixture

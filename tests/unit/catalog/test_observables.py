@@ -210,7 +210,7 @@ def test_how_far_a_place_is_from_measurements(orbit, earth_orientation, three_st
     aside /= np.linalg.norm(aside, axis=1, keepdims=True)
     for moved, miss in zip((3e5 * sight, 4e5 * aside, 3e5 * sight + 4e5 * aside), expected, strict=True):
         if miss is not None:
-            np.testing.assert_allclose(measured.misses(rows, at + moved), miss, atol=1e-3)
+            np.testing.assert_allclose(measured.distances(rows, at + moved), miss, atol=1e-3)
 
 
 # Messages --------------------------------------------------------------------------------------------

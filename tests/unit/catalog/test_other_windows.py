@@ -110,7 +110,7 @@ def test_a_fit_that_turns_out_to_hold_a_burn_leaves_the_past(assumed_model):
     """At 1.1 days nobody knows of the burn at 0.9, and Cd takes it in; the next set tells it."""
     cd = [2.2, 2.2, -180.0, 2.2, 2.2]
     table = estimates(assumed_model.gm, cd)
-    burn = Manoeuvre(0.9 * DAY, 2.0 * DAY, anew=True)
+    burn = Manoeuvre(0.9 * DAY, 2.0 * DAY, restarts=True)
     found = other_windows.exclude_burns(table, manoeuvres=[burn], window=DAY)
     assert found["converged"].all()
     past = other_windows.past_cd(found, apriori=2.2, memory_days=30.0)

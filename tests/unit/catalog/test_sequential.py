@@ -14,8 +14,8 @@ from opml.catalog.fit.sequential import Filtering, Leg, Noise, filter_all
 from opml.catalog.simulate import tracking, truth
 from opml.tables import PARAMETER_COVARIANCES, PARAMETERS, STATE, symmetric_matrices
 
-CALM = Noise(walk=1e-6, gust=1e-6, kick=1e-7)
-GUSTY = Noise(walk=1e-6, gust=0.1, kick=1e-7)
+CALM = Noise(walk=1e-6, gust=1e-6, impulse=1e-7)
+GUSTY = Noise(walk=1e-6, gust=0.1, impulse=1e-7)
 STEP = 20.0
 PIECE = HOUR / 2
 SIGMAS = np.array([20.0, 20.0, 20.0, 0.02, 0.02, 0.02, 0.2])

@@ -13,7 +13,7 @@ from opml.ephemerides.along_track_shift import (
     corrected_by_each,
     radial_part,
 )
-from opml.ephemerides.replays import missed
+from opml.ephemerides.replays import differences
 from opml.orbits.elements import cartesian_from_coe, coe_from_cartesian, in_rsw
 from opml.tables import STATE
 
@@ -86,7 +86,9 @@ def test_an_ephemeris_of_steps_of_five_minutes_misses_where_the_whole_path_does(
     later = dict(zip(STATE, true.T, strict=True)) | {"t_j": T}
     misses = [
         pd.DataFrame(
-            missed(table, along[None, ::5], {name: values[rows] for name, values in later.items()}, now=0.0)
+            differences(
+                table, along[None, ::5], {name: values[rows] for name, values in later.items()}, now=0.0
+            )
         )
         for rows in ([9, 2003, 4300], [2003])
     ]

@@ -49,7 +49,7 @@ LAW = LinearLaw(("l_y", "v_y", "l_arc_y"), ("l_y", "v_y", "l_arc_y"), np.array([
 
 
 class Taught:
-    """Lessons that always teach the same law."""
+    """A daily learner with the same law each day."""
 
     variables = LAW.variables
     arc = (24.0, 30.0)
@@ -154,7 +154,7 @@ def test_arcs_that_fly_together_are_those_that_fly_alone(degree, known, iss):
     np.testing.assert_array_equal(together.pairs()[STATE], alone.pairs()[STATE])
     for found, expected in (
         (together.predictions(24.0), alone.predictions(24.0)),
-        (together.nudged(24.0), alone.nudged(24.0)),
+        (together.perturbed(24.0), alone.perturbed(24.0)),
         (together.held_predictions(24.0, 30.0), alone.held_predictions(24.0, 30.0)),
     ):
         assert np.abs(expected[STATE[:3]] - alone.pairs()[STATE[:3]]).to_numpy().max() > 40.0
@@ -168,7 +168,7 @@ def test_arcs_that_fly_together_are_those_that_fly_alone(degree, known, iss):
 def test_what_parts_an_arc_is_told_without_further_arcs(propagator, known, monkeypatch):
     part = TaskPart(propagator, known, known.estimates.iloc[1:3], replace(GRID, step=300.0))
     whole, expected = part.arcs(24.0), part.columns(("l_arc_y", "v_arc_y"), arc=(24.0, 30.0))
-    monkeypatch.setattr(other_windows, "nudged", None)
+    monkeypatch.setattr(other_windows, "perturbed", None)
     found = part.columns(("l_arc_y",), arc=(24.0, 30.0))
     assert found["l_arc_y"].tolist() == expected["l_arc_y"].tolist() == whole["l_arc_y"].tolist()
     assert np.ptp(found["l_arc_y"]) > 1.0
@@ -204,7 +204,7 @@ def test_it_ends_with_the_run(propagator, known):
     last = known.estimates.iloc[[4]]
     cut = built(propagator, known, last, grid=replace(GRID, end=1.6 * DAY))
     assert cut["t"].max() <= 1.6 * DAY
-    with pytest.raises(InputError, match=r"expected 16 epochs 60 s apart .* before the run ends, got fewer"):
+    with pytest.raises(InputError, match=r"expected 16 epochs every 60 s .* before the run ends, got fewer"):
         built(propagator, known, last, grid=replace(GRID, end=1.5 * DAY + 600.0))
 
 

@@ -23,7 +23,7 @@ from opml.learning.data import dataset
 from opml.learning.data.cleaning import Cleaning
 from opml.learning.data.splits import are_over
 from opml.learning.models import learners
-from opml.learning.models.daily_training import Lessons
+from opml.learning.models.daily_training import DailyLearner
 from opml.orbits.elements import in_rsw
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import COMPONENTS, SCHEMAS, STATE, read_table, write_table
@@ -60,15 +60,15 @@ def tables(truth_model, assumed_model, iss, earth_orientation, three_stations):
 def series_of(propagator, tables, learner=LAW, rows=None):
     """What is to be replayed of a learner."""
     known, predictions = tables["known"], tables["predictions"]
-    lessons = Lessons(tables["rows"] if rows is None else rows, learner, seed=1)
-    first = replays.first_day(lessons, known, train_days=TRAIN)
+    daily = DailyLearner(tables["rows"] if rows is None else rows, learner, seed=1)
+    first = replays.first_day(daily, known, train_days=TRAIN)
     starts = replays.morning_departures(known, every_hours=3.0, first_day=first)
     pairs = predictions[predictions["i"].isin(starts["track"])]
     spreads = weather_spread.build(
         propagator, known.estimates, pairs, weathers=Weathers.of(propagator.model, None)
     )
     judge = replays.at_starts(replays.judge(tables["rows"], predictions, None), starts, spreads)
-    return replays.ReplaySeries(lessons, starts, judge)
+    return replays.ReplaySeries(daily, starts, judge)
 
 
 def replayed(propagator, tables, learner=LAW, rows=None):
@@ -92,7 +92,7 @@ def test_the_table_is_the_schemas_and_comes_back(table, tmp_path):
 
 def test_rows_that_a_burn_spoils_tell_when_it_was_found(propagator, tables, tmp_path):
     """From a day and a half on nobody is to learn from what the burn at 1.2 days did."""
-    series, burn = series_of(propagator, tables, NONE), Manoeuvre(1.2 * DAY, 1.5 * DAY, anew=True)
+    series, burn = series_of(propagator, tables, NONE), Manoeuvre(1.2 * DAY, 1.5 * DAY, restarts=True)
     series = replace(series, starts=series.starts[:6])
     unaware, aware = (
         replays.build(propagator, replace(tables["known"], manoeuvres=burns), [series], max_days=0.6)[0]
@@ -113,7 +113,7 @@ def test_rows_that_a_burn_spoils_tell_when_it_was_found(propagator, tables, tmp_
 
 def test_a_law_learns_nothing_of_a_burn_once_it_is_known(tables):
     """Rows of the dataset that begin before the burn at 1.2 days and end before it is found."""
-    burn = Manoeuvre(1.2 * DAY, 1.6 * DAY, anew=True)
+    burn = Manoeuvre(1.2 * DAY, 1.6 * DAY, restarts=True)
     known = replace(tables["known"], manoeuvres=[burn])
     rows = known.marked(tables["rows"])
     crossed = np.isfinite(rows["burn_known"].to_numpy())
@@ -121,7 +121,7 @@ def test_a_law_learns_nothing_of_a_burn_once_it_is_known(tables):
     wild = rows.assign(e_y=np.where(crossed, 1.5, 1.0) * rows["e_y"])
     probe = tables["rows"][["duration"]].head().to_numpy()
     for day, alike in ((1.59, False), (1.61, True)):
-        calm, spoiled = (Lessons(table, LAW, seed=1)(day * DAY).predict(probe) for table in (rows, wild))
+        calm, spoiled = (DailyLearner(table, LAW, seed=1)(day * DAY).predict(probe) for table in (rows, wild))
         assert np.array_equal(calm, spoiled) is alike
 
 
@@ -187,8 +187,8 @@ def test_what_is_known_later_changes_no_morning(propagator, tables, table):
 )
 def test_the_first_morning_has_a_full_window_of_all_fits(tables, learner, day):
     known = replace(tables["known"], long_window_hours=36.0)
-    lessons = Lessons(tables["rows"], learner, seed=1)
-    assert replays.first_day(lessons, known, train_days=TRAIN) == day
+    daily = DailyLearner(tables["rows"], learner, seed=1)
+    assert replays.first_day(daily, known, train_days=TRAIN) == day
 
 
 def test_starts_are_the_first_usable_ones_of_their_hours(tables):
@@ -213,11 +213,11 @@ def test_the_message_of_a_morning_has_the_errors_and_the_covariance_that_were_re
 ):
     """What is tested is what is written: the file, read back, gives the same errors and the same matrices."""
     known, now = tables["known"], 2.0 * DAY
-    lessons = Lessons(tables["rows"], LAW, seed=1)
+    daily = DailyLearner(tables["rows"], LAW, seed=1)
     starts = replays.morning_departures(known, every_hours=3.0, first_day=2.0)[:1]
     made = corrected.build(
         Task(propagator, known, starts, Grid(replays.STEP, 1.0, 3.0 * DAY)),
-        lessons,
+        daily,
         table,
         spreads=lambda pairs: weather_spread.build(
             propagator, known.estimates, pairs, weathers=Weathers.of(propagator.model, None)
@@ -239,10 +239,10 @@ def test_the_message_of_a_morning_has_the_errors_and_the_covariance_that_were_re
 
 
 def test_nothing_to_hold_against_is_told(tables):
-    known, lessons = tables["known"], Lessons(tables["rows"], LAW, seed=1)
+    known, daily = tables["known"], DailyLearner(tables["rows"], LAW, seed=1)
     starts = replays.morning_departures(known, every_hours=3.0, first_day=1.0)
     judge = replays.judge(tables["rows"], tables["predictions"], None)[:0]
     empty = pd.DataFrame(columns=SCHEMAS["spread"].names, dtype=float)
     with pytest.raises(InputError, match="replay: expected later tracks to hold ephemerides against"):
         replays.at_starts(judge, starts, empty)
-    assert "training: expected errors that were known by day 0, got none" in refusal(lessons, 0.0)
+    assert "training: expected errors that were known by day 0, got none" in refusal(daily, 0.0)

@@ -91,7 +91,7 @@ def test_a_gap_between_sets_a_few_hours_apart_hides_no_burn():
 def test_burns_stand_in_order_and_windows_begin_anew_behind_them():
     named = [Manoeuvre(8.0 * DAY)]
     both = burns_in_sets.manoeuvres_of(sets_with({4.5: 60.0}), named, epoch=EPOCH, find=True)
-    assert both == [Manoeuvre(5.0 * DAY, 6.0 * DAY, anew=True), Manoeuvre(8.0 * DAY, anew=True)]
+    assert both == [Manoeuvre(5.0 * DAY, 6.0 * DAY, restarts=True), Manoeuvre(8.0 * DAY, restarts=True)]
     assert burns_in_sets.manoeuvres_of(sets_with({4.5: 60.0}), named, epoch=EPOCH, find=False) == both[1:]
 
 

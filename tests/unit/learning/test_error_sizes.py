@@ -114,7 +114,7 @@ def held_alike(past, *, off, seed=4):
     """Rows against estimates that are so far off cross-track [m] as their predictions are, too."""
     noise = off * np.random.default_rng(seed).normal(size=len(past))
     true = past.assign(e_z=past["e_z"] + noise, e_vz=past["e_vz"] + RATE * noise)
-    return true, past.assign(doubt_z=off, alike=True)
+    return true, past.assign(doubt_z=off, correlated=True)
 
 
 def test_the_doubt_of_estimates_that_err_alike_is_a_part_of_a_size():
@@ -139,7 +139,7 @@ def held_within_days(past, *, off):
         np.array([np.interp(past[when] / DAY, days, part) for part in sum(waves)]) for when in ("t_i", "t_j")
     )
     true, differences = (
-        past.assign(e_z=past["e_z"] + z, e_vz=past["e_vz"] + RATE * turned, alike=True)
+        past.assign(e_z=past["e_z"] + z, e_vz=past["e_vz"] + RATE * turned, correlated=True)
         for z, turned in (at_i, at_i - at_j)
     )
     return true, differences
@@ -172,7 +172,7 @@ def test_differences_from_estimates_that_err_alike_are_held_against_less():
     np.testing.assert_allclose(of_differences(one)[0][:, 2], 25.0)
     np.testing.assert_array_equal(along_track(one), one["sigma_y"])
     np.testing.assert_allclose(
-        along_track(one.assign(alike=False, doubt_y=50.0)), np.hypot(one["sigma_y"], 50.0)
+        along_track(one.assign(correlated=False, doubt_y=50.0)), np.hypot(one["sigma_y"], 50.0)
     )
 
 

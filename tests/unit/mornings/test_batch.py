@@ -12,7 +12,7 @@ from opml.mornings import batch
 from opml.mornings.batch import BatchSettings, ObjectSettings
 from opml.mornings.outcomes import FAILED
 
-ONE = ObjectSettings.model_construct(rso=None, taking={})
+ONE = ObjectSettings.model_construct(rso=None, options={})
 DAY = date(2016, 10, 5)
 OBJECTS = {"first": ONE, "second": ONE}
 MODEL = {"degree": 2, "order": 2, "third_bodies": ["moon"]}

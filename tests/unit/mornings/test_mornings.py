@@ -319,7 +319,7 @@ def test_what_went_across_a_burn_has_no_say_once_it_is_known():
     # A burn that tracks showed on the morning after 6.0, and the same one found in mean elements by then.
     sets = replace(records, issued=SCHEMAS["issued"].empty())
     assert sets.rows_unaffected_by_burns(hours).index.tolist() == [0, 1, 2, 3]
-    for known, burns in ((records, []), (sets, [Manoeuvre(5.0 * DAY, 6.0 * DAY, anew=True)])):
+    for known, burns in ((records, []), (sets, [Manoeuvre(5.0 * DAY, 6.0 * DAY, restarts=True)])):
         assert known.rows_unaffected_by_burns(hours, burns).index.tolist() == [
             3
         ]  # across, across, from a fit across, free
@@ -355,7 +355,7 @@ def by_points(watched, truth_model, iss):
         points = orbit[["t", *STATE]].copy()
         points[STATE[:3]] += noise
         sigmas = dict.fromkeys(FIX_SIGMAS[:3], 10.0) | dict.fromkeys(FIX_SIGMAS[3:], np.nan)
-        table = fixes.stretches(points.assign(**sigmas), length=6 * HOUR)
+        table = fixes.arcs(points.assign(**sigmas), length=6 * HOUR)
         first = (0.0, orbit[STATE].to_numpy()[0])
         objects[name] = replace(watched, tracking=table, stations=[], given=first), rso
     return objects
@@ -474,9 +474,9 @@ def test_messages_tell_the_object_by_what_its_files_tell(watched, whole):
 def test_fits_to_mean_elements_are_marked_as_what_errs_alike(watched, whole):
     made = rows(whole, "kept_estimates", [LAST]).query("window_hours == 12.0")
     recent = fits.recent_tracks(watched.tracking, made, now=CALENDAR.time(LAST), reach=2 * DAY)
-    assert "alike" not in verdicts.later_states(made, recent)
+    assert "correlated" not in verdicts.later_states(made, recent)
     before = recent.tracking.assign(t_estimate=recent.tracking["t"] + HOUR)
-    assert verdicts.later_states(made, replace(recent, tracking=before))["alike"].all()
+    assert verdicts.later_states(made, replace(recent, tracking=before))["correlated"].all()
 
 
 def test_an_estimate_long_after_the_one_before_is_not_flown_to():

@@ -224,7 +224,7 @@ TRAIN, TEST = (naming.parse_train, naming.TRAIN), (naming.parse_test, naming.TES
         (TEST, "rest", Split("rest")),
         (TEST, "seen", Split("seen")),
         (TEST, "days-30-40.5", Split("days", days=(30, 40.5))),
-        (TEST, "days-30-40-unseen", Split("days", days=(30, 40), unseen=True)),
+        (TEST, "days-30-40-unseen", Split("days", days=(30, 40), starts_inside=True)),
         (TEST, "rest-zscore", Split("rest", standardisation="own")),
         (TEST, "seen-zscore", Split("seen", standardisation="own")),
         (TEST, "days-30-40-unfenced", Split("days", days=(30, 40), fence=math.inf)),

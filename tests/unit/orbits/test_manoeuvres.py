@@ -40,9 +40,9 @@ def test_a_file_that_is_no_list_of_manoeuvres_is_told(tmp_path, content, expecte
 
 
 def test_tables_keep_manoeuvres_and_since_when_they_are_known(tmp_path):
-    burns = [Manoeuvre(5.0), Manoeuvre(7.0, 9.0), Manoeuvre(8.0, anew=True)]
+    burns = [Manoeuvre(5.0), Manoeuvre(7.0, 9.0), Manoeuvre(8.0, restarts=True)]
     facts = manoeuvres.facts(burns)
-    assert facts == {"manoeuvres": [{"t": 5.0}, {"t": 7.0, "known": 9.0}, {"t": 8.0, "anew": True}]}
+    assert facts == {"manoeuvres": [{"t": 5.0}, {"t": 7.0, "known": 9.0}, {"t": 8.0, "restarts": True}]}
     write_table(tmp_path / "t.parquet", history([1.0]), "element_sets", metadata=facts)
     assert manoeuvres.read_manoeuvres(tmp_path / "t.parquet") == burns
 
@@ -63,13 +63,13 @@ def test_a_span_contains_what_was_known_by_its_end(burn, contain):
 
 def test_a_window_counts_unless_fits_begin_anew():
     begin, end = np.array([1.0, 2.5, 4.0]), np.array([3.0, 3.0, 5.0])
-    for anew, contain in ((False, [True, True, False]), (True, [True, False, False])):
-        burn = Manoeuvre(2.0, anew=anew)
+    for restarts, contain in ((False, [True, True, False]), (True, [True, False, False])):
+        burn = Manoeuvre(2.0, restarts=restarts)
         assert manoeuvres.contain_any(begin, end, [burn], window=1.0).tolist() == contain
 
 
 def test_fits_are_spoilt_from_when_a_manoeuvre_in_their_window_is_known():
-    t, named, found = np.array([1.0, 2.5, 3.0, 4.0]), Manoeuvre(2.0), Manoeuvre(2.0, 2.8, anew=True)
+    t, named, found = np.array([1.0, 2.5, 3.0, 4.0]), Manoeuvre(2.0), Manoeuvre(2.0, 2.8, restarts=True)
     since = {
         burns: manoeuvres.when_burns_are_known(t - 1.5, t, burns).tolist()
         for burns in ((), (named,), (found,))

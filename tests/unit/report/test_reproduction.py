@@ -273,7 +273,7 @@ def test_whole_document(paper):
     ) in text
     assert "metrics/iss/eglin-clear-kaena/days-0-30/svr/e_y/iss_i50/days-30-40.parquet" in text
     assert "| iss, eglin | 3 |" in text
-    assert text.endswith(document.markdown([Table(["the paper", "here"], reproduction.doubts())]))
+    assert text.endswith(document.markdown([Table(["the paper", "here"], reproduction.open_points())]))
 
 
 def test_path_is_the_workflows():

@@ -415,7 +415,7 @@ def test_an_orbit_beside_tracks_judges(tmp_path, monkeypatch):
 
 def test_fixes_are_weighed_as_the_settings_say(tmp_path):
     settings = checked(measured(tmp_path, "fixes", "fixing: {mine: {sigma_m: [2, 4, 2], every_s: 0}}"))
-    fixing = settings.taking(kinds.FIXES, "mine")
+    fixing = settings.options(kinds.FIXES, "mine")
     assert (fixing.sigmas, fixing.every_s, fixing.stretch_hours) == ((2.0, 4.0, 2.0), 0.0, 1.0)
 
 
@@ -423,7 +423,7 @@ def test_laser_ranges_bring_stations_of_their_own(tmp_path):
     settings = checked(measured(tmp_path, "ranges"))
     sites = [f"{tmp_path}/{name}.snx" for name in ("coordinates", "eccentricities")]
     assert settings.companion_files(kinds.RANGES) == {"mine": sites}
-    ranging = settings.taking(kinds.RANGES, "mine")
+    ranging = settings.options(kinds.RANGES, "mine")
     assert (ranging.reflectors_m, ranging.sigma_m) == (0.25, 0.02)
     elements = "a_km: 12271, e: 0, i_deg: 110, argp_deg: 0, raan_deg: 0, mean_anomaly_deg: 0, area"
     source = measured(tmp_path, "ranges", replaced=["area", elements])
@@ -434,8 +434,8 @@ def test_laser_ranges_bring_stations_of_their_own(tmp_path):
 def test_mean_elements_are_fitted_over_days(tmp_path):
     lines = ["histories: {mine: {number: 25544, sigma_m: [50, 150, 20]}}"]
     settings = checked(measured(tmp_path, "elements", *lines))
-    assert settings.taking(kinds.ELEMENTS, "mine").sigma_m == (50.0, 150.0, 20.0)
-    assert settings.taking(kinds.ELEMENTS, "iss").reach_hours is None
+    assert settings.options(kinds.ELEMENTS, "mine").sigma_m == (50.0, 150.0, 20.0)
+    assert settings.options(kinds.ELEMENTS, "iss").reach_hours is None
     assert settings.values["estimation"]["window_hours"] == 96
 
 
@@ -444,8 +444,8 @@ def test_manoeuvres_may_stand_in_a_file_and_be_found(tmp_path):
     settings = checked(measured(tmp_path, "elements", *lines))
     assert settings.manoeuvres("mine") == ["2016-09-29T01:00:00"]
     assert settings.manoeuvre_files == {"mine": f"{tmp_path}/burns.yaml"}
-    assert settings.taking(kinds.ELEMENTS, "mine").find_manoeuvres
-    assert not settings.taking(kinds.ELEMENTS, "iss").find_manoeuvres
+    assert settings.options(kinds.ELEMENTS, "mine").find_manoeuvres
+    assert not settings.options(kinds.ELEMENTS, "iss").find_manoeuvres
     assert settings.manoeuvres("iss") == []
 
 

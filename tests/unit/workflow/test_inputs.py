@@ -363,7 +363,7 @@ def test_fixes_have_no_stations_and_learners_none_of_what_these_measure():
     jobs, name = user_inputs().params, experiment(rso="placed", stations="fixes")
     assert re.fullmatch(jobs.plan.constraints["stations"], "fixes")
     assert jobs.stations(name) == []
-    assert jobs.taking(name) == {"sigmas": [10.0] * 3, "every_s": 60.0, "stretch_hours": 1.0}
+    assert jobs.options(name) == {"sigmas": [10.0] * 3, "every_s": 60.0, "stretch_hours": 1.0}
     by_radars = jobs.learner(experiment())["variables"]
     assert jobs.learner(name)["variables"] == [one for one in by_radars if one not in MEASUREMENT]
     assert set(MEASUREMENT) < set(by_radars)
@@ -373,7 +373,7 @@ def test_laser_ranges_bring_their_stations_and_learners_have_none_of_what_radars
     jobs, name = user_inputs().params, experiment(rso="lasered", stations="ranges")
     assert re.fullmatch(jobs.plan.constraints["stations"], "ranges")
     assert jobs.stations(name) == []
-    assert jobs.taking(name) == {"reflectors_m": 0.25, "sigma_m": 0.02, "without": []}
+    assert jobs.options(name) == {"reflectors_m": 0.25, "sigma_m": 0.02, "without": []}
     assert not set(MEASUREMENT) & set(jobs.learner(name)["variables"])
     settings = jobs.plan.settings
     assert settings.files_of(kinds.RANGES)["lasered"] == ["a.crd"]

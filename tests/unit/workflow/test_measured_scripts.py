@@ -71,7 +71,7 @@ def test_fixes_are_thinned_and_gathered_as_the_settings_say(taken, tmp_path, ori
     oem.write(tmp_path / "iss.oem", segments, epoch=EPOCH)
     read = files(points=str(tmp_path / "iss.oem"), earth_orientation=orientation)
     fixing = {"sigmas": [1.0, 2.0, 3.0], "every_s": 600.0, "stretch_hours": 2.0}
-    table, facts = taken("fixes_from_files", read, duration_days=0.5, taking=fixing)
+    table, facts = taken("fixes_from_files", read, duration_days=0.5, options=fixing)
     assert table.groupby("track").size().tolist() == [12] * 6 + [1]
     assert (table[["sigma_r", "sigma_s", "sigma_w"]].to_numpy() == fixing["sigmas"]).all()
     measured = fitted_to(tmp_path, orientation)
@@ -88,7 +88,7 @@ def test_laser_ranges_know_their_stations_and_the_manoeuvres_of_the_settings(tak
     sites = [str(tmp_path / f"{name}.snx") for name in ("coordinates", "eccentricities")]
     read = files(points=[str(tmp_path / "lageos.crd")], sites=sites, **tables)
     ranging = {"reflectors_m": 0.25, "sigma_m": 0.01, "without": [7119]}
-    table, facts = taken("ranges_from_files", read, duration_days=1.0, taking=ranging)
+    table, facts = taken("ranges_from_files", read, duration_days=1.0, options=ranging)
     assert table["station"].tolist() == ["7090", "7090"]
     one_way = 0.5 * np.array([0.0392, 0.0391]) * SPEED_OF_LIGHT
     np.testing.assert_allclose(table["range"], one_way + 0.25, rtol=1e-12)
@@ -107,7 +107,7 @@ def fixed(tmp_path, iss):
     begins = orbit[orbit["t"] % HOUR == 0.0].reset_index(drop=True)
     tables = environment(1.0) | {
         "gravity_field": gravity_field.table(field, EPOCH),
-        "fixes": fixes.stretches(orbit.assign(**sigmas)),
+        "fixes": fixes.arcs(orbit.assign(**sigmas)),
         "starts": start_states.starts_table(begins["t"], begins[STATE].to_numpy(), known=0.0),
         "truth": orbit,
     }

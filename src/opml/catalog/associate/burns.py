@@ -32,7 +32,7 @@ class Burn:
     t: float  # [s]
     velocity: np.ndarray  # (3,) what it changed, in RSW [m/s]
     sigma: np.ndarray  # (3,) standard deviation of that
-    apart: float  # how far the two orbits are from each other then, in standard deviations
+    mismatch: float  # distance of the two orbits then, in standard deviations
 
 
 def burn_between(
@@ -47,12 +47,12 @@ def burn_between(
     old, new = _propagated(run, before, t), _propagated(run, after, t[::-1])
     if old is None or new is None:
         return None
-    apart = new[0][::-1] - old[0]
+    difference = new[0][::-1] - old[0]
     covariance = scale**2 * (new[1][::-1] + old[1])
     place, both, speed = covariance[:, :3, :3], covariance[:, 3:, :3], covariance[:, 3:, 3:]
     gain = np.linalg.solve(place, both.transpose(0, 2, 1)).transpose(0, 2, 1)
-    square = np.sum(apart[:, :3] * np.linalg.solve(place, apart[:, :3, None])[..., 0], axis=1)
-    change = apart[:, 3:] - np.einsum("nij,nj->ni", gain, apart[:, :3])
+    square = np.sum(difference[:, :3] * np.linalg.solve(place, difference[:, :3, None])[..., 0], axis=1)
+    change = difference[:, 3:] - np.einsum("nij,nj->ni", gain, difference[:, :3])
     size = np.linalg.norm(change, axis=1)
     k = int(np.argmin(np.where(square <= square.min() + _ALIKE, size, np.inf)))
     axes = rsw_rotation(old[0][k])

@@ -2,7 +2,7 @@
 
 An estimate has parameters x and a covariance P = L L'. With the weighted residuals r of a later track, and
 their partial derivatives A by x, the singular vectors of A L are the directions in which the prediction may
-err, apart from each other:
+err, independently of each other:
 
     A L = U S V',  z = U'r,  z_i / sqrt(1 + s_i^2) ~ N(0, 1)
 
@@ -24,7 +24,7 @@ from opml.tables import PARAMETERS
 _CD = PARAMETERS.index("cd")
 
 CD_SPREAD = 0.1
-"""How much the Cd of a body varies as a model feels it, beside the fits' noise, as a part of it.
+"""Variation of the Cd that a model needs, besides the noise of the fits, as a share of it.
 
 Models of the thermosphere err by 10 to 15 % (Emmert 2015, Thermospheric mass density: A review, sec. 5).
 """

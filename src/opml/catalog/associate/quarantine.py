@@ -37,7 +37,7 @@ AGREEING = 2  # tracks on one orbit that make a burn, where that orbit meets the
 MANY = 4  # tracks on one orbit that make a burn, or several, even where the orbits do not meet
 
 _WORST = 5.0
-"""How far the median residual of a track is off zero at most where a fit takes it in, by what is usual."""
+"""Largest median residual of a track that a fit takes in, in units of the typical one."""
 
 _LATELY = 50  # newest fits, whose residuals are what is usual
 
@@ -201,9 +201,9 @@ class Watch:
             window, fit = fitted.window, fitted.fit
             after = ReferenceOrbit(window.track, window.at, fit.best, fit.covariance)
             burn = self._between(before, after, tracks[0])
-            if burn is None or (burn.apart > self._limit and len(tracks) < MANY):
+            if burn is None or (burn.mismatch > self._limit and len(tracks) < MANY):
                 continue
-            if burn.apart > self._limit:
+            if burn.mismatch > self._limit:
                 burn = replace(burn, velocity=np.full(3, np.nan))
             self._restart_after_burn(burn, after, tracks)
             return burn
@@ -231,7 +231,9 @@ class Watch:
         self.burns.append((first, burn))
         self._known, self._usable, self._spare = [after], (after.at, after.parameters), None
         sizes = " ".join(f"{v:+.4f}({s:.4f})" for v, s in zip(burn.velocity, burn.sigma, strict=True))
-        _log.info("burn at %.0f s: %s m/s along R, S, W, orbits %.1f sigma apart", burn.t, sizes, burn.apart)
+        _log.info(
+            "burn at %.0f s: %s m/s along R, S, W, orbits differ by %.1f sigma", burn.t, sizes, burn.mismatch
+        )
 
 
 def _has_other_drag(cd: float, variance: float, before: ReferenceOrbit) -> bool:

@@ -19,7 +19,7 @@ APRIORI_SIGMA = 0.5  # uncertainty of the sheet's Cd, as a part of it
 
 @dataclass(frozen=True)
 class Apriori:
-    """Pseudo-measurements of a fit beside its tracks."""
+    """Pseudo-measurements of a fit, in addition to its tracks."""
 
     cd: float  # the RSO's own
     cd_sigma: float | None  # its standard deviation; None where nothing is known

@@ -56,9 +56,9 @@ def summary(instruments: np.ndarray, weighted: np.ndarray, sigmas: np.ndarray) -
     squares = {"sigma": sigmas**2, "rms": weighted**2}
     rows = pd.DataFrame({"instrument": instruments, "mean": weighted, **squares})
     by_name = rows.groupby("instrument", sort=False)
-    found = by_name["mean"].agg(numbers="size", mean="mean")
-    found[list(squares)] = np.sqrt(by_name[list(squares)].mean())
-    return found.reset_index()[_COLUMNS]
+    summary = by_name["mean"].agg(numbers="size", mean="mean")
+    summary[list(squares)] = np.sqrt(by_name[list(squares)].mean())
+    return summary.reset_index()[_COLUMNS]
 
 
 def instrument_residuals(
@@ -72,20 +72,20 @@ def instrument_residuals(
 
     residuals: of estimates, weighted
     """
-    apart: list[Estimate] = []
+    disjoint: list[Estimate] = []
     for one in reversed(estimates):
-        if one.fit.converged and (not apart or one.window.last < apart[-1].window.first):
-            apart.append(one)
-    kept = [slice(None) if one.kept is None else one.kept for one in apart]
-    counting = [(one.window.rows, use) for one, use in zip(apart, kept, strict=True)]
+        if one.fit.converged and (not disjoint or one.window.last < disjoint[-1].window.first):
+            disjoint.append(one)
+    kept = [slice(None) if one.kept is None else one.kept for one in disjoint]
+    counting = [(one.window.rows, use) for one, use in zip(disjoint, kept, strict=True)]
     numbers = [measured.instruments(rows)[use] for rows, use in counting]
     sigmas = [measured.deviations(rows)[use] for rows, use in counting]
-    left = [one[use] for one, use in zip(residuals(apart) if apart else [], kept, strict=True)]
+    left = [one[use] for one, use in zip(residuals(disjoint) if disjoint else [], kept, strict=True)]
     names = np.array(measured.instrument_names())[np.concatenate([*numbers, []]).astype(int)]
-    found = summary(names, np.concatenate([*left, []]), np.concatenate([*sigmas, []]))
-    shares = found[["instrument", "numbers", "rms", "mean"]].round(2)
+    table = summary(names, np.concatenate([*left, []]), np.concatenate([*sigmas, []]))
+    shares = table[["instrument", "numbers", "rms", "mean"]].round(2)
     _log.info("residuals in sigmas of the noise:\n%s", shares.to_string(index=False))
-    return found
+    return table
 
 
 def facts(noise: pd.DataFrame) -> dict[str, Any]:

@@ -13,7 +13,7 @@ from opml.tables import PARAMETER_COVARIANCES, PARAMETERS
 
 @dataclass(frozen=True)
 class Estimate:
-    """One track's estimate under way."""
+    """A track's estimate, not yet complete."""
 
     window: Window
     fit: Fit
@@ -25,7 +25,7 @@ class Estimate:
         return Solution(self.window.at, self.fit.best, self.fit.covariance, self.fit.converged)
 
     def row(self, measured: Measurements, *, tells_rejected: bool) -> dict[str, Any]:
-        """Return the estimate as a row of the table, with how many numbers do not count where asked for."""
+        """Return the estimate as a row of the table, with the number of rejected numbers where needed."""
         window, fit = self.window, self.fit
         count = measured.count(window.rows) if self.kept is None else int(np.count_nonzero(self.kept))
         rms = np.sqrt(fit.cost / count) if np.isfinite(fit.cost) else np.nan

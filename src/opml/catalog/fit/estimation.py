@@ -89,7 +89,7 @@ class Run:
         near = self.propagator.for_neighbours()  # drag is the same under all harmonics
         propagated = propagate_parameters(near, epochs, pair, np.zeros(2, int), np.ones(2, int)).states[:, :3]
         free = np.ones(7, bool)
-        # An arc that comes down on the way has no displacement, and feels drag all the more.
+        # An arc that re-enters has no displacement, and feels drag all the more.
         free[CD] = not np.linalg.norm(propagated[1] - propagated[0]) < self.settings.least_drag_m
         return free
 
@@ -243,8 +243,8 @@ def estimate_further(
     run = Run.of_starts(propagator, starts, measured, settings)
     windows = [run.window(track) for track in tracks]
     known = solutions(earlier, measured.at)
-    found = in_turn(run, run.method(run.free_parameters()), windows, earlier=known)
-    return pd.DataFrame([run.row(estimate) for estimate in found])
+    fits = in_turn(run, run.method(run.free_parameters()), windows, earlier=known)
+    return pd.DataFrame([run.row(estimate) for estimate in fits])
 
 
 def estimate_over_windows(

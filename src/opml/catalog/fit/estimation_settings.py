@@ -1,4 +1,4 @@
-"""Settings of orbit fits, and what is known of the fits of one job beside them."""
+"""Settings of orbit fits, and the facts of the fits of one job."""
 
 from typing import Annotated
 
@@ -30,7 +30,7 @@ class EstimationSettings(Section):
         "standard deviation of Cd about the RSO's own value, where that is known beforehand"
     )
     light_time: bool = setting(
-        "whether fits read measurements as received at their time, after the light's way; simulated ones are"
+        "whether fits read measurements as received when their light arrived; simulated ones are"
         " always geometric",
         see="physics.md#light-time",
         default=False,

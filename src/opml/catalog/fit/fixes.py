@@ -3,7 +3,7 @@
 Each is a point: a time, a GCRF state and its standard deviations along the radial direction, along the track
 and across it (RSW). Points are gathered in tracks, as measurements of radars are:
 
-* a stretch: the points of an hour, say. Its estimate is at its first point.
+* an arc: the points of an hour, say. Its estimate is at its first point.
 * a set of mean elements, whose theory gives points before their epoch. Its estimate is at that epoch. The
   points of a set reach behind the epoch of the set before it, and are known when the set is made.
 
@@ -31,7 +31,7 @@ from opml.orbits.manoeuvres import Manoeuvre, read_manoeuvres
 from opml.orbits.sheets import Station
 from opml.tables import FIX_SIGMAS, SCHEMAS, STATE, read_measured, read_table
 
-STRETCH = HOUR  # length of a stretch [s]
+ARC = HOUR  # length of an arc of points [s]
 
 
 class Fixes(Measurements):
@@ -87,7 +87,7 @@ MEASUREMENTS: dict[str, Callable[[pd.DataFrame, pd.DataFrame, Sequence[Station]]
     "fixes": lambda table, *_: Fixes(table),
     "laser_ranges": lambda table, orientation, _: LaserRanges(table, orientation),
 }
-"""What fits are made to, by the name of its table's schema; from the Earth's orientation and stations."""
+"""Makers of measurements from tables, the Earth's orientation and stations, by the table's schema."""
 
 
 def read(files: Any, stations: Sequence[Station]) -> Measurements:
@@ -122,11 +122,11 @@ def are_of_sets(table: pd.DataFrame) -> bool:
     return bool((table["t"] < table.get("t_estimate", -np.inf)).any())
 
 
-def stretches(points: pd.DataFrame, *, length: float = STRETCH) -> pd.DataFrame:
-    """Return the `fixes` table of points along an orbit, gathered in stretches.
+def arcs(points: pd.DataFrame, *, length: float = ARC) -> pd.DataFrame:
+    """Return the `fixes` table of points along an orbit, grouped into arcs.
 
     points: that table without its columns `track`, `t_estimate` and `t_known`, in ascending order of t
-    length: of a stretch [s], counted from the epoch, so that more points change no other stretch
+    length: of an arc [s], counted from the epoch, so that more points change no other arc
     """
     numbers = pd.factorize(np.floor(points["t"].to_numpy() / length))[0]
     begins = points.groupby(numbers)["t"].transform("first")

@@ -73,10 +73,10 @@ class Iterations:
             return {}
         windows, parameters = [self.windows[k] for k in trials], np.array(list(trials.values()))
         paths, _ = propagate_near(self.propagator, self.epochs, windows, parameters)
-        found = {
+        estimates = {
             k: self.evaluation(k, known[k].around.moved(path)) for k, path in zip(trials, paths, strict=True)
         }
-        return {k: one for k, one in found.items() if known[k].is_near(one)}
+        return {k: one for k, one in estimates.items() if known[k].is_near(one)}
 
 
 @dataclass(frozen=True)

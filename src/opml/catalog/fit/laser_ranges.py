@@ -56,8 +56,8 @@ class Sites:
 
 def _valid(rows: pd.DataFrame, date: pd.Timestamp) -> pd.Series | None:
     begun = rows["begin"].isna() | (rows["begin"] <= date)
-    found = rows[begun & (rows["end"].isna() | (rows["end"] >= date))]
-    return None if found.empty else found.iloc[-1]
+    valid = rows[begun & (rows["end"].isna() | (rows["end"] >= date))]
+    return None if valid.empty else valid.iloc[-1]
 
 
 def table(
@@ -148,12 +148,12 @@ def positions(points: pd.DataFrame, sites: Sites, *, epoch: str) -> np.ndarray:
     epoch: UTC text from which their times count. Raises InputError for a station without coordinates.
     """
     year, month, day, hour, minute, second = epochs.parse(epoch)
-    zero, found = pd.Timestamp(year, month, day, hour, minute, int(second)), np.empty((len(points), 3))
+    zero, positions = pd.Timestamp(year, month, day, hour, minute, int(second)), np.empty((len(points), 3))
     by_pass = points.groupby(["track", "station", "system"], sort=False)
     for (_, station, system), rows in by_pass.indices.items():
         date = zero + pd.Timedelta(seconds=float(points["t"].iloc[rows[0]]))
-        found[rows] = sites.position(str(station), str(system), date)
-    return found
+        positions[rows] = sites.position(str(station), str(system), date)
+    return positions
 
 
 def _tracks(points: pd.DataFrame) -> np.ndarray:

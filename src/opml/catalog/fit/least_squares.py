@@ -88,7 +88,7 @@ class Evaluation:
 
 
 class Fit:
-    """One fit under way: `best` has the lowest `cost` so far, `trial` is to be evaluated next.
+    """A fit in progress: `best` has the lowest `cost` so far, `trial` is to be evaluated next.
 
     It is `running` until it ends with a `reason`, which is CONVERGED where it converged; `iterations` counts
     the trials. `normal` and `gradient` belong to `best`, and are not finite before the first evaluation.

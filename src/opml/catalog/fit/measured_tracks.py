@@ -21,7 +21,7 @@ from opml.tables import SCHEMAS
 LONGEST_GAP = 300.0  # longest time between two measurements of one track [s]
 
 BEYOND_LIMITS = 6.0
-"""How far noise may take a measurement beyond what its station sees, in standard deviations."""
+"""Largest excess of a measurement over the limits of its station, in standard deviations."""
 
 ENOUGH = 20  # measurements of which no angle is as large as a turn in radians by chance
 _SHORTEST = 60.0  # shortest track whose velocity shows whether it belongs to an orbit [s]
@@ -95,13 +95,13 @@ def _checked(measurements: pd.DataFrame, stations: Mapping[str, Station]) -> pd.
 def _weighed(table: pd.DataFrame, stations: Mapping[str, Station]) -> pd.DataFrame:
     """Return the rows of what stations have a sigma of; raise InputError for one that all are without."""
     table = table.reindex(columns=[*table.columns, *(name for name in OBSERVABLES if name not in table)])
-    found = table[OBSERVABLES].notna()
-    weighed = found.copy()
+    measured_at = table[OBSERVABLES].notna()
+    weighed = measured_at.copy()
     for name, rows in table.groupby("station", sort=False):
         names = measured_by(stations[str(name)])
         weighed.loc[rows.index] &= [observable in names for observable in OBSERVABLES]
         if not weighed.loc[rows.index].to_numpy().any():
-            got = [observable for observable in OBSERVABLES if found.loc[rows.index, observable].any()]
+            got = [observable for observable in OBSERVABLES if measured_at.loc[rows.index, observable].any()]
             raise _wrong(rows, f"{' or '.join(names)}, of which {name} has a sigma", " and ".join(got))
     table[OBSERVABLES] = table[OBSERVABLES].where(weighed)
     return table[weighed.any(axis=1)].reset_index(drop=True)
@@ -169,8 +169,10 @@ def _check_other(rows: pd.DataFrame) -> None:
     again = rows.duplicated(OBSERVABLES) & ~rows.duplicated(["segment", *OBSERVABLES])
     if again.any():
         row = rows[again].iloc[0]
-        alike = rows[OBSERVABLES].eq(row[OBSERVABLES]) | (rows[OBSERVABLES].isna() & row[OBSERVABLES].isna())
-        first = rows[alike.all(axis=1)].iloc[0]
+        duplicates = rows[OBSERVABLES].eq(row[OBSERVABLES]) | (
+            rows[OBSERVABLES].isna() & row[OBSERVABLES].isna()
+        )
+        first = rows[duplicates.all(axis=1)].iloc[0]
         raise _wrong(rows[again], f"other values than those of {_place_of(first)}", "the same")
 
 

@@ -53,7 +53,7 @@ class Measurements(ABC):
     row_at: (tracks,) row of each track that is nearest to its estimate
     numbers: in a measurement at most
     smooth_for: how long from its beginning a track may be laid through by one curve [s]
-    anew: (tracks,) time before which the window of an estimate holds nothing [s]
+    restarts: (tracks,) time before which the window of an estimate holds nothing [s]
     states: (tracks, 6) GCRF at the epochs of the estimates, where the measurements themselves tell them
     of_theory: whether these are good enough to fit from, as those of mean elements
     """
@@ -77,18 +77,18 @@ class Measurements(ABC):
             zip(starts, self.first_row[1:], strict=True),
         )
         self.row_at = np.array([begin + int(np.argmin(away[begin:end])) for begin, end in bounds])
-        self.anew = np.full(self.tracks, -np.inf)
+        self.restarts = np.full(self.tracks, -np.inf)
         self.states: np.ndarray | None = None
         self.of_theory = False
 
     def restart_after_burns(self, manoeuvres: Sequence[Manoeuvre]) -> Self:
         """Let the windows of estimates hold nothing from before manoeuvres that are known by then; return it.
 
-        manoeuvres: in the order of their times; those count that are `anew`
+        manoeuvres: in the order of their times; those count after which fits restart
         """
         for one in manoeuvres:
-            since = one.counts_from if one.anew else np.inf
-            self.anew[self.epochs[self.at] >= since] = one.t
+            since = one.counts_from if one.restarts else np.inf
+            self.restarts[self.epochs[self.at] >= since] = one.t
         return self
 
     def window(
@@ -103,7 +103,7 @@ class Measurements(ABC):
         at = self.epochs[self.at]
         oldest = int(np.searchsorted(at, at[track] - length))
         newest = int(np.searchsorted(at, at[track] + after, side="right")) - 1
-        begins, since = self.epochs[self.begins], max(self.anew[track], at[track] - length - BEHIND)
+        begins, since = self.epochs[self.begins], max(self.restarts[track], at[track] - length - BEHIND)
         kept = [
             k for k in range(oldest, newest + 1) if k not in without and (k == track or begins[k] >= since)
         ]
@@ -169,7 +169,7 @@ class Measurements(ABC):
             "rate across track",
         ]
 
-    def misses(self, rows: np.ndarray, positions: np.ndarray) -> np.ndarray:
+    def distances(self, rows: np.ndarray, positions: np.ndarray) -> np.ndarray:
         """Return how far (n,) [m] positions (n, 3) in GCRF are from where rows of measurements can be."""
         return np.asarray(np.linalg.norm(self.places(rows) - positions, axis=1))
 

@@ -74,10 +74,10 @@ class Measured(Measurements):
         return station_of_row, np.asarray(names)
 
     def lines(self, rows: Rows) -> tuple[np.ndarray, np.ndarray]:
-        """Return where lines of sight begin, and along which way they go, as `Measurements.lines`."""
+        """Return where lines of sight begin, and their directions, as `Measurements.lines`."""
         return self._standing(rows), self._sights(rows)
 
-    def misses(self, rows: np.ndarray, positions: np.ndarray) -> np.ndarray:
+    def distances(self, rows: np.ndarray, positions: np.ndarray) -> np.ndarray:
         """Return how far (n,) [m] positions (n, 3) in GCRF are from a place, a line of sight or a sphere.
 
         What a row does not tell is taken from the position.
@@ -114,7 +114,7 @@ class Measured(Measurements):
         nominal = predicted(self.names, positions[0], velocities[0], stands, light_time=light_time)
         reduced = self.reduced(rows, positions[0], velocities[0])
         residual = difference(reduced, nominal, self.names) / sigma
-        # By then a nudge has grown to a hundred metres, over which the measurements bend: between images the
+        # By then a step has grown to a hundred metres, over which the measurements bend: between images the
         # bend cancels.
         change = difference(seen(1.0), seen(-1.0), self.names)
         weighted = (0.5 * change / sigma / NUDGES[:, None, None]).reshape(len(NUDGES), -1)

@@ -36,19 +36,19 @@ def fit_without_outliers(
         again = Fit(estimate.fit.best, estimate.fit.method)
         return Estimate(estimate.window, again, are_no_outliers(measured, estimate.window, weighted, limit))
 
-    found = [judge(*pair) for pair in zip(estimates, residuals(estimates), strict=True)]
-    changed = found
+    estimates_so_far = [judge(*pair) for pair in zip(estimates, residuals(estimates), strict=True)]
+    changed = estimates_so_far
     for _ in range(_EDITS):
         fit(changed)
-        begun = [k for k, one in enumerate(found) if one.fit.started]
-        left = residuals([found[k] for k in begun])
-        judged = {k: judge(found[k], one) for k, one in zip(begun, left, strict=True)}
-        judged = {k: one for k, one in judged.items() if not _have_same_numbers(one, found[k])}
+        begun = [k for k, one in enumerate(estimates_so_far) if one.fit.started]
+        left = residuals([estimates_so_far[k] for k in begun])
+        judged = {k: judge(estimates_so_far[k], one) for k, one in zip(begun, left, strict=True)}
+        judged = {k: one for k, one in judged.items() if not _have_same_numbers(one, estimates_so_far[k])}
         if not judged:
             break
         changed = list(judged.values())
-        found = [judged.get(k, one) for k, one in enumerate(found)]
-    return found
+        estimates_so_far = [judged.get(k, one) for k, one in enumerate(estimates_so_far)]
+    return estimates_so_far
 
 
 def are_no_outliers(measured: Measurements, window: Window, weighted: np.ndarray, limit: float) -> np.ndarray:

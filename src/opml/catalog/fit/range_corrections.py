@@ -1,6 +1,6 @@
 """Corrections of laser ranges: troposphere and relativity, and the tides that move a station.
 
-Delays are of one way, the mean of both. Source: IERS Conventions 2010, secs. 7.1.1 (tides, the first step of
+Delays are one-sided, the mean of both. Source: IERS Conventions 2010, secs. 7.1.1 (tides, the first step of
 degree 2), 9.1 (troposphere: Mendes & Pavlis 2004, mapping function FCULa) and 11.1 (relativity).
 """
 

@@ -4,9 +4,9 @@ Track by track, the state and its covariance are carried to the next track's sta
 there. All that came before is in them, and fades as the noise has it: no window is chosen.
 
     Cd = c + gust        c walks at random: it is what lasts, and what the estimates give as Cd
-    velocity + kick      radially and across the orbit: errors of the other forces, which do not heat it
+    velocity + impulse   radially and across the orbit: errors of the other forces, which do not heat it
 
-Gusts are white. Before there were kicks, a Gauss-Markov process in their place explained the innovations of
+Gusts are white. Without impulses, a Gauss-Markov process in their place explained the innovations of
 Swarm A, seen by three radars, the worse the longer it remembered, from 45 minutes on.
 
 Several filters run side by side on the same arcs, each with another noise. At each track speaks the one
@@ -56,14 +56,14 @@ class Noise:
 
     walk: float  # change of Cd in a day that lasts, as a part of the sheet's
     gust: float  # error of the mean over a day of the Cd that does not last, as a part of the sheet's
-    kick: float  # error of other forces: change of velocity radially and across the orbit in a day [m/s]
+    impulse: float  # error of other forces: change of velocity radially and across the orbit in a day [m/s]
 
 
 BANK = tuple(
-    Noise(walk, gust, kick)
+    Noise(walk, gust, impulse)
     for walk in (0.01, 0.03, 0.1)
     for gust in (0.02, 0.05, 0.1)
-    for kick in (5e-4, 4e-3, 3e-2)
+    for impulse in (5e-4, 4e-3, 3e-2)
 )
 """The noises of the filters that run side by side."""
 
@@ -74,7 +74,7 @@ class LostError(Exception):
 
 @dataclass(frozen=True)
 class Leg:
-    """An arc from one track's start to the next, and how arcs beside it part from it."""
+    """An arc from one track's start to the next, and the transition of neighbouring arcs."""
 
     cd: float  # of the arc
     steps: np.ndarray  # (n,) lengths [s]
@@ -117,7 +117,7 @@ class Leg:
 
 def _divided(later: np.ndarray, earlier: np.ndarray) -> np.ndarray:
     """Return partial derivatives (n, 6, 6) by an earlier state, of two sets by one that is earlier still."""
-    # later = divided earlier, solved transposed, in units in which positions and velocities are alike.
+    # later = divided earlier, solved transposed, in units that make positions and velocities comparable.
     unit = SCALES[:_CD] / SCALES[:_CD, None]
     turned = np.linalg.solve((earlier * unit).transpose(0, 2, 1), (later * unit).transpose(0, 2, 1))
     return turned.transpose(0, 2, 1) / unit
@@ -199,10 +199,10 @@ class Filtering:
         def evaluate(parameters: np.ndarray) -> Evaluation:
             path = leg.seen + leg.to_seen @ (parameters[:_CD] - leg.path[-1])
             # Cd moves nothing while a track lasts.
-            beside = np.zeros((7, *path.shape))
-            beside[:_CD] = path + NUDGES[:_CD, None, None] * leg.to_seen.transpose(2, 0, 1)
-            beside[_CD] = path
-            states = np.concatenate([path[None], beside])
+            variations = np.zeros((7, *path.shape))
+            variations[:_CD] = path + NUDGES[:_CD, None, None] * leg.to_seen.transpose(2, 0, 1)
+            variations[_CD] = path
+            states = np.concatenate([path[None], variations])
             return self.measured.evaluation(window, states, light_time=self.light_time)
 
         means = np.array([meeting.mean for meeting in filters.meetings])
@@ -222,8 +222,8 @@ class Filtering:
         axes = rsw_rotation(leg.path)
         for k, step in enumerate(leg.steps):
             transition = np.vstack([leg.transitions[k], np.eye(7)[_CD]])
-            parted = (means - np.append(leg.path[k], leg.cd)) @ transition.T
-            means = parted + np.append(leg.path[k + 1], leg.cd)
+            deviations = (means - np.append(leg.path[k], leg.cd)) @ transition.T
+            means = deviations + np.append(leg.path[k + 1], leg.cd)
             noise = self._noise(step / DAY, transition[:_CD, _CD], axes[k + 1, [0, 2]].T)
             # The triangle of a QR decomposition is a root of T P T' + Q: no variance is rounded below zero.
             wide = np.concatenate([transition @ roots, noise], axis=2)
@@ -235,13 +235,13 @@ class Filtering:
         """Return the root (filters, 7, 4) of what a step [d] adds to the covariances.
 
         by_cd: (6,) change of the state per unit of Cd in the step
-        aside: (3, 2) directions of the kicks
+        aside: (3, 2) directions of the impulses
         """
-        walk, gust, kick = np.array([(noise.walk, noise.gust, noise.kick) for noise in self.bank]).T
+        walk, gust, impulse = np.array([(noise.walk, noise.gust, noise.impulse) for noise in self.bank]).T
         cd, root = self.propagator.rso.cd, np.zeros((len(self.bank), 7, 4))
         root[:, _CD, 0] = walk * cd * np.sqrt(days)
         root[:, :_CD, 1] = np.outer(gust * cd / np.sqrt(days), by_cd)
-        root[:, 3:_CD, 2:] = np.sqrt(days) * np.multiply.outer(kick, aside)
+        root[:, 3:_CD, 2:] = np.sqrt(days) * np.multiply.outer(impulse, aside)
         return root
 
     def row(self, filters: Filters, track: int) -> dict[str, Any]:

@@ -5,7 +5,9 @@ from opml.interop import points_from_files
 from opml.interop.orbit_from_files import OrbitFiles
 
 
-def check(asked: MeasurementRequest) -> None:
+def check(request: MeasurementRequest) -> None:
     """Look at files of points: whether they fit the run and each other."""
-    files = OrbitFiles(asked.paths, asked.epoch, asked.duration)
-    points_from_files.check(files, points_from_files.Sampling(asked.taking.sigmas, asked.taking.every_s))
+    files = OrbitFiles(request.paths, request.epoch, request.duration)
+    points_from_files.check(
+        files, points_from_files.Sampling(request.options.sigmas, request.options.every_s)
+    )

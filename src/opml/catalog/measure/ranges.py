@@ -5,11 +5,11 @@ from opml.catalog.kinds import MeasurementRequest
 from opml.interop import crd, sinex
 
 
-def check(asked: MeasurementRequest) -> None:
+def check(request: MeasurementRequest) -> None:
     """Look at normal points: whether they fit the run, and whether all their stations are known."""
-    points, taking = crd.read(asked.paths, epoch=asked.epoch), asked.taking
-    points = laser_ranges.of_run(points, asked.duration, without=taking.without)
+    points, options = crd.read(request.paths, epoch=request.epoch), request.options
+    points = laser_ranges.of_run(points, request.duration, without=options.without)
     sites = laser_ranges.Sites(
-        sinex.read_coordinates(taking.coordinates), sinex.read_eccentricities(taking.eccentricities)
+        sinex.read_coordinates(options.coordinates), sinex.read_eccentricities(options.eccentricities)
     )
-    laser_ranges.positions(points, sites, epoch=asked.epoch)
+    laser_ranges.positions(points, sites, epoch=request.epoch)

@@ -5,7 +5,7 @@ from opml.catalog.kinds import MeasurementRequest
 from opml.interop import tdm
 
 
-def check(asked: MeasurementRequest) -> None:
+def check(request: MeasurementRequest) -> None:
     """Look at messages of tracks: whether they fit the run, the stations and each other."""
-    measured = tdm.measurements(asked.paths, epoch=asked.epoch)
-    measured_tracks.check(measured, asked.stations, epoch=asked.epoch, duration=asked.duration)
+    measured = tdm.measurements(request.paths, epoch=request.epoch)
+    measured_tracks.check(measured, request.stations, epoch=request.epoch, duration=request.duration)

@@ -28,15 +28,15 @@ def propagated(propagator: Propagator, estimates: pd.DataFrame, predictions: pd.
     """Return formal covariances (n, 6, 6) of predictions in RSW of the predicted state [m, m/s].
 
     The fit's covariance P of state and Cd becomes F P F', with F the differences of seven arcs that begin
-    beside the estimate's, one per parameter. It is not finite where a neighbour does not reach.
+    in addition to the estimate's, one per parameter. It is not finite where a neighbour does not reach.
     """
     tracks, arc = np.unique(predictions["i"], return_inverse=True)
     started = estimates.set_index("track").loc[tracks]
     predicted = predictions[STATE].to_numpy()
     neighbours = Neighbours.of_predictions(propagator, predictions, started)
     change = np.empty((len(predictions), len(STATE), len(PARAMETERS)))
-    for k, nudge in enumerate(np.diag(NUDGES)):
-        states, cd = started[STATE].to_numpy() + nudge[:6], started["cd"].to_numpy() + nudge[6]
+    for k, step in enumerate(np.diag(NUDGES)):
+        states, cd = started[STATE].to_numpy() + step[:6], started["cd"].to_numpy() + step[6]
         propagated = neighbours.part(k, len(PARAMETERS)).propagate(states, cd)
         change[:, :, k] = in_rsw(propagated - predicted, predicted) / NUDGES[k]
     fitted = symmetric_matrices(started, PARAMETER_COVARIANCES)[arc]

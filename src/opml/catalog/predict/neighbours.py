@@ -1,4 +1,4 @@
-"""Arcs beside those of predictions, under as much of the gravity field as their distances need."""
+"""Arcs near those of predictions, under as much of the gravity field as their distances need."""
 
 from dataclasses import dataclass, replace
 from typing import Self

@@ -57,7 +57,7 @@ def build_arcs(
     arc_predictions: pd.DataFrame,
 ) -> pd.DataFrame:
     """Return the `arcs` table of `arcs_table`, whose neighbours are propagated here."""
-    larger = nudged_predictions(propagator, arc_estimates, arc_predictions)
+    larger = perturbed_predictions(propagator, arc_estimates, arc_predictions)
     apriori = propagator.rso.cd
     return arcs_table(predictions, arc_predictions, larger, arc_estimates=arc_estimates, apriori=apriori)
 
@@ -73,7 +73,7 @@ def arcs_table(
     """Return the `arcs` table: one row per pair of `predictions`, in their order.
 
     arc_predictions: of the same tracks, estimated over another window, or over the same
-    larger: the same arcs with a larger Cd, from `nudged`
+    larger: the same arcs with a larger Cd, from `perturbed`
     arc_estimates: the estimates over that window
     apriori: Cd of the sheet
 
@@ -82,8 +82,8 @@ def arcs_table(
     reach t_j, it says nothing: l and v are 0, cd_arc is that of the sheet.
     """
     predicted = predictions[STATE].to_numpy()
-    arc, nudged = (_at_pairs(states, predictions) for states in (arc_predictions, larger))
-    differences = {"l_arc": predicted - arc, "v_arc": (nudged - arc) / CD_NUDGE}
+    arc, perturbed = (_at_pairs(states, predictions) for states in (arc_predictions, larger))
+    differences = {"l_arc": predicted - arc, "v_arc": (perturbed - arc) / CD_NUDGE}
     at = _estimate_of(predictions, arc_estimates)
     usable = _usable(at, arc_estimates, differences)
     cd = np.where(usable, arc_estimates["cd"].to_numpy()[at], apriori)
@@ -160,19 +160,19 @@ def held_table_of(
     return _of_pairs(predictions, _turned(differences, predicted, usable))
 
 
-def nudged_predictions(
+def perturbed_predictions(
     propagator: Propagator, estimates: pd.DataFrame, predictions: pd.DataFrame
 ) -> pd.DataFrame:
-    """Return predictions of estimates over another window, propagated from `nudged` of these."""
+    """Return predictions of estimates over another window, propagated from `perturbed` of these."""
     first = np.searchsorted(estimates["track"], np.unique(predictions["i"]))
     started = estimates.iloc[first]
-    departing = nudged(started)
+    departing = perturbed(started)
     neighbours = Neighbours.of_predictions(propagator, predictions, started)
     propagated = neighbours.propagate(departing[STATE].to_numpy(), departing["cd"].to_numpy())
     return _propagated(predictions, propagated)
 
 
-def nudged(estimates: pd.DataFrame) -> pd.DataFrame:
+def perturbed(estimates: pd.DataFrame) -> pd.DataFrame:
     """Return estimates with Cd larger by CD_NUDGE and the states that go with it."""
     moved = estimates[STATE].to_numpy() + CD_NUDGE * shift_with_cd(estimates)
     return estimates.assign(**dict(zip(STATE, moved.T, strict=True)), cd=estimates["cd"] + CD_NUDGE)

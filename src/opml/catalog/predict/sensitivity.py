@@ -37,7 +37,7 @@ def sensitivities(
     predicted = predictions[STATE].to_numpy()
     table = {"i": predictions["i"], "j": predictions["j"], "cd_mean": mean[arc]}
     neighbours = Neighbours.of_predictions(propagator, predictions, started)
-    for turn, (name, (states, cd)) in enumerate(_nudged(started).items()):
+    for turn, (name, (states, cd)) in enumerate(_perturbed(started).items()):
         change = (1.0 / CD_NUDGE) * in_rsw(
             neighbours.part(turn, 3).propagate(states, cd) - predicted, predicted
         )
@@ -48,7 +48,7 @@ def sensitivities(
     return pd.DataFrame(table | {f"r_{axis}": change[:, k] for k, axis in enumerate(STATE)})
 
 
-def _nudged(started: pd.DataFrame) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+def _perturbed(started: pd.DataFrame) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     """Return (states, Cd) of arcs with another Cd than the estimates', by family of columns."""
     states, cd = started[STATE].to_numpy(), started["cd"].to_numpy() + CD_NUDGE
     return {"s": (states, cd), "v": (states + CD_NUDGE * shift_with_cd(started), cd)}

@@ -24,7 +24,7 @@ FLATTENED = ForceModelSettings(degree=2, order=0, third_bodies=[])
 """Settings of the force model that the arcs are propagated with."""
 
 LONGEST_STEP = 600.0  # longest step of their integration [s]: differences of arcs need no more
-TOLERANCE = 10.0  # least tolerance of such a step [m]: all err alike, distances by 0.0003 in a week at 300 km
+TOLERANCE = 10.0  # least tolerance of such a step [m]: distances err by 0.0003 in a week at 300 km
 TENTH = 0.1  # part of the drag that the columns `drag_*` are the effect of
 
 _MEMORY_DAYS = 30.0

@@ -1,7 +1,7 @@
 """Measurements of an RSO by a station: angles, range and range rate.
 
 Measurements are geometric, without light time, unless they are read as received at their time, after the
-light's way down, or there and back (`light_time`). Neither aberration nor refraction moves them: angles are
+light travel time (`light_time`). Neither aberration nor refraction moves them: angles are
 those of the straight line, right ascension and declination on the axes of GCRF, from the station.
 """
 
@@ -59,11 +59,11 @@ def wrapped(values: np.ndarray, names: Sequence[str]) -> np.ndarray:
 
 def difference(one: np.ndarray, other: np.ndarray, names: Sequence[str]) -> np.ndarray:
     """Return one less the other measurements (..., len(names)), those of a full turn in (-pi, pi]."""
-    apart: np.ndarray = one - other
+    difference: np.ndarray = one - other
     for k, name in enumerate(names):
         if name in _TURNS:
-            apart[..., k] = wrap_half_turn(apart[..., k])
-    return apart
+            difference[..., k] = wrap_half_turn(difference[..., k])
+    return difference
 
 
 @dataclass(frozen=True)
@@ -143,7 +143,7 @@ def retarded(
     velocities: (..., 3) inertial velocities now [m/s], in the axes of ITRF
     position: as for `observe`
 
-    The third is the light's travel time (...) [s]. The way back is bent by the Earth's central attraction, to
+    The third is the light's travel time (...) [s]. The downlink is bent by the Earth's central attraction, to
     micrometres (Montenbruck & Gill 2000, sec. 6.2).
     """
     fall = -EARTH_GM * positions / np.linalg.norm(positions, axis=-1, keepdims=True) ** 3
@@ -168,8 +168,8 @@ def predicted(
     velocities: (..., n, 3) inertial [m/s], in the axes of ITRF
     light_time: the measurements are received at their times
 
-    A rate is the difference of the velocities, when the light leaves and when it is received, along its way;
-    those there and back are the mean of both ways.
+    A rate is the difference of the velocities, when the light leaves and when it is received, along its path;
+    those there and back are the mean of both directions.
     """
     travel = None
     if light_time:
@@ -177,27 +177,27 @@ def predicted(
     seen = observe(positions, stands.position, stands.to_horizon)
     if travel is None and list(names) == QUANTITIES:
         return seen
-    found = dict(zip(QUANTITIES, np.moveaxis(seen, -1, 0), strict=True))
-    found["range_rate"] = _rate(positions, velocities, stands.position, stands.velocity)
+    values = dict(zip(QUANTITIES, np.moveaxis(seen, -1, 0), strict=True))
+    values["range_rate"] = _rate(positions, velocities, stands.position, stands.velocity)
     if travel is not None and stands.two_way.any():
-        _go_there_and_back(found, positions, velocities, stands, travel)
+        _go_there_and_back(values, positions, velocities, stands, travel)
     if "declination" in names or "right_ascension" in names:
         away = np.einsum("...nij,...ni->...nj", stands.from_gcrf, positions - stands.position)
-        found["right_ascension"] = wrap_turn(np.arctan2(away[..., 1], away[..., 0]))
-        found["declination"] = np.arctan2(away[..., 2], np.hypot(away[..., 0], away[..., 1]))
-    return np.stack([found[name] for name in names], axis=-1)
+        values["right_ascension"] = wrap_turn(np.arctan2(away[..., 1], away[..., 0]))
+        values["declination"] = np.arctan2(away[..., 2], np.hypot(away[..., 0], away[..., 1]))
+    return np.stack([values[name] for name in names], axis=-1)
 
 
 def _go_there_and_back(
-    found: dict[str, np.ndarray],
+    values: dict[str, np.ndarray],
     positions: np.ndarray,
     velocities: np.ndarray,
     stands: StationStates,
     travel: np.ndarray,
 ) -> None:
-    """Replace ranges and rates, where the light went up too, by the mean of both ways.
+    """Replace ranges and rates, where the light went up too, by the mean of both directions.
 
-    positions, velocities: (..., n, 3) when the light came by; travel: (..., n) of its way down [s]
+    positions, velocities: (..., n, 3) when the light came by; travel: (..., n) of its path down [s]
     """
     up = travel
     for _ in range(3):
@@ -205,7 +205,7 @@ def _go_there_and_back(
         up = np.linalg.norm(positions - position, axis=-1) / SPEED_OF_LIGHT
     upwards = {"range": SPEED_OF_LIGHT * up, "range_rate": _rate(positions, velocities, position, velocity)}
     for name, value in upwards.items():
-        found[name] = np.where(stands.two_way, 0.5 * (found[name] + value), found[name])
+        values[name] = np.where(stands.two_way, 0.5 * (values[name] + value), values[name])
 
 
 def _rate(

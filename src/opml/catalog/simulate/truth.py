@@ -81,7 +81,7 @@ def simulate_together(
 
 
 def _are_nodes(count: int, step: float) -> np.ndarray:
-    """Return which of epochs (count,) a step apart are integrated: the first, the last, some between."""
+    """Return which of epochs (count,) of a regular grid are integrated: the first, the last, some between."""
     every = max(int(_LONGEST // step), 1)
     rows = np.arange(count)
     return np.asarray((rows % every == 0) | (rows == count - 1) | (count < FEWEST * every))
@@ -97,9 +97,9 @@ def _table(t: np.ndarray, is_node: np.ndarray, path: np.ndarray) -> pd.DataFrame
 
 
 def interpolate(truth: pd.DataFrame, t: np.ndarray) -> np.ndarray:
-    """Return true states (n, 6) at times t (n,) [s] off a truth's grid, NaN beside it or in a gap.
+    """Return true states (n, 6) at times t (n,) [s] off a truth's grid, NaN outside it or in a gap.
 
-    Cubic in time: 5 mm off in a low orbit between epochs 20 s apart.
+    Cubic in time: 5 mm off in a low orbit between epochs every 20 s.
     """
     from scipy.interpolate import CubicHermiteSpline  # takes half a second to import, and few jobs need it
 
@@ -107,5 +107,5 @@ def interpolate(truth: pd.DataFrame, t: np.ndarray) -> np.ndarray:
     path = CubicHermiteSpline(grid, states[:, :3], states[:, 3:], extrapolate=False)
     after = np.clip(np.searchsorted(grid, t), 1, len(grid) - 1)
     is_gap = grid[after] - grid[after - 1] > _GAP * np.diff(grid).min()
-    found: np.ndarray = np.hstack([path(t), path(t, 1)])
-    return np.where(is_gap[:, None], np.nan, found)
+    interpolated: np.ndarray = np.hstack([path(t), path(t, 1)])
+    return np.where(is_gap[:, None], np.nan, interpolated)

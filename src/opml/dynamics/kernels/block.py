@@ -12,7 +12,7 @@ from opml.dynamics.kernels.shadow_edges import RATES
 from opml.dynamics.kernels.surroundings import ForceModel, allocate, look_up
 
 REASONS = ("", "decayed below 120 km", "state not finite", "step below the minimum")
-"""Reasons for retiring an arc, by its status; the first one stands for an arc under way."""
+"""Reasons for retiring an arc, by its status; the first one stands for an arc in progress."""
 
 _FLYING, _DECAYED, _NOT_FINITE, _STEP_TOO_SMALL = range(4)
 _FARTHEST = 1e12  # altitude [m] above which an arc's numbers count as lost
@@ -89,7 +89,7 @@ def advance(
                 joining |= join[lane] == g
         if active == 0:
             continue
-        # Refill: rates at the beginning, for lanes that join. Lanes under way have theirs from the end of the
+        # Refill: rates at the beginning, for lanes that join. Others have theirs from the end of the
         # last step, so the rates of all lanes go to rows that the step will overwrite, and are copied.
         if joining:
             look_up(t, model, values, factors)

@@ -111,17 +111,17 @@ def _limb_point(x, y, z, sun):
 
     Stretching the polar axis turns the ellipsoid into a sphere and keeps planes and tangents.
     """
-    stretch = WGS84_A / WGS84_B
-    px, py, pz = x, y, z * stretch
+    scale = WGS84_A / WGS84_B
+    px, py, pz = x, y, z * scale
     r = math.sqrt(px * px + py * py + pz * pz)
     ex, ey, ez = px / r, py / r, pz / r
-    qx, qy, qz = sun[0], sun[1], sun[2] * stretch
+    qx, qy, qz = sun[0], sun[1], sun[2] * scale
     inward = qx * ex + qy * ey + qz * ez
     nx, ny, nz = qx - inward * ex, qy - inward * ey, qz - inward * ez
     n = math.sqrt(nx * nx + ny * ny + nz * nz)
     near = WGS84_A * WGS84_A / r
     side = WGS84_A * math.sqrt(max(1.0 - (WGS84_A / r) ** 2, 0.0)) / max(n, 1e-300)
-    return near * ex + side * nx, near * ey + side * ny, (near * ez + side * nz) / stretch
+    return near * ex + side * nx, near * ey + side * ny, (near * ez + side * nz) / scale
 
 
 @compiled

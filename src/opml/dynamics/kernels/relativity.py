@@ -45,7 +45,7 @@ def lense_thirring(x, y, z, vx, vy, vz, inverse_r, gm, axis):
 
 @compiled
 def de_sitter(vx, vy, vz, precession):
-    """Return the acceleration by the Earth's way around the Sun.
+    """Return the acceleration by the Earth's orbit around the Sun.
 
     vx, vy, vz: velocity in GCRF [m/s]
     precession: vector by which a velocity turns [rad/s], twice the geodesic precession

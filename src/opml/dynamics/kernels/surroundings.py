@@ -72,8 +72,8 @@ class ForceModel(NamedTuple):
     def known_at(self, t: float) -> "ForceModel":
         """Return the model under what is known at a time [s], whenever an arc begins."""
         newest = int(self.newest_outlook(np.array(t)))
-        one = slice(max(newest, 0), newest + 1)
-        known, outlooks = self.known[one], self.outlooks[one]
+        day = slice(max(newest, 0), newest + 1)
+        known, outlooks = self.known[day], self.outlooks[day]
         return self._replace(issued=np.full(len(outlooks), -np.inf), known=known, outlooks=outlooks)
 
     def truncated(self, degree: int) -> "ForceModel":

@@ -55,7 +55,7 @@ def tides(nodes: np.ndarray, still: np.ndarray, degree: int) -> Tides:
         for part in (0, 1) if m > 0 else (0,):
             for place, factor in _effects(n, m, part, degree):
                 effects[place].append((2 * k + part, factor))
-    pairs = np.array([[*found, (0, 0.0)][:2] for found in effects.values()])
+    pairs = np.array([[*constituents, (0, 0.0)][:2] for constituents in effects.values()])
     return Tides(nodes, np.array(list(effects)), pairs[..., 0].astype(np.int64), pairs[..., 1].copy(), still)
 
 
@@ -70,15 +70,15 @@ def _effects(n: int, m: int, part: int, degree: int) -> list[tuple[tuple[int, in
     unit = np.zeros((2, DEGREE + 1, ORDER + 1))
     unit[part, n, m] = 1.0
     small = weights(*unit)
-    found = []
+    constituents = []
     for order in range(ORDER + 2):
         for harmonic in range(order, DEGREE + 2):
             change = small[row(harmonic, order, DEGREE)]
             # The first weight is the recursion's, which is the same for all fields.
-            found += [
+            constituents += [
                 ((row(harmonic, order, degree), k), change[k]) for k in range(1, PARTS) if change[k] != 0.0
             ]
-    return found
+    return constituents
 
 
 @compiled

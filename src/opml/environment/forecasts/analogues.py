@@ -1,6 +1,6 @@
 """Analogues: the weather that followed those days of the past that were most like today.
 
-Days are alike where F10.7 and Kp had the same course, over the last days and over those of the last turn of
+Days are similar where F10.7 and Kp had the same course, over the last days and over those of the last turn of
 the Sun. F10.7 changes by the same factor as it did then; Kp has the same values.
 """
 

@@ -11,7 +11,7 @@ from opml.environment.weather import Weather
 
 
 class ForecastSettings(KindSection):
-    """Settings of a forecast; those of its method stand beside `kind`."""
+    """Settings of a forecast; those of its method follow `kind`."""
 
 
 S = TypeVar("S", bound=ForecastSettings)

@@ -24,7 +24,7 @@ from opml.figures.style import (
 _COLUMNS = 4  # panels side by side
 _SAME = 100.0  # share of SGP4's own errors [%]
 _HIGHEST = 130.0  # end of the axis of shares [%]
-_APART = 0.2  # days by which the marks of one lead stand apart
+_APART = 0.2  # days by which the marks of one lead are separated
 
 _INTERVALS = "bars: 95 % over weeks and objects"
 _UNLEARNED = "density-scaled, without learning"
@@ -59,8 +59,8 @@ def every_season(scores: pd.DataFrame, labels: Mapping[str, str]) -> Figure:
         _mark(axes, scores, "scaled", 0, {"color": TRUE_COLOR, "marker": "x", "label": _UNLEARNED})
         look = {"color": SERIES[0], "marker": MARKERS[0], "label": "sets improved by opml improve"}
         _mark(axes, scores, "improved", 1, look)
-        told = f"{scores['objects'].max()} objects"
-        axes.text(0.03, 0.03, told, transform=axes.transAxes, fontsize=NOTE_SIZE, color=MUTED)
+        count = f"{scores['objects'].max()} objects"
+        axes.text(0.03, 0.03, count, transform=axes.transAxes, fontsize=NOTE_SIZE, color=MUTED)
 
     below = f"{(whole['improved_high'] < _SAME).sum()} of {len(whole)} bars are below it"
     headline = f"Improved sets: {_reach(whole, 'improved')} % of SGP4's median error; {below}"
@@ -74,9 +74,9 @@ def every_season(scores: pd.DataFrame, labels: Mapping[str, str]) -> Figure:
     return figure
 
 
-def _reach(scores: pd.DataFrame, way: str) -> str:
+def _reach(scores: pd.DataFrame, model: str) -> str:
     """Return the least and the largest share."""
-    medians = scores[f"{way}_median"].dropna()
+    medians = scores[f"{model}_median"].dropna()
     return f"{medians.min():.0f} to {medians.max():.0f}"
 
 
@@ -110,8 +110,8 @@ def _draw_band(axes: Axes, scores: pd.DataFrame) -> None:
         _mark(axes, part, "learned", k + 1, look)
 
 
-def _mark(axes: Axes, scores: pd.DataFrame, way: str, place: int, look: Mapping[str, Any]) -> None:
-    middle, low, high = (scores[f"{way}_{part}"] for part in ("median", "low", "high"))
+def _mark(axes: Axes, scores: pd.DataFrame, model: str, place: int, look: Mapping[str, Any]) -> None:
+    middle, low, high = (scores[f"{model}_{part}"] for part in ("median", "low", "high"))
     at = scores["lead"] + _APART * (place - 1)
     # The interval of a skew statistic need not hold it.
     reach = [(middle - low).clip(lower=0.0), (high - middle).clip(lower=0.0)]

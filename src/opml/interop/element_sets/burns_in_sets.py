@@ -85,7 +85,7 @@ def manoeuvres_of(
     find: whether those that its history shows are added
     """
     burns = [*named, *(find_burns(sets, epoch=epoch) if find else [])]
-    return sorted((replace(one, anew=True) for one in burns), key=lambda one: one.t)
+    return sorted((replace(one, restarts=True) for one in burns), key=lambda one: one.t)
 
 
 def find_burns(sets: pd.DataFrame, *, epoch: str) -> list[Manoeuvre]:

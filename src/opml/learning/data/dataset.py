@@ -89,15 +89,15 @@ def survives(dataset: pd.DataFrame, estimates: pd.DataFrame, cleaning: Cleaning)
     return kept
 
 
-def read(path: str | PathLike[str], beside: Iterable[str | PathLike[str]] = ()) -> pd.DataFrame:
-    """Read a dataset, with the columns of tables of the same pairs beside its own.
+def read(path: str | PathLike[str], others: Iterable[str | PathLike[str]] = ()) -> pd.DataFrame:
+    """Read a dataset, and the columns of tables of the same pairs.
 
-    beside: files of those tables
+    others: files of those tables
 
     Raises InputError where a file is missing or damaged, or tables do not belong together.
     """
     dataset = read_table(path, "labelled" if read_kind(path) == "labelled" else "dataset")
-    for other in beside:
+    for other in others:
         kind = read_kind(other)
         if kind == "mechanism":
             schema = mechanism_schema(read_metadata(other)["resonances"])
@@ -108,7 +108,7 @@ def read(path: str | PathLike[str], beside: Iterable[str | PathLike[str]] = ()) 
 
 
 def join_table(dataset: pd.DataFrame, other: pd.DataFrame) -> pd.DataFrame:
-    """Return the dataset with the columns of a table of the same pairs beside its own.
+    """Return the dataset and the columns of a table of the same pairs.
 
     A row without numbers in the other table (a neighbour of its arc decayed) is dropped for that reason, if
     it was kept or dropped by the fences alone. Raises InputError for a row that the other table lacks.
@@ -127,7 +127,7 @@ def join_table(dataset: pd.DataFrame, other: pd.DataFrame) -> pd.DataFrame:
 def pool(tables: Sequence[pd.DataFrame]) -> pd.DataFrame:
     """Return tables of pairs (i, j) of several RSOs below each other, with their tracks numbered through.
 
-    So estimates of different RSOs stay apart in splits by estimate and in their bootstrap.
+    So estimates of different RSOs stay distinct in splits by estimate and in their bootstrap.
     """
     shift, shifted = 0, []
     for table in tables:
@@ -178,8 +178,8 @@ def of_estimates(
 
     coe = coe_from_cartesian(states, gm)
     pairs = pd.MultiIndex.from_arrays([table["b"], table.index])
-    made = predictions[predictions["reason"] == ""].set_index(["i", "j"])[STATE]
-    predicted = made.reindex(pairs).to_numpy(dtype=float)  # NaN without a prediction from t_b to t_i
+    arrivals = predictions[predictions["reason"] == ""].set_index(["i", "j"])[STATE]
+    predicted = arrivals.reindex(pairs).to_numpy(dtype=float)  # NaN without a prediction from t_b to t_i
     difference = coe_from_cartesian(predicted, gm) - coe
     difference[:, 2:] = wrap_half_turn(difference[:, 2:])
     relative = in_rsw(predicted - states, states)
@@ -210,7 +210,7 @@ def may_depart(
 def _crosses_burn(estimates: pd.DataFrame, begin: np.ndarray, t_i: np.ndarray, end: np.ndarray) -> np.ndarray:
     """Return which spans (n,), from begin to t_i or on to end [s], have a burn in them that `estimates` show.
 
-    It counts from when it was found. Fits begin anew behind it, so no window holds it.
+    It counts from its detection. Fits restart after it, so no window holds it.
     """
     shown = estimates[estimates["burn_t"].notna()] if "burn_t" in estimates else estimates.iloc[:0]
     burns = [Manoeuvre(row["burn_t"], row["t"]) for _, row in shown.iterrows()]

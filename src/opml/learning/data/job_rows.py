@@ -22,19 +22,19 @@ class RowsSettings(JobSettings):
 
 
 def read(
-    files: Any, settings: RowsSettings, *, beside: Iterable[FilePath]
+    files: Any, settings: RowsSettings, *, others: Iterable[FilePath]
 ) -> tuple[pd.DataFrame, np.ndarray, pd.DataFrame]:
     """Load the dataset to test against, its test rows (bool), and the dataset that the model learns from.
 
     files.target: the dataset that the model learns from
     files.judge: the dataset with the errors to test against, if it is another; it has the same pairs
-    beside: tables with extra columns for both
+    others: tables with extra columns for both
 
     Raises InputError where a file is missing or damaged, and for a test without rows.
     """
-    experiment, beside = settings.experiment, list(beside)
-    learned = dataset.read(files.target, beside)
-    judged = dataset.read(files.judge, beside) if files.judge else learned
+    experiment, others = settings.experiment, list(others)
+    learned = dataset.read(files.target, others)
+    judged = dataset.read(files.judge, others) if files.judge else learned
     trained = _trained(learned, settings) if experiment["target"] == experiment["rso"] else None
     rows = splits.test_rows(judged, experiment["test"], span_days=settings.span_days, trained=trained)
     return judged, rows, learned

@@ -96,7 +96,7 @@ def test_rows(
     window = split.days if split.kind == "days" else span_days
     usable = dataset["keep"] if split.fence is None else dataset["reason"].isin(["", OUTSIDE_FENCES])
     rows = usable.to_numpy() & in_days(dataset["t_j"].to_numpy(), window) & ~seen
-    if split.unseen:
+    if split.starts_inside:
         rows &= in_days(dataset["t_i"].to_numpy(), window)
     if split.fence is not None and math.isfinite(split.fence) and rows.any():
         e_y = dataset["e_y"].to_numpy()

@@ -2,7 +2,7 @@
 
 Squared Mahalanobis distances of a true covariance are distributed as chi-square(3). Conjunction assessment
 tests that by the empirical distribution (Zaidi & Hejduk 2016, AIAA 2016-5628); the test here is Cramer and
-von Mises'. Wide covariances pass it easily, so a proper score stands beside it (Gneiting & Raftery 2007, J.
+von Mises'. Wide covariances pass it easily, so a proper score is given, too (Gneiting & Raftery 2007, J.
 Am. Stat. Assoc. 102, sec. 4.1).
 """
 

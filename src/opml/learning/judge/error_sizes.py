@@ -18,10 +18,10 @@ Errors are differences from later estimates, whose own variance s^2 adds to thei
 two errors are independent. Fits to element sets share errors: a later fit's error is in the prediction too,
 and does not show in their difference, so there s^2 is part of sigma^2.
 
-The plane and the eccentricity of such fits have errors that change within days: only fits far apart differ by
-them, and then by twice their variance. So radially and cross-track D is at least D_max / sqrt(2), D_max the
-longest duration of the past. As sets have their epochs at one angle of the orbit, these errors are at least
-root mean squares over a revolution, from position and velocity.
+The plane and the eccentricity of such fits have errors that change within days: fits differ by them only
+after days, and then by twice their variance. So radially and cross-track D is at least D_max / sqrt(2),
+D_max the longest duration of the past. As sets have their epochs at one angle of the orbit, these errors are
+at least root mean squares over a revolution, from position and velocity.
 
 A velocity error follows from the position's (opml.orbits.rsw_covariance); its remaining part is proportional
 to the radial or cross-track size. A factor that changes with the duration makes the ellipsoids of the past
@@ -69,7 +69,9 @@ _NEARBY = 0.35  # width of the bell of ln(duration) whose ellipsoids a factor co
 _FIRST_GUESSES = ((-0.5, -1.0, -1.0), (-1.0, -1.0, 0.0))
 _SMALLEST = 1.0  # least size of an error that is stated for a position [m]
 _TURNING = np.array([True, False, True])  # axes whose errors go round with the orbit
-_LEAST_SHOWN = 0.5  # least part of a size that differences from estimates are taken to show that err alike
+_LEAST_SHOWN = (
+    0.5  # least part of a size that differences from estimates are taken to show where errors are correlated
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,7 +85,7 @@ class Sizes:
     inflation: np.ndarray  # (5,) factors of the variances, at the durations `_FACTORS_AT`
     days: float  # length of the past that the sizes come from
     reach: float  # its longest prediction [s]
-    flat: float = 0.0  # least D in the radial and the cross-track size [s]: 0 but where estimates err alike
+    flat: float = 0.0  # least D in the radial and the cross-track size [s]: 0 without correlated errors
 
     def sigmas(self, rows: pd.DataFrame) -> np.ndarray:
         """Return standard deviations (n, 6) [m, m/s] of the parts for `rsw_covariance.rsw_covariances`.
@@ -92,9 +94,9 @@ class Sizes:
         """
         return self._factors(rows)[:, None] * self._shown(rows)
 
-    def unseen(self, rows: pd.DataFrame) -> np.ndarray:
+    def systematic(self, rows: pd.DataFrame) -> np.ndarray:
         """Return the part (n, 3) of these sizes that errors against later estimates do not show [m]."""
-        return self._factors(rows)[:, None] * self._unseen(rows["duration"].to_numpy())
+        return self._factors(rows)[:, None] * self._systematic(rows["duration"].to_numpy())
 
     def _factors(self, rows: pd.DataFrame) -> np.ndarray:
         """Return by what (n,) sizes are larger than the past showed them: widening and inflation."""
@@ -102,7 +104,7 @@ class Sizes:
         factor = np.interp(np.log(np.maximum(rows["duration"], HOUR)), np.log(_FACTORS_AT), self.inflation)
         return wide * np.sqrt(factor)
 
-    def _unseen(self, duration: np.ndarray) -> np.ndarray:
+    def _systematic(self, duration: np.ndarray) -> np.ndarray:
         """Return that part as the past showed it."""
         missing = np.sqrt(np.maximum(self.flat**2 - duration**2, 0.0))
         return np.where(_TURNING, missing[:, None] * self.rate, 0.0)
@@ -143,13 +145,13 @@ class Sizes:
         past = past.iloc[:: -(-len(past) // _MOST_ROWS)]
         weight = np.exp((past["t_j"].to_numpy() - now) / (MEMORY_DAYS * DAY))
         parts = free_parts(past[list(COMPONENTS)].to_numpy(), past["rate"].to_numpy())
-        errors, (shown, hidden) = _error_sizes(past, parts), doubts(past)
+        errors, (shown, hidden) = _error_sizes(past, parts), reference_sigmas(past)
         whole = np.hypot(errors, INSIDE * hidden)
         fitted = [_fit_axis(past, *axis, weight=weight) for axis in zip(AXES, whole.T, shown.T, strict=True)]
         constant, rate, drag = np.array(fitted).T
-        flat = reach / np.sqrt(2.0) if _are_alike(past).any() else 0.0
+        flat = reach / np.sqrt(2.0) if _are_correlated(past).any() else 0.0
         plain = cls(constant, rate, drag, np.ones(3), np.ones(len(_FACTORS_AT)), days, reach, flat)
-        hidden = np.hypot(hidden, plain._unseen(past["duration"].to_numpy()))
+        hidden = np.hypot(hidden, plain._systematic(past["duration"].to_numpy()))
         # An error that goes round with the orbit has a velocity in proportion.
         turning = past["rate"].to_numpy()[:, None] * hidden[:, [0, 0, 2]]
         sizes = np.hypot(parts[:, 3:], INSIDE * turning)
@@ -165,18 +167,18 @@ class Sizes:
         return replace(stated, inflation=_inflation(distance, past["duration"].to_numpy(), weight))
 
 
-def doubts(rows: pd.DataFrame) -> tuple[np.ndarray, np.ndarray]:
+def reference_sigmas(rows: pd.DataFrame) -> tuple[np.ndarray, np.ndarray]:
     """Return what errors against later states show of the deviations of these, and what not: (n, 3) [m].
 
     rows: of a `replay` table
     """
-    doubt, alike = rows[DOUBT].to_numpy(float), _are_alike(rows)[:, None]
-    return np.where(alike, 0.0, doubt), np.where(alike, doubt, 0.0)
+    sigma, correlated = rows[DOUBT].to_numpy(float), _are_correlated(rows)[:, None]
+    return np.where(correlated, 0.0, sigma), np.where(correlated, sigma, 0.0)
 
 
-def _are_alike(rows: pd.DataFrame) -> np.ndarray:
-    """Return whether the states err alike (n,) that errors are against and that predictions start from."""
-    return rows["alike"].eq(True).to_numpy() if "alike" in rows else np.zeros(len(rows), bool)
+def _are_correlated(rows: pd.DataFrame) -> np.ndarray:
+    """Return whether (n,) errors of the reference are correlated with those of the predictions."""
+    return rows["correlated"].eq(True).to_numpy() if "correlated" in rows else np.zeros(len(rows), bool)
 
 
 def _error_sizes(rows: pd.DataFrame, parts: np.ndarray) -> np.ndarray:
@@ -184,13 +186,13 @@ def _error_sizes(rows: pd.DataFrame, parts: np.ndarray) -> np.ndarray:
 
     parts: (n, 6) their `free_parts`
 
-    Where states err alike, sizes radial and across the track are root mean squares over a turn at least.
+    Where errors are correlated, sizes radial and across the track are root mean squares over a turn at least.
     """
     sizes: np.ndarray = np.abs(parts[:, :3])
     turned = np.hypot(parts[:, [0, 2]], parts[:, [3, 5]] / rows["rate"].to_numpy()[:, None])
-    alike = _are_alike(rows)
-    place = np.ix_(alike, _TURNING)
-    sizes[place] = np.maximum(sizes[place], turned[alike] / np.sqrt(2.0))
+    correlated = _are_correlated(rows)
+    place = np.ix_(correlated, _TURNING)
+    sizes[place] = np.maximum(sizes[place], turned[correlated] / np.sqrt(2.0))
     return sizes
 
 
@@ -200,7 +202,7 @@ def of_differences(rows: pd.DataFrame) -> tuple[np.ndarray, np.ndarray]:
     rows: of a `replay` table that have a sigma [m, m/s]
     """
     sigma = rows[SIGMA_STATE].to_numpy(float)
-    shown, hidden = doubts(rows)
+    shown, hidden = reference_sigmas(rows)
     if UNSEEN[0] in rows:
         hidden[:, _TURNING] = np.hypot(hidden[:, _TURNING], rows[UNSEEN])
     size = sigma[:, :3]
@@ -224,8 +226,8 @@ def widening(duration: np.ndarray, days: float) -> np.ndarray:
 
 def _inflation(distance: np.ndarray, duration: np.ndarray, weight: np.ndarray) -> np.ndarray:
     """Return the factors that make ellipsoids with squared distances (n,) hold nine tenths, by duration."""
-    apart = np.log(np.maximum(duration, HOUR)[None] / _FACTORS_AT[:, None]) / _NEARBY
-    bells = weight * np.exp(-0.5 * apart**2)
+    nearness = np.log(np.maximum(duration, HOUR)[None] / _FACTORS_AT[:, None]) / _NEARBY
+    bells = weight * np.exp(-0.5 * nearness**2)
     holding = np.array([weighted_quantile(distance, bell, LEVEL) for bell in bells])
     return holding / _within()
 
@@ -245,12 +247,12 @@ def weighted_quantile(values: np.ndarray, weight: np.ndarray, level: float) -> f
 
 
 def _fit_axis(
-    past: pd.DataFrame, axis: str, size: np.ndarray, doubt: np.ndarray, *, weight: np.ndarray
+    past: pd.DataFrame, axis: str, size: np.ndarray, reference: np.ndarray, *, weight: np.ndarray
 ) -> tuple[float, float, float]:
     """Return a, b and c of an axis by quantile regression.
 
     size: (n,) of the errors [m]
-    doubt: (n,) standard deviations of what they are compared with [m]
+    reference: (n,) standard deviations of what they are compared with [m]
     weight: (n,); an error counts in units of the typical error of its day of duration
     """
     from opml.learning.judge.simplex_kernels import minimum  # with Numba, where sizes are learned alone
@@ -266,9 +268,9 @@ def _fit_axis(
     units = np.array([base, base / DAY, 1.0])
     relative = weight / np.sum(weight) / typical
 
-    errors = size, duration, drag, weather**2 + doubt**2, relative
+    errors = size, duration, drag, weather**2 + reference**2, relative
     minima = [minimum(np.array(start), units, errors, INSIDE, LEVEL) for start in _FIRST_GUESSES]
-    a, b, c = units * np.exp(min(minima, key=lambda found: float(found[1]))[0])
+    a, b, c = units * np.exp(min(minima, key=lambda end: float(end[1]))[0])
     return float(a), float(b), float(c)
 
 
@@ -277,10 +279,10 @@ def as_known(replay: pd.DataFrame, mornings: Sequence[float]) -> pd.DataFrame:
 
     mornings: (n,) time of each row's morning [s]
 
-    They are not finite where the past was too short. Where states err alike, UNSEEN stands beside them.
+    They are not finite where the past was too short. Where errors are correlated, UNSEEN are added.
     """
-    sigma, unseen = np.full((len(replay), 6), np.nan), np.full((len(replay), 3), np.nan)
-    when, alike = np.asarray(mornings), _are_alike(replay).any()
+    sigma, systematic = np.full((len(replay), 6), np.nan), np.full((len(replay), 3), np.nan)
+    when, correlated = np.asarray(mornings), _are_correlated(replay).any()
     for now in np.unique(when):
         rows = when == now
         try:
@@ -288,11 +290,11 @@ def as_known(replay: pd.DataFrame, mornings: Sequence[float]) -> pd.DataFrame:
         except InputError:
             continue
         sigma[rows] = sizes.sigmas(replay[rows])
-        if alike:
-            unseen[rows] = sizes.unseen(replay[rows])
+        if correlated:
+            systematic[rows] = sizes.systematic(replay[rows])
     known = dict(zip(SIGMA_STATE, sigma.T, strict=True))
-    if alike:
-        known |= dict(zip(UNSEEN, unseen[:, _TURNING].T, strict=True))
+    if correlated:
+        known |= dict(zip(UNSEEN, systematic[:, _TURNING].T, strict=True))
     return replay.assign(**known)
 
 

@@ -7,7 +7,7 @@ import pandas as pd
 from opml.base.constants import DAY
 
 _QUANTILES = (0.5, 0.95)  # shares of the errors that stay below the sizes returned
-REACH_DAYS = 0.25  # a prediction counts for a duration that it misses by no more than this [days]: six hours
+REACH_DAYS = 0.25  # a prediction counts for a duration within this of its own [days]: six hours
 
 
 def at_days(evaluation: pd.DataFrame, days: Sequence[float]) -> pd.DataFrame:

@@ -1,9 +1,9 @@
 """The choice of the model to use next, by replays that are over.
 
 Among the models that learn nothing, the one that left the least is chosen. Newer errors weigh more, and those
-of each day of duration weigh alike. A model that learned is selected only where the past shows with
+of each day of duration have the same weight. A model that learned is selected only where the past shows with
 confidence that it leaves less, in that measure and in metres. A bootstrap over blocks of the days on which
-predictions ended tells the confidence.
+predictions ended gives the confidence.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -98,7 +98,7 @@ class _Past:
         return cls(sizes, np.maximum(typical, 1.0), weight, block)
 
     def best(self, plains: Sequence[str]) -> str | None:
-        """Return the model that left the least, each day of duration alike; None without a pair of all."""
+        """Return the model that left the least, by day of duration; None without a pair of all."""
         shared = np.isfinite(np.stack([self.sizes[name] for name in plains])).all(axis=0)
         if not shared.any():
             return None
@@ -108,7 +108,7 @@ class _Past:
     def ratio(self, law: str, plain: str, seed: int) -> tuple[float, float] | None:
         """Return the error that a law left, divided by that of a plain model, and an upper bound of this.
 
-        Of two measures, each day of duration alike and metre by metre, the one with the larger bound counts.
+        Of two measures, by day of duration and metre by metre, the one with the larger bound counts.
         Returns None for too few blocks.
         """
         rows = np.isfinite(self.sizes[law] + self.sizes[plain])
@@ -141,7 +141,7 @@ def _medians(values: np.ndarray) -> np.ndarray:
     return medians
 
 
-CHOSEN = "selected each day"  # what the models that were selected are called beside the others
+CHOSEN = "selected each day"  # what the models that were selected are called among the others
 
 
 @dataclass(frozen=True)
@@ -205,7 +205,7 @@ class Mornings:
 
 
 def _moved(replay: pd.DataFrame, shifts: pd.DataFrame) -> pd.DataFrame:
-    """Return rows of a `replay` table whose errors are moved, by pair, and have no doubt of a label."""
+    """Return rows of a `replay` table with moved errors, by pair, against an exact reference."""
     pairs = pd.MultiIndex.from_frame(replay[["i", "j"]])
     rows, by = replay[pairs.isin(shifts.index)], shifts.reindex(pairs[pairs.isin(shifts.index)])
     errors = {name: rows[name] + by[name].to_numpy() for name in COMPONENTS}

@@ -11,7 +11,7 @@ compiled, entry = decorators(nogil=True)
 
 _LONGER, _START_AT_ZERO = 0.05, 0.00025  # first steps: a part of a coordinate, and of one that is 0
 _XATOL, _FATOL, _MOST = 1e-2, 1e-6, 399
-_PENALTY = 1e-5  # keeps parameters at their start that the past tells nothing about
+_PENALTY = 1e-5  # keeps parameters at their start that the past does not determine
 
 
 @compiled
@@ -50,22 +50,22 @@ def minimum(start, units, errors, inside, level):
         middle = points[:-1].sum(axis=0) / count
         # The worst point goes through the middle of the others: as far, twice as far, or half as far.
         tried = 2.0 * middle - points[-1]
-        found = _loss(tried, units, errors, inside, level)
-        if found < losses[0]:
+        loss = _loss(tried, units, errors, inside, level)
+        if loss < losses[0]:
             further = 3.0 * middle - 2.0 * points[-1]
             better = _loss(further, units, errors, inside, level)
-            if better < found:
-                tried, found = further, better
-        elif not found < losses[-2]:
-            outside = found < losses[-1]
-            limit = found if outside else losses[-1]
+            if better < loss:
+                tried, loss = further, better
+        elif not loss < losses[-2]:
+            outside = loss < losses[-1]
+            limit = loss if outside else losses[-1]
             tried = 1.5 * middle - 0.5 * points[-1] if outside else 0.5 * middle + 0.5 * points[-1]
-            found = _loss(tried, units, errors, inside, level)
-            if not (found <= limit if outside else found < limit):
+            loss = _loss(tried, units, errors, inside, level)
+            if not (loss <= limit if outside else loss < limit):
                 for row in range(1, count + 1):
                     points[row] = points[0] + 0.5 * (points[row] - points[0])
                     losses[row] = _loss(points[row], units, errors, inside, level)
                 continue
-        points[-1], losses[-1] = tried, found
+        points[-1], losses[-1] = tried, loss
     best = np.argmin(losses)
     return points[best], losses[best]

@@ -113,7 +113,7 @@ def fit(training: Training, settings: BoostingSettings) -> BoostingModel:
 def from_machine(machine: "HistGradientBoostingRegressor", variables: Sequence[str]) -> BoostingModel:
     """Return the trees of a trained machine.
 
-    scikit-learn has no public way to them; a test compares the predictions of both.
+    scikit-learn has no public access to them; a test compares the predictions of both.
     """
     trees = [predictor.nodes for (predictor,) in machine._predictors]
     roots = np.concatenate([[0], np.cumsum([len(tree) for tree in trees])])
@@ -138,7 +138,7 @@ LEARNER = Learner(
     table=table_of(
         "a node of a regression tree",
         count("tree", "number of the tree"),
-        count("feature", "number of the learning variable asked, -1 at a leaf"),
+        count("feature", "number of the learning variable compared, -1 at a leaf"),
         real("threshold", "SI", "rows with a variable up to it go to the node `left`"),
         count("left", "row of that node; at a leaf this row"),
         count("right", "row of the node for all others; at a leaf this row"),

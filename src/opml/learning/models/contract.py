@@ -27,7 +27,7 @@ _Length = Absent[Positive]
 
 
 class LearnerSettings(KindSection):
-    """Settings of a learner; those of its kind stand beside `kind`."""
+    """Settings of a learner; those of its kind follow `kind`."""
 
 
 class ChoosingSettings(LearnerSettings):
@@ -105,8 +105,8 @@ def choose_variables(
     settings: LearnerSettings, /, *, component: str, variables: Sequence[str]
 ) -> ResolvedSettings:
     """Return settings with the variables that those of `ChoosingSettings` choose, else the default ones."""
-    asked, left_out = settings.get("variables"), settings.get("without") or ()
-    names = [name for name in (variables if asked is None else asked) if name not in left_out]
+    own_variables, left_out = settings.get("variables"), settings.get("without") or ()
+    names = [name for name in (variables if own_variables is None else own_variables) if name not in left_out]
     own = {key: value for key, value in settings.of_job().items() if key not in ("variables", "without")}
     chosen = list(dict.fromkeys(component_columns(names, component)))
     return ResolvedSettings(type(settings).model_validate(own), chosen)
@@ -155,7 +155,7 @@ class Learner(Generic[S]):
     kind: str  # its name in the settings
     description: str  # in words, for the table of models
     settings: type[S]  # section of its settings
-    table: Table  # the schema of a model's table from the metadata beside it; `table_of` makes a plain one
+    table: Table  # the schema of a model's table from the metadata with it; `table_of` makes a plain one
     fit: Callable[[Training, S], Model]
     load: Load  # makes the model again from its table and metadata, bit for bit
     resolve: Resolve[S] = choose_variables  # finds the variables to learn from

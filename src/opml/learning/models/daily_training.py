@@ -1,4 +1,4 @@
-"""A learner trained anew each morning, on the errors that are known when the day begins."""
+"""A learner retrained each morning, on the errors that are known when the day begins."""
 
 from dataclasses import dataclass, field
 
@@ -13,7 +13,7 @@ from opml.learning.models.contract import Model, ResolvedSettings
 
 
 @dataclass(frozen=True)
-class Lessons:
+class DailyLearner:
     """Models of e_y by the time of their training."""
 
     dataset: pd.DataFrame  # labelled rows
@@ -29,7 +29,7 @@ class Lessons:
 
     @property
     def arc(self) -> tuple[float, float] | None:
-        """Window [h] and memory [days] of the arcs that the learner asks for, None for no arcs."""
+        """Window [h] and memory [days] of the arcs that the learner needs, None for no arcs."""
         return learners.arc_of(self.settings)
 
     @property

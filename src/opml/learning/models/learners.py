@@ -51,7 +51,7 @@ LEARNERS: tuple[Learner[Any], ...] = (
 """The kinds."""
 
 ARC_TABLES = ("arcs", "cd_past", "held")
-"""Kinds of tables beside the dataset that are made for the window, and the memory, of a learner's arcs.
+"""Kinds of further tables that are made for the window, and the memory, of a learner's arcs.
 
 All columns beside the dataset that these have not are the mechanism's.
 """
@@ -141,7 +141,7 @@ def resolved(settings: LearnerSettings, *, component: str, variables: Sequence[s
 
     variables: of a learner whose settings name none; its `without` are left out
 
-    A sensitivity (`v`) becomes that of the component (`v_y`), in variables and terms alike.
+    A sensitivity (`v`) becomes that of the component (`v_y`), in both variables and terms.
     """
     return by_kind(settings.kind).resolve(settings, component=component, variables=variables)
 
@@ -195,7 +195,7 @@ def paths_of_each(paths: Iterable[Path], settings: Iterable[ResolvedSettings]) -
 
 
 def needed_tables(variables: Sequence[str]) -> list[str]:
-    """Return the kinds of tables beside the dataset that have the variables, such as arcs and mechanism."""
+    """Return the kinds of further tables that have the variables, such as arcs and mechanism."""
     missing, kinds = set(variables) - {*LEARNING_VARIABLES, "gap"}, []
     for kind in ARC_TABLES:
         if missing & set(SCHEMAS[kind].names):
@@ -217,8 +217,8 @@ def check(
     resonances: pairs (k, m) that may be learned from
     """
     drifts = mechanism_schema(resonances).names
-    beside = [name for kind in ARC_TABLES for name in SCHEMAS[kind].names]
-    known = {*LEARNING_VARIABLES, "gap", *drifts, *beside} - {"i", "j"}
+    further = [name for kind in ARC_TABLES for name in SCHEMAS[kind].names]
+    known = {*LEARNING_VARIABLES, "gap", *drifts, *further} - {"i", "j"}
     for name, own in settings.items():
         learner = resolved(own, component=COMPONENTS[0], variables=variables)
         if unknown := sorted(set(learner.variables) - known):

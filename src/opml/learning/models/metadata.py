@@ -1,4 +1,4 @@
-"""The numbers of a model that stand beside its table, as JSON-able values and back."""
+"""The numbers of a model that go with its table, as JSON-able values and back."""
 
 from typing import Any
 

@@ -143,7 +143,7 @@ class _Descent:
             self._sweep(sweep, max(0.5 * self.tol, LOCAL * violation))
         else:
             warnings.warn(
-                f"SVR: stopped after {MOST_SWEEPS} sweeps, slopes {violation:.1e} apart; tol {self.tol:.1e}",
+                f"SVR: stopped after {MOST_SWEEPS} sweeps, slopes off by {violation:.1e}; tol {self.tol:.1e}",
                 stacklevel=3,
             )
         return DualSolution(self.beta, self._offset(), self.steps)

@@ -16,7 +16,7 @@ WORST = 100
 """Objects in the page's table, those to look at first."""
 
 _DETAILS = ("mornings", "past")
-"""Of an object, what `opml day --object` shows and the page for machines leaves out."""
+"""Facts of an object that `opml day --object` shows and the page for machines leaves out."""
 
 
 def document(

@@ -13,25 +13,25 @@ from opml.report.results import rounded_cell
 
 
 def document(
-    scores: pd.DataFrame, seasons: Mapping[str, Mapping[str, Sequence[str]]], teachers: Mapping[str, str]
+    scores: pd.DataFrame, seasons: Mapping[str, Mapping[str, Sequence[str]]], trained_on: Mapping[str, str]
 ) -> list[Block]:
     """Return the document.
 
     scores: `catalogue_scores`
     seasons: by test, the dates under `train` and `test`
-    teachers: by test, the population that is learned from
+    trained_on: by test, the population of the training
     """
     rows = [_cells(row) for row in _ordered(scores).to_dict("records")]
     return [
         *texts.blocks("scores.head"),
-        Items([_season(name, dates, teachers[name]) for name, dates in seasons.items()]),
+        Items([_season(name, dates, trained_on[name]) for name, dates in seasons.items()]),
         *texts.blocks("scores.scores", rows, level=LEVEL),
     ]
 
 
-def _season(name: str, dates: Mapping[str, Sequence[str]], teachers: str) -> str:
+def _season(name: str, dates: Mapping[str, Sequence[str]], population: str) -> str:
     (first, last), (begin, end) = dates["train"], dates["test"]
-    return f"**{name}**: learned from {teachers}, {first} to {last}; judged from {begin} to {end}"
+    return f"**{name}**: learned from {population}, {first} to {last}; judged from {begin} to {end}"
 
 
 def _ordered(scores: pd.DataFrame) -> pd.DataFrame:
@@ -53,11 +53,11 @@ def _cells(row: Mapping[str, Any]) -> list[str]:
         f"`{row['learner']}`",
         *(str(row[name]) for name in ("predictions", "objects", "weeks")),
         f"{row['sgp4_median']:.0f} / {row['sgp4_p95']:.0f}",
-        *(f"{row[f'{way}_median']:.0f} / {row[f'{way}_p95']:.0f}" for way in ("scaled", "learned")),
+        *(f"{row[f'{model}_median']:.0f} / {row[f'{model}_p95']:.0f}" for model in ("scaled", "learned")),
         _with_interval(row, "gain"),
         f"{_with_interval(row, 'improved')} / {row['improved_p95']:.0f}",
         f"{row['unchanged']:.0f}",
-        " / ".join(f"{row[f'{way}_p_ml']:.0f}" for way in ("scaled", "learned", "improved")),
+        " / ".join(f"{row[f'{model}_p_ml']:.0f}" for model in ("scaled", "learned", "improved")),
         " / ".join(rounded_cell(row[name]) for name in ("coverage", "improved_coverage", "worst_week")),
         f"{row['log_score']:.2f}",
     ]

@@ -71,14 +71,14 @@ class Settings:
         """Return how an RSO of the sheet was measured; None where its measurements are simulated."""
         return next((kind for kind in KINDS if rso in self.values.get(kind.name, {})), None)
 
-    def taking(self, kind: Kind, rso: str) -> TakingSettings:
+    def options(self, kind: Kind, rso: str) -> TakingSettings:
         """Return how an RSO's files of a kind are taken, relative paths in the folder of the data."""
-        given = self.values.get(kind.taking, {}).get(rso, {})
-        return taking_section(kind.taking).model_validate(given).within(self.values.get("data", ""))
+        given = self.values.get(kind.options, {}).get(rso, {})
+        return taking_section(kind.options).model_validate(given).within(self.values.get("data", ""))
 
     def companion_files(self, kind: Kind) -> dict[str, list[str]]:
         """Return the files that are read beside those of a kind, such as of where stations are, by RSO."""
-        return {rso: self.taking(kind, rso).files for rso in self.values.get(kind.taking, {})}
+        return {rso: self.options(kind, rso).files for rso in self.values.get(kind.options, {})}
 
     @property
     def day(self) -> DaySettings:

@@ -34,7 +34,7 @@ from opml.catalog.simulate.truth import initial_state
 from opml.orbits.sheets import Rso
 
 FARTHEST = 1000e3
-"""How far tracks may be, in the median, from where a known state leads [m]; no fit finds back from there."""
+"""Largest median distance of tracks from a known orbit [m] from which a fit converges."""
 
 FEWEST = 5  # measurements of a track that an orbit is determined from
 SHORTEST = 30.0  # shortest track that an orbit is determined from [s]
@@ -74,8 +74,10 @@ def starts_from_state(propagator: Propagator, measured: Measurements, known: Tim
     """
     rso, times, (t, start) = propagator.rso, _times(measured), known
     states = everywhere(propagator, times.to_numpy(), t, np.append(start, rso.cd))
-    apart = measured.misses(measured.row_at, states[:, :3])
-    miss = float(np.median(np.where(np.isfinite(apart), apart, np.inf)[is_of_first_day(times.to_numpy())]))
+    residuals = measured.distances(measured.row_at, states[:, :3])
+    miss = float(
+        np.median(np.where(np.isfinite(residuals), residuals, np.inf)[is_of_first_day(times.to_numpy())])
+    )
     _log.info("first orbit: the given state is %.1f km from the first day's tracks", miss / 1e3)
     if not miss < FARTHEST:
         raise InputError(

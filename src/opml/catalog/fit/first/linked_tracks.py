@@ -111,7 +111,7 @@ def single_tracks(run: Run) -> list[Estimate]:
 
     Those whose semi-major axis is known best come first.
     """
-    gm, found = run.propagator.model.gm, []
+    gm, orbits = run.propagator.model.gm, []
     for window in first_windows(run.measured):
         t, (standing, sights) = run.measured.times(window.rows), run.measured.lines(window.rows)
         known = np.flatnonzero(np.isfinite(sights).all(axis=1))
@@ -119,8 +119,8 @@ def single_tracks(run: Run) -> list[Estimate]:
             continue
         ends = known[[0, -1]]
         states = round_orbits(t[ends], standing[ends], sights[ends], gm)
-        found += _fitted(run, [start_estimate(run, window, t[ends[0]], state) for state in states])[:1]
-    closed = [one for one in found if np.isfinite(axis_sigma(one.fit, gm))]
+        orbits += _fitted(run, [start_estimate(run, window, t[ends[0]], state) for state in states])[:1]
+    closed = [one for one in orbits if np.isfinite(axis_sigma(one.fit, gm))]
     return sorted(closed, key=lambda one: axis_sigma(one.fit, gm))
 
 
@@ -152,10 +152,10 @@ def _starts(run: Run, last: Estimate, window: Window) -> np.ndarray:
     parts = np.linspace(-_WIDTH, _WIDTH, 2 * int(min(wide, _MOST) / 2) + 1) if wide >= 2.0 else np.zeros(1)
     ends = _propagated(run, last.window, last.fit.best + parts[:, None] * line, window)
     row = np.full(len(ends), run.measured.row_at[window.track])
-    misses = run.measured.misses(row, ends[:, :3])
-    beside = np.pad(np.where(np.isfinite(misses), misses, np.inf), 1, constant_values=np.inf)
-    nearest = np.flatnonzero((misses <= beside[:-2]) & (misses <= beside[2:]))
-    return ends[nearest[np.argsort(misses[nearest])][:_TRIALS]]
+    distances = run.measured.distances(row, ends[:, :3])
+    padded = np.pad(np.where(np.isfinite(distances), distances, np.inf), 1, constant_values=np.inf)
+    nearest = np.flatnonzero((distances <= padded[:-2]) & (distances <= padded[2:]))
+    return ends[nearest[np.argsort(distances[nearest])][:_TRIALS]]
 
 
 def _propagated(run: Run, begin: Window, parameters: np.ndarray, end: Window) -> np.ndarray:
@@ -171,7 +171,7 @@ def _is_near(run: Run, estimate: Estimate) -> bool:
         return True
     rows = np.arange(len(run.measured.epoch_of_row))[estimate.window.rows]
     positions = run.path(estimate)[run.measured.epoch_of_row[rows] - estimate.window.first, :3]
-    return bool(np.median(run.measured.misses(rows, positions)) < FARTHEST)
+    return bool(np.median(run.measured.distances(rows, positions)) < FARTHEST)
 
 
 def _cost(run: Run, estimate: Estimate) -> float:

@@ -16,7 +16,7 @@ _RADII = np.geomspace(6.45e6, 1e8, 600)  # radii between which those of circular
 def round_orbits(t: np.ndarray, standing: np.ndarray, sights: np.ndarray, gm: float) -> np.ndarray:
     """Return states (orbits, 6) at the first time of all circular orbits through two lines of sight.
 
-    t: (2,) times, less than half a revolution apart [s]
+    t: (2,) times, within half a revolution of each other [s]
     standing: (2, 3) where the lines begin, on the ground, in an inertial frame [m]
     sights: (2, 3) unit vectors along them
     gm: of the Earth [m3/s2]

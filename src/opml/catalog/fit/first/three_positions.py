@@ -15,7 +15,7 @@ SMALL_ANGLE = np.radians(5.0)
 
 _DEGREE = 4
 _KNOTS = np.array([-0.8, 0.0, 0.8])
-"""Where the three positions are taken from the curve, from -1 at its beginning to 1 at its end."""
+"""Times of the three positions on the curve, from -1 at its beginning to 1 at its end."""
 
 
 def gibbs(positions: np.ndarray, gm: float) -> np.ndarray:
