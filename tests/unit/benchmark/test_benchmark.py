@@ -159,7 +159,7 @@ def test_scores_are_those_by_hand(sgp4):
         }
         for key, value in expected.items():
             assert row[f"{name}_{key}"] == pytest.approx(value, rel=1e-9, abs=1e-9), (lead, name, key)
-        assert (row["asked"], row["answered"]) == (12, 100.0)
+        assert (row["questions"], row["answered"]) == (12, 100.0)
 
 
 def test_another_package_agrees_on_scores():
@@ -631,7 +631,7 @@ def test_a_hidden_month_is_asked_answered_and_scored(sgp4, tmp_path, monkeypatch
     assert cli.main(["score", "month", "mine.csv"]) == 1
     assert "expected the truth of month, got none" in capsys.readouterr().err
     assert cli.main(["truth", "month", "known.tle"]) == 1
-    assert "month: expected sets within half a day of what was asked, got none" in capsys.readouterr().err
+    assert "month: expected sets within half a day of the questions, got none" in capsys.readouterr().err
     assert cli.main(["truth", "month", "all.tle"]) == 0
     asked = len(tasks.read("month").questions)
     assert f"month-truth: the truth of {asked} questions" in capsys.readouterr().out
@@ -648,7 +648,7 @@ def test_a_hidden_month_is_asked_answered_and_scored(sgp4, tmp_path, monkeypatch
     # A question without a later set counts for nothing.
     truth = (tmp_path / "month-truth" / "truth.csv").read_text().splitlines()
     (tmp_path / "month-truth" / "truth.csv").write_text("\n".join(truth[:-1]) + "\n")
-    asked = benchmark.score("month", "mine.csv").scores["asked"]
+    asked = benchmark.score("month", "mine.csv").scores["questions"]
     assert asked.sum() == len(truth) - 2
 
 

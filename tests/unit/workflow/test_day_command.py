@@ -139,7 +139,7 @@ def test_threads_of_jobs_share_two_heaps_unless_told_otherwise(monkeypatch):
 def test_pages_of_days_stay_while_another_call_is_at_work(tmp_path, monkeypatch):
     run = SimpleNamespace(results=str(tmp_path), epoch=EPOCH, duration_days=10.0)
     asked = SimpleNamespace(run=run, values=vars(run), measured={})
-    monkeypatch.setattr(day_command, "_asked", lambda configfiles: asked)
+    monkeypatch.setattr(day_command, "_settings", lambda configfiles: asked)
     day = tmp_path / "days" / "2016-10-01"
     day.mkdir(parents=True)
     (day / "objects_0.json").write_text(json.dumps([{"object": "one", "verdict": "failed"}]))

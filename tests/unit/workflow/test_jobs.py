@@ -74,7 +74,7 @@ def test_progress_and_warnings_go_to_the_log_alone(snakemake, capfd):
 
 
 def test_a_long_job_tells_how_far_it_is(snakemake, capfd, monkeypatch):
-    monkeypatch.setattr(jobs, "TOLD_EVERY", 0.02)
+    monkeypatch.setattr(jobs, "SHOWN_EVERY", 0.02)
     with job(snakemake):
         progress(0.25)
         deadline, told = time.monotonic() + 5.0, ""
