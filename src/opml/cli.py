@@ -107,8 +107,8 @@ def _init(options: argparse.Namespace) -> None:
     if options.elements or options.orbit:
         by_sets = bool(options.elements)
         project = FirstProject.of_sets(options.elements) if by_sets else FirstProject.of_points(options.orbit)
-        new_project.write(options.folder, project.text, project.beside)
-        print(project.told)
+        new_project.write(options.folder, project.text, project.copied)
+        print(project.chosen)
         print(new_project.next_steps(options.folder, project.command))
     else:
         new_project.write(options.folder)

@@ -49,7 +49,7 @@ def table(conjunctions: Iterable[Conjunction], *, epoch: str) -> pd.DataFrame:
     frame = pd.DataFrame(rows, columns=_COLUMNS)
     times = ccsds.utc_texts(epoch, frame["tca"].to_numpy(float)) if rows else []
     frame["tca"] = np.array(times, dtype=object)
-    return table.sort_values("probability", ascending=False, kind="stable", ignore_index=True)
+    return frame.sort_values("probability", ascending=False, kind="stable", ignore_index=True)
 
 
 def text(table: pd.DataFrame) -> str:

@@ -49,7 +49,7 @@ def display_stations(name: str) -> str:
 
 
 def display_learner(name: str) -> str:
-    """Return a learner in words: the paper's own is told; others keep their name."""
+    """Return a learner in words: the paper's own by its origin; others keep their name."""
     return {"svr": "the paper's SVR"}.get(name, name)
 
 

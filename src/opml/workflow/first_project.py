@@ -50,13 +50,13 @@ class FirstProject:
     """A project of one object.
 
     text: its settings, YAML; command: that runs it
-    told: what was chosen, in words; beside: files that the project has copies of
+    chosen: the choice in words; copied: files that the project has copies of
     """
 
     text: str
     command: str
-    told: str
-    beside: Sequence[Path] = ()
+    chosen: str
+    copied: Sequence[Path] = ()
 
     @classmethod
     def of_sets(cls, path: FilePath) -> "FirstProject":
@@ -75,9 +75,9 @@ class FirstProject:
         drag = float(np.median([one.satellite.bstar for one in sets]))
         area_to_mass = float(np.clip(_BALLISTIC * drag / _CD, *_BODIES))
         # Files are copied; a folder stays where it is, as what is fetched into it counts tomorrow.
-        files, beside = Path(path).name, [Path(path)]
+        files, copied = Path(path).name, [Path(path)]
         if Path(path).is_dir():
-            files, beside = str(Path(path).resolve() / "*"), []
+            files, copied = str(Path(path).resolve() / "*"), []
         text = _RUN.format(
             first=first,
             duration=days + _AHEAD,
@@ -87,8 +87,8 @@ class FirstProject:
             study="{}",
         )
         chosen = f"{path}: its last {days} days of sets, from {first} on"
-        told = f"{chosen}; area to mass {area_to_mass:.3g} m2/kg by their B*"
-        return cls(text, f"opml day --configfile mine.yaml --date {last}", told, beside)
+        summary = f"{chosen}; area to mass {area_to_mass:.3g} m2/kg by their B*"
+        return cls(text, f"opml day --configfile mine.yaml --date {last}", summary, copied)
 
     @classmethod
     def of_points(cls, paths: Sequence[FilePath]) -> "FirstProject":

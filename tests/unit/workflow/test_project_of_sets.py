@@ -97,4 +97,6 @@ def test_other_files_are_refused_and_nothing_is_written(case, tmp_path, capsys):
 
 def test_a_body_without_drag_gets_the_least(tmp_path):
     (tmp_path / "sets.tle").write_text(tle_text(history(range(30))))
-    assert FirstProject.of_sets(tmp_path / "sets.tle").told.endswith("area to mass 0.0003 m2/kg by their B*")
+    assert FirstProject.of_sets(tmp_path / "sets.tle").chosen.endswith(
+        "area to mass 0.0003 m2/kg by their B*"
+    )

@@ -53,7 +53,7 @@ LEARNERS: tuple[Learner[Any], ...] = (
 ARC_TABLES = ("arcs", "cd_past", "held")
 """Kinds of further tables that are made for the window, and the memory, of a learner's arcs.
 
-All columns beside the dataset that these have not are the mechanism's.
+All further columns are the mechanism's.
 """
 
 
