@@ -243,7 +243,8 @@ def test_answers_to_other_times_are_told(sgp4, tmp_path):
 
     told = suspicions(edited_rows(sgp4, tmp_path, later))
     assert any(
-        "48 answers are to no question" in one and "nearest time asked is -60 s" in one for one in told
+        "48 answers are to no question" in one and "nearest time of a question is -60 s" in one
+        for one in told
     )
 
 
