@@ -70,6 +70,9 @@ def _remark(conjunction: Conjunction) -> str:
     known = [remark for one in pair for remark in one.remarks]
     if conjunction.is_end:
         known.append("nothing known beyond")
+    designators = {one.identity.designator for one in pair}
+    if len(designators) == 1 and "" not in designators:
+        known.append(f"both have the designator {designators.pop()}: are they one object?")
     if chance is None:
         none = "no covariance" if conjunction.encounter is None else "long encounter: no probability"
         return "; ".join([*known, none])

@@ -58,7 +58,8 @@ _UNITS_OF = {key: "km/s" if key.endswith("_DOT") else "km" for key in _STATE} | 
     _covariance_key(row, column): ("m**2", "m**2/s", "m**2/s**2")[(row > 2) + (column > 2)]
     for row, column in _LOWER
 }
-_UNITS_OF |= dict(zip(_STATED, _UNITS, strict=True))
+_RELATIVE = tuple(f"RELATIVE_POSITION_{axis}" for axis in _AXES[:3])
+_UNITS_OF |= dict(zip(_STATED, _UNITS, strict=True)) | dict.fromkeys(_RELATIVE, "m")
 """Units of what is read, by key; a message may leave them out."""
 
 
@@ -189,7 +190,20 @@ def _conjunction(message: ccsds.Message, epoch: str, radius: float | None) -> Co
     stated = None
     with suppress(ValueError):  # it is not needed, and some messages have N/A
         stated = float(head.text("COLLISION_PROBABILITY", ""))
-    return Conjunction(t, first, second, radius, known=known, stated=stated)
+    read = Conjunction(t, first, second, radius, known=known, stated=stated)
+    _tell_of_relative(message, head, read.relative[:3])
+    return read
+
+
+def _tell_of_relative(message: ccsds.Message, head: ccsds.KeyValues, found: np.ndarray) -> None:
+    """Log a relative position in RTN that is not that of the states: one of the frames may be another."""
+    with suppress(ValueError):  # a message may have none, or N/A
+        stated = np.array([float(head.text(key, "")) for key in _RELATIVE])
+        apart = min(np.linalg.norm(stated - found), np.linalg.norm(stated + found))
+        if apart > _ROUGH * np.linalg.norm(stated) + 1.0:
+            of_states, of_message = (" ".join(f"{value:.0f}" for value in one) for one in (found, stated))
+            told = "%s: RELATIVE_POSITION is %s m, that of the states %s m: is REF_FRAME right?"
+            _log.warning(told, message.path, of_message, of_states)
 
 
 def _check_stated(message: ccsds.Message, head: ccsds.KeyValues, key: str, value: float) -> None:

@@ -214,7 +214,9 @@ def predict(request: Request, settings: OrbitSettings, *, progress: Progress) ->
         left = morning(judged_alone if now < times.date - OLDEST else watched, records, now=now)
         records = records.and_then(left.records, since=now - DAY * watched.plan.max_days)
     if not records.paths:
-        raise InputError(f"{request.files[0]}: expected what an orbit fits, got none: {left.verdict.reason}")
+        asked = "are frame, axes and units right, points more than a few, the body's area to mass possible?"
+        why = left.verdict.reason if request.kind == "tracks" else asked
+        raise InputError(f"{request.files[0]}: expected what an orbit fits, got none: {why}")
     made = records.estimates[records.estimates["track"] == records.paths[-1].start]
     if (rms := made["weighted_rms"].max()) > _NO_ORBIT:
         asked = "are object, frame and times right, or did it burn in the last days before --date?"

@@ -69,6 +69,23 @@ def test_what_is_written_comes_back(message):
     assert f"RELATIVE_POSITION_R = {float(CONJUNCTION.relative[0])!r} [m]" in text
 
 
+def test_a_relative_position_that_is_not_that_of_the_states_is_told(message, caplog):
+    """One in another frame is as far, so that the miss distance is none the wiser."""
+    cdm.read(message, epoch=EPOCH)
+    assert caplog.messages == []
+    x, y = (repr(float(value)) for value in CONJUNCTION.relative[:2])
+    text = message.read_text().replace(f"POSITION_R = {x}", f"POSITION_R = {y}")
+    message.write_text(text.replace(f"POSITION_T = {y}", f"POSITION_T = {x}"))
+    cdm.read(message, epoch=EPOCH)
+    (told,) = caplog.messages
+    assert re.search(
+        r"one\.cdm: RELATIVE_POSITION is .* m, that of the states .*: is REF_FRAME right\?", told
+    )
+    message.write_text(text.replace(f"POSITION_R = {y} [m]", "POSITION_R = N/A"))
+    cdm.read(message, epoch=EPOCH)
+    assert len(caplog.messages) == 1
+
+
 def test_states_on_the_turning_earth_are_those_of_gcrf(tmp_path):
     """Velocities on it are differences of positions on it."""
     path, t = tmp_path / "one.cdm", CONJUNCTION.t + np.array([-0.5, 0.0, 0.5])

@@ -216,13 +216,24 @@ def test_where_nothing_is_known_beyond_it_is_said(tmp_path):
     assert row["tca"] == "2023-05-01T02:30:00.000000"
 
 
-def elements(path, *, epoch=RUN, identifier="2001-001A", bstar=0.0):
-    """An OMM of object 77 at 600 km."""
+def elements(path, *, epoch=RUN, identifier="2001-001A", bstar=0.0, number=77):
+    """An OMM of an object at 600 km."""
     motion = 60.0 * np.sqrt(EARTH_GM / 7e6**3)
     satellite = element_set.satellite(epoch, [motion, 1e-3, 1.0, 1.0, 1.0, 1.0, bstar])
-    omm.write(path, satellite, identity=ObjectId("SAT", number=77), epoch=epoch, comment="")
+    omm.write(path, satellite, identity=ObjectId("SAT", number=number), epoch=epoch, comment="")
     path.write_text(path.read_text().replace("OBJECT_ID = SAT", f"OBJECT_ID = {identifier}"))
     return path
+
+
+def test_two_numbers_with_one_designator_are_told(tmp_path):
+    paths = [elements(tmp_path / f"{number}.omm", number=number) for number in (77, 78)]
+    found = screening.screen(screening.read(paths, days=1.0), within=1e3, radius=20.0)
+    assert (
+        as_text.table(found, epoch=EPOCH)["remark"]
+        .str.contains("both have the designator 2001-001A: are they one object?", regex=False)
+        .all()
+    )
+    assert len(found) > 0
 
 
 def test_our_own_elements_are_not_held_against_us_and_it_is_said(tmp_path, caplog):

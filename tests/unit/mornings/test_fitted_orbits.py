@@ -231,7 +231,7 @@ def test_an_orbit_that_is_hardly_determined_is_refused(hours, monkeypatch):
 def test_points_of_no_orbit_are_refused(tmp_path):
     lines = "utc,x_gcrf_m,y_gcrf_m,z_gcrf_m\n2019-09-03T00:00:00,7e6,0,0\n2019-09-03T00:20:00,5e6,4e6,0\n"
     (tmp_path / "two.csv").write_text(lines)
-    with pytest.raises(InputError, match=r"two\.csv: expected what an orbit fits, got none"):
+    with pytest.raises(InputError, match=r"two\.csv: expected what an orbit fits, got none: are frame, axes"):
         made_of(tmp_path / "two.csv", date=None)
 
 
