@@ -81,7 +81,21 @@ def _text(key: Key) -> Sequence[str]:
     return list(map(str, key))
 
 
+_EARLIER = {
+    "cleaning": "it is study.cleaning now",
+    "conjunctions": "it is gone: opml screen finds them",
+    "experiments": "they are keys of study now",
+    "honest": "it is study.beyond now",
+    "pools": "it is study.pools now",
+    "rolling": "it is gone: replays train anew every morning",
+    "span_days": "it is study.span_days now",
+}
+"""What became of keys of earlier versions."""
+
+
 def _hint(unknown: str | int, node: TypeSchema) -> str:
+    if unknown in _EARLIER:
+        return _EARLIER[str(unknown)]
     known = list(node["properties"])
     for key, below in node["properties"].items():
         if unknown in choices(child(below, 0) or {}):
