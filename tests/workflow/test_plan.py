@@ -14,7 +14,7 @@ CHAIN = ["truths", "tracking", "estimation", "prediction", "dataset"]
 LABELLED = ["labels", "labelled_dataset"]
 DRAWN_ONCE = [
     *("estimation_window", "orbit", "error_distribution", "partition_curve", "individual", "rso_grid"),
-    *("kernel_scale_sensitivity", "tables", "components", "reproduction"),
+    *("tables", "reproduction"),
 ]
 
 

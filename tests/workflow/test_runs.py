@@ -34,8 +34,6 @@ READERS = {
         "rso_grid",
         "rso",
         "transfer_curve",
-        "kernel_scale_sensitivity",
-        "components",
         "reproduction",
     },
 }
@@ -57,9 +55,9 @@ FIGURES = (
     *(f"{name}_{kind}" for name in EVALUATIONS for kind in ("absolute", "signed")),
     *("partition_50", "partition_curve"),
     *("individual_reduced", "individual_increased", "individual_distribution"),
-    *("rso_grid", "rso_swarma", "inclination_curve", "semi_major_axis_curve", "kernel_scale_sensitivity"),
+    *("rso_grid", "rso_swarma", "inclination_curve", "semi_major_axis_curve"),
 )
-TABLES = ("models", "stations", "rso", "rsos", "components")
+TABLES = ("models", "stations", "rso", "rsos")
 
 
 @pytest.fixture

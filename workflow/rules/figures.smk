@@ -12,7 +12,6 @@ INDIVIDUAL = product("figs/individual")
 RSO_GRID = product("figs/{grid}_grid")
 RSO = product("figs/{grid}_{rso}")
 TRANSFER_CURVE = product("figs/{curve}_curve")
-KERNEL_SCALE_SENSITIVITY = product("figs/kernel_scale_sensitivity")
 
 ERROR_TABLES = {
     "evaluation": rules.evaluate.output.evaluation,
@@ -331,32 +330,3 @@ if "curves" in STUDY:
             ),
         message:
             "Figure: performance metric P_ML on nearby RSOs, {wildcards.curve}"
-
-
-if "kernel_scale" in STUDY:
-
-    use rule errors as kernel_scale_sensitivity with:
-        input:
-            metrics=paths_of(rules.evaluate.output.metrics, *PAPER.kernel_scales),
-            models=paths_of(rules.train.output[0], *PAPER.kernel_rules),
-        output:
-            **figures(KERNEL_SCALE_SENSITIVITY, section=SECTIONS["learning"]),
-        log:
-            KERNEL_SCALE_SENSITIVITY.log,
-        benchmark:
-            KERNEL_SCALE_SENSITIVITY.benchmark
-        params:
-            **drawing(
-                "kernel_scale_sensitivity",
-                {
-                    "epoch": config["epoch"],
-                    "scales": STUDY.entry("kernel_scale")["scales"],
-                    "rules": [
-                        [rule.stations, config["learners"][rule.learner]["kernel_scale"]]
-                        for rule in PAPER.kernel_rules
-                    ],
-                    "component": PAPER.kernel_scales[0].component,
-                },
-            ),
-        message:
-            "Figure: performance metric P_ML against the kernel scale"

@@ -1,6 +1,5 @@
 # The paper's tables with the settings of the run, and its numbers beside ours.
 TABLES = product("tables/settings")
-COMPONENTS = product("tables/components")
 REPRODUCTION = product("reproduction")
 
 
@@ -31,26 +30,6 @@ rule tables:
         "Tables: models, stations and RSOs, from the settings"
     script:
         "../scripts/tables.py"
-
-
-if "components" in STUDY:
-
-    use rule errors as components with:
-        input:
-            paths_of(
-                rules.evaluate.output.metrics,
-                *(experiment for experiments in PAPER.components.values() for experiment in experiments),
-            ),
-        output:
-            **documents(COMPONENTS, section=SECTIONS["numerical"]),
-        log:
-            COMPONENTS.log,
-        benchmark:
-            COMPONENTS.benchmark
-        params:
-            **drawing("components", {"epoch": config["epoch"], "evaluations": list(PAPER.components)}),
-        message:
-            "Table: performance metric P_ML of all six components"
 
 
 if "reproduction" in STUDY:

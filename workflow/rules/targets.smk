@@ -5,7 +5,6 @@ PAPER_PARTS = {
         *rules.tables.output,
         *(path_of(file, evaluation=name) for name in PAPER.evaluations for file in rules.svr.output),
     ],
-    "components": lambda: rules.components.output,
     "orbit": lambda: [
         *rules.estimation_window.output,
         *rules.orbit.output,
@@ -36,7 +35,6 @@ PAPER_PARTS = {
     "curves": lambda: [
         path_of(file, curve=name) for name in PAPER.curves for file in rules.transfer_curve.output
     ],
-    "kernel_scale": lambda: rules.kernel_scale_sensitivity.output,
 }
 PAPER_FILES = [file for part, files in PAPER_PARTS.items() if part in STUDY for file in files()]
 BEYOND_FILES = (

@@ -2,7 +2,6 @@
 
 from opml.base.section import JobSettings
 from opml.figures import p_ml_curves, style
-from opml.learning.judge.metrics import by_seed
 from opml.tables import read_tables
 from opml.workflow.jobs import job
 
@@ -14,7 +13,7 @@ class Settings(JobSettings):
 
 with job(snakemake):
     settings = Settings(**snakemake.params.settings)
-    metrics = by_seed(read_tables(snakemake.input, "metrics"))
+    metrics = read_tables(snakemake.input, "metrics")
     published = {float(ratio): p_ml for ratio, p_ml in settings.published.items()}
     figure = p_ml_curves.partition_curve(metrics, component=settings.component, published=published)
     style.save_all([figure], snakemake.output.pdf, snakemake.output.png)

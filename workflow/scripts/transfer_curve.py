@@ -2,7 +2,6 @@
 
 from opml.base.section import JobSettings
 from opml.figures import p_ml_curves, style
-from opml.learning.judge.metrics import by_seed
 from opml.tables import read_tables
 from opml.workflow.jobs import job
 
@@ -21,7 +20,7 @@ with job(snakemake):
         for test, points in settings.published.items()
     }
     figure = p_ml_curves.transfer_curve(
-        by_seed(read_tables(snakemake.input, "metrics")),
+        read_tables(snakemake.input, "metrics"),
         settings.curve,
         settings.targets,
         component=settings.component,

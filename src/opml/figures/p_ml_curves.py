@@ -1,7 +1,6 @@
-"""Figures of P_ML against what an experiment varies: training data, orbit, kernel scale.
+"""Figures of P_ML against what an experiment varies: training data, orbit.
 
-`metrics` are rows of that table, whose intervals are drawn as bars. With several seeds in a further column
-`seed`, each point is the mean over them instead, in a band of one standard deviation to either side.
+`metrics` are rows of that table, whose intervals are drawn as bars.
 """
 
 from collections.abc import Mapping
@@ -12,7 +11,6 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FixedLocator, NullLocator
 
 from opml import naming
 from opml.base.errors import InputError
@@ -26,17 +24,10 @@ from opml.figures.style import (
     SERIES,
     add_head_and_legend,
     column_figure,
-    legend,
-    page_figure,
 )
 from opml.naming import Split
 
-_PARTS = {"rest": "test part", "seen": "training part"}
 INTERVAL = "bars: 5th to 95th percentile over resampled estimates"  # note on the bars of P_ML
-
-RULE_STYLES = (":", "-.", (0, (3, 1, 1, 1, 1, 1)), (0, (1, 3)))
-_RULES = "scales by quantiles of the distances (sigest), their median"
-"""Note on the public rules of the kernel scale."""
 
 _APART = 0.02  # of two series of a curve, in parts of its length, so that equal points are seen
 NO_CORRECTION = 100.0  # P_ML [%] without a correction
@@ -121,53 +112,13 @@ def transfer_curve(
     return _finish(figure, axes, points, component, headline)
 
 
-def kernel_scale_sensitivity(
-    metrics: pd.DataFrame, rules: Mapping[str, Mapping[str, float]], *, component: str = "e_y"
-) -> Figure:
-    """Draw P_ML [%] against the kernel scale s; one panel per station set, one curve per split.
-
-    Raises InputError without a row to draw.
-
-    rules: the scales to mark, by station set and by the rule's name
-    """
-    points = metrics[metrics["component"] == component]
-    if points.empty:
-        raise InputError(f"kernel scale: expected metrics of {component}, got none")
-    figure = page_figure(height_mm=92.0)
-    sets = list(points.groupby("stations", sort=False))
-    panels = figure.subplots(1, len(sets), sharex=True, sharey=True, squeeze=False)[0]
-    for axes, (stations, rows) in zip(panels, sets, strict=True):
-        for k, (split, curve) in enumerate(rows.groupby(["train", "test"], sort=False)):
-            label = _split_label(*split)
-            _draw_curve(axes, curve, "kernel_scale", f"{_marker(k)}-", color=_shade(k), label=label)
-        for k, (rule, scale) in enumerate(rules.get(stations, {}).items()):
-            style = RULE_STYLES[k % len(RULE_STYLES)]
-            axes.axvline(scale, color=MUTED, ls=style, lw=1.2, zorder=1, label=f"$s$ by {rule}")
-        axes.set_title(display_stations(stations), fontsize=8.0, loc="left")
-    for axes in panels:
-        axes.set_xscale("log")
-        axes.xaxis.set_major_locator(FixedLocator(sorted(points["kernel_scale"].unique())))
-        axes.xaxis.set_major_formatter("{x:g}")
-        axes.xaxis.set_minor_locator(NullLocator())
-        axes.set_xlabel("kernel scale $s$, on standardised variables")
-        axes.yaxis.set_tick_params(labelleft=True)
-        _label(axes, component)
-    rule_lines = f"vertical lines: {_RULES}" if rules else ""
-    legend(figure, columns=3, note=lines(_training_note(points), _bars_note(points), rule_lines))
-    return figure
-
-
 def _draw_curve(axes: Axes, rows: pd.DataFrame, x: str, style: str, **look: Any) -> None:
-    """Draw P_ML against column `x`, one row per point and seed; with several seeds their mean in a band."""
-    seeds = ["seed"] if "seed" in rows else []
-    if rows.duplicated([x, *seeds]).any():
-        raise InputError(f"curve of P_ML: {look['label']}: expected one row per point and seed, got several")
-    points = rows.groupby(x)["p_ml"].agg(["mean", "std", "size"])
-    axes.plot(points.index, points["mean"], style, zorder=3, **look)
-    if (points["size"] > 1).any():
-        low, high = points["mean"] - points["std"], points["mean"] + points["std"]
-        axes.fill_between(points.index, low, high, color=look["color"], alpha=0.25, lw=0.0, zorder=2)
-    elif "p_ml_low" in rows:
+    """Draw P_ML against column `x`, one row per point."""
+    if rows.duplicated([x]).any():
+        raise InputError(f"curve of P_ML: {look['label']}: expected one row per point, got several")
+    rows = rows.sort_values(x)
+    axes.plot(rows[x], rows["p_ml"], style, zorder=3, **look)
+    if "p_ml_low" in rows:
         axes.vlines(rows[x], rows["p_ml_low"], rows["p_ml_high"], color=look["color"], lw=0.9, zorder=2)
 
 
@@ -187,16 +138,9 @@ def _draw_published(axes: Axes, published: Mapping[float, float], *, label: str)
 
 def _finish(figure: Figure, axes: Axes, metrics: pd.DataFrame, component: str, headline: str) -> Figure:
     _label(axes, component)
-    note = lines(_training_note(metrics), _bars_note(metrics))
+    note = lines(_training_note(metrics), INTERVAL if "p_ml_low" in metrics else "")
     add_head_and_legend(figure, headline, note, columns=2)
     return figure
-
-
-def _bars_note(metrics: pd.DataFrame) -> str:
-    seeds = metrics["seed"].nunique() if "seed" in metrics else 1
-    if seeds > 1:
-        return f"mean and standard deviation of {seeds} seeds"
-    return INTERVAL if "p_ml_low" in metrics else ""
 
 
 def _training_note(metrics: pd.DataFrame) -> str:
@@ -224,13 +168,6 @@ def _label(axes: Axes, component: str) -> None:
 
 def _training_split(name: str) -> Split:
     return naming.parse_train(naming.strip_seed(name, naming.SPLIT))
-
-
-def _split_label(train: str, test: str) -> str:
-    split = _training_split(train)
-    if split.kind == "days":
-        return _window_label(test)
-    return f"{split.kind} {split.percent:g} %, {_PARTS.get(test, test)}"
 
 
 def _window_label(test: str) -> str:

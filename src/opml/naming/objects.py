@@ -6,7 +6,7 @@ from typing import TypeVar
 
 from opml.base.errors import InputError
 from opml.base.kind_sections import KindSection
-from opml.naming.spelling import NUMBER, POSITIVE, alternatives, number
+from opml.naming.spelling import NUMBER, POSITIVE, alternatives
 
 WITHOUT = "-without-"
 
@@ -91,8 +91,3 @@ def parse_learner(text: str, learners: Mapping[str, OfKind]) -> OfKind:
         raise InputError(f"learner '{text}': expected one of {known}; an svr may end in _s<kernel scale>")
     name, mark, scale = text.partition("_s")
     return learners[name].evolve(kernel_scale=float(scale)) if mark else learners[name]
-
-
-def scale_kernel(learner: str, scale: float) -> str:
-    """Return the name of a learner with another kernel scale."""
-    return f"{learner}_s{number(scale)}"

@@ -41,7 +41,6 @@ class Reproduction:
     headlines: Sequence[Headline]
     readings: Mapping[str, Mapping[str, Experiment]]  # by the reading's text and the headline's name
     evaluations: Mapping[str, Experiment]
-    scales: Mapping[Experiment, float]  # experiments with a fixed kernel scale each
     claims: Sequence[Claim]
     drawn: Mapping[str, Experiment]  # every number that is drawn, by figure and point
     rule: str  # by which the default learner sets its kernel scale
@@ -103,7 +102,6 @@ def document(
         ),
         *texts.blocks("reproduction.causes", causes, explained=EXPLAINED),
         *_readings(reproduction, results),
-        *_kernel_scales(reproduction.scales, results),
         *texts.blocks(
             "reproduction.claims",
             [[says, numbers, "yes" if holds else "no"] for says, numbers, holds in judged],
@@ -212,18 +210,6 @@ def _readings(reproduction: Reproduction, results: Results) -> Iterator[Block]:
     rows = [row("as the settings are", reproduction.evaluations)]
     rows += [row(text, experiments) for text, experiments in reproduction.readings.items()]
     return texts.blocks("reproduction.readings", rows, names=texts.across(f"`{name}`" for name in names))
-
-
-def _kernel_scales(scales: Mapping[Experiment, float], results: Results) -> Iterator[Block]:
-    columns: dict[str, dict[float, float]] = {}
-    for experiment, scale in scales.items():
-        title = f"{experiment.stations}, {experiment.train}, {experiment.test}"
-        columns.setdefault(title, {})[scale] = results.p_ml(experiment)
-    rows = [
-        [f"{scale:g}", *(percent(column[scale]) for column in columns.values())]
-        for scale in dict.fromkeys(scales.values())
-    ]
-    return texts.blocks("reproduction.kernel_scales", rows, columns=texts.across(columns))
 
 
 def _drawn_numbers(drawn: Mapping[str, Experiment], results: Results) -> Iterator[Block]:

@@ -1,4 +1,4 @@
-"""The paper's tables of models, stations and RSOs as they ran, and P_ML of the six components."""
+"""The paper's tables of models, stations and RSOs as they ran."""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -11,7 +11,6 @@ from opml.orbits.sheets import Rso, Station
 from opml.report import texts
 from opml.report.document import Block, Table
 from opml.report.results import NO_VALUE
-from opml.tables import COMPONENTS
 
 
 def models(environment: EnvironmentSettings, models: ForceModels) -> list[Block]:
@@ -139,12 +138,6 @@ def rsos(sheet: Sequence[Rso], *, epoch: str, title: str) -> list[Block]:
     ]
     names = texts.across(rso.name for rso in sheet)
     return list(texts.blocks("settings_tables.rsos", rows, title=title, epoch=epoch, names=names))
-
-
-def components(p_ml: Mapping[str, Sequence[float]]) -> list[Block]:
-    """Return a document on the six components; p_ml: [%], in the order of COMPONENTS, by evaluation."""
-    rows = [[f"`{name}`", *(f"{value:.1f}" for value in values)] for name, values in p_ml.items()]
-    return list(texts.blocks("settings_tables.components", rows, names=texts.across(COMPONENTS)))
 
 
 def _deg(radians: float) -> str:

@@ -306,7 +306,6 @@ def _check_references(source: Source, settings: Settings) -> None:
     asked = settings.asked
     for key, known in (
         (("individual", "evaluation"), asked.get("evaluations", {})),
-        (("components",), asked.get("evaluations", {})),
         (("partition", "shown"), asked.get("partition", {}).get("ratios", [])),
         (("reproduction", "calibrated"), asked.get("evaluations", {})),
         (("reproduction", "fixed"), settings.run.learners),
@@ -322,7 +321,7 @@ def _check_references(source: Source, settings: Settings) -> None:
 
 
 _ENTRIES = (
-    *((), ("defaults",), ("orbit",), ("distribution",), ("partition",), ("kernel_scale",)),
+    *((), ("defaults",), ("orbit",), ("distribution",), ("partition",)),
     *(("beyond",), ("beyond", "transfers")),
 )
 _MAPPINGS_OF_ENTRIES = (("evaluations",), ("grids",), ("curves",), ("reproduction", "readings"))

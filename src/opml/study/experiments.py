@@ -149,17 +149,9 @@ class Study:
             train=naming.add_seed(experiment.train, naming.SPLIT, split, default=default.split),
         )
 
-    def drawn_seeds(self, experiment: Experiment) -> list[Experiment]:
-        """Return an experiment under all pairs of the seeds that curves are drawn with."""
-        return [
-            self.with_seeds(experiment, noise=noise, split=split)
-            for noise in self._seeds("noise")
-            for split in self._seeds("split")
-        ]
-
     def split_spread(self, experiment: Experiment) -> list[Experiment]:
         """Return an experiment under the split seeds that its spread is stated over."""
-        return [self.with_seeds(experiment, split=seed) for seed in self._seeds("split", "spread")]
+        return [self.with_seeds(experiment, split=seed) for seed in self._seeds("split")]
 
     def noise_spread(self, experiment: Experiment) -> list[Experiment]:
         """Return an experiment under the noise seeds that its spread is stated over.
@@ -168,13 +160,11 @@ class Study:
         """
         if experiment.target != experiment.rso:
             return []
-        return [self.with_seeds(experiment, noise=seed) for seed in self._seeds("noise", "spread")]
+        return [self.with_seeds(experiment, noise=seed) for seed in self._seeds("noise")]
 
-    def _seeds(self, kind: str, *parts: str) -> Sequence[int]:
-        entry = self.entry("seeds")
-        for part in parts:
-            entry = entry.get(part, {})
-        return entry.get(kind) or [getattr(self.settings.run.seed, kind)]
+    def _seeds(self, kind: str) -> Sequence[int]:
+        spread = self.entry("seeds").get("spread", {})
+        return spread.get(kind) or [getattr(self.settings.run.seed, kind)]
 
 
 def read_study(values: Mapping[str, Any]) -> Study:

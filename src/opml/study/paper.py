@@ -13,7 +13,6 @@ from opml.report.paper_claims import Claim
 from opml.report.reproduction import Headline, Reproduction
 from opml.report.sections import section_of
 from opml.study.experiments import Study, fence_of
-from opml.tables import COMPONENTS
 
 
 @dataclass(frozen=True)
@@ -45,9 +44,8 @@ class Paper:
 
     @cached_property
     def partitions(self) -> list[Experiment]:
-        """The partition curve's experiments, of all seeds that are drawn."""
-        ratios = self.study.entry("partition").get("ratios", [])
-        return [seeded for ratio in ratios for seeded in self.study.drawn_seeds(self.partition(ratio))]
+        """The partition curve's experiments."""
+        return [self.partition(ratio) for ratio in self.study.entry("partition").get("ratios", [])]
 
     @cached_property
     def individual(self) -> Experiment:
@@ -76,7 +74,7 @@ class Paper:
         }
         return Curve(
             targets,
-            [seeded for experiment in experiments.values() for seeded in self.study.drawn_seeds(experiment)],
+            list(experiments.values()),
             {value: experiments[entry["tests"][0], target] for target, value in targets.items()},
             entry.get("published", {}),
         )
@@ -87,40 +85,6 @@ class Paper:
         if name == "inclination":
             return {sheets.name_at_inclination(rso, value, sheet): value for value in entry["inclinations"]}
         return {sheets.name_at_offset(rso, value, sheet): value for value in entry["offsets"]}
-
-    @cached_property
-    def kernel_scales(self) -> list[Experiment]:
-        """Experiments with one fixed kernel scale each: every station set, split and scale."""
-        entry = self.study.entry("kernel_scale")
-        learner = entry.get("learner", self.study.defaults["learner"])
-        return [
-            self._kernel_scale(stations, split, naming.scale_kernel(learner, scale))
-            for stations in entry.get("station_sets", [])
-            for split in entry["splits"]
-            for scale in entry["scales"]
-        ]
-
-    @cached_property
-    def kernel_rules(self) -> list[Experiment]:
-        """Experiments whose models follow the rules of the scale: each station set, the first split."""
-        entry = self.study.entry("kernel_scale")
-        return [
-            self._kernel_scale(stations, entry["splits"][0], learner)
-            for stations in entry.get("station_sets", [])
-            for learner in entry["rules"]
-        ]
-
-    def _kernel_scale(self, stations: str, split: Sequence[str], learner: str) -> Experiment:
-        entry = self.study.entry("kernel_scale")
-        return self.study.experiment(entry, stations=stations, learner=learner, train=split[0], test=split[1])
-
-    @cached_property
-    def components(self) -> dict[str, list[Experiment]]:
-        """Experiments of the table of components, by evaluation."""
-        return {
-            name: [replace(self.evaluations[name], component=component) for component in COMPONENTS]
-            for name in self.study.entry("components")
-        }
 
     def published_p_ml(self, experiment: Experiment) -> float | None:
         """Return the paper's P_ML [%] of an experiment, whatever the learner; None where it gives none."""
@@ -174,17 +138,15 @@ class Paper:
         return replace(experiment, learner=self.study.entry("reproduction")["fixed"])
 
     def _alternatives(self, name: str, experiment: Experiment) -> list[tuple[str, Experiment]]:
-        """Return the experiments that stand beside a headline's, each with the text of what it changes."""
+        """Return alternatives to a headline's experiment, each with the text of its change."""
         alternatives = [(text, read[name]) for text, read in self.readings.items() if name in read]
-        for scaled in [self._fix_scale(experiment), *self.kernel_scales]:
-            if replace(scaled, learner=experiment.learner) == experiment:
-                text = f"the kernel scale is {self.kernel_scale(scaled):g}, not the default rule's"
-                alternatives.append((text, scaled))
-        return alternatives
+        text = f"the kernel scale is {self._fixed_scale:g}, not the default rule's"
+        return [*alternatives, (text, self._fix_scale(experiment))]
 
-    def kernel_scale(self, experiment: Experiment) -> float:
-        """Return the fixed kernel scale of an experiment's learner."""
-        return float(naming.parse_learner(experiment.learner, self.study.learners).get("kernel_scale"))
+    @property
+    def _fixed_scale(self) -> float:
+        """The kernel scale of the learner with a fixed one."""
+        return float(self.study.learners[self.study.entry("reproduction")["fixed"]].get("kernel_scale"))
 
     @cached_property
     def readings(self) -> dict[str, dict[str, Experiment]]:
@@ -235,7 +197,6 @@ class Paper:
         reported = [
             *self.evaluations.values(),
             *self.partitions,
-            *self.kernel_scales,
             *self.drawn_experiments.values(),
         ]
         for headline in self.headlines:
@@ -253,11 +214,10 @@ class Paper:
             headlines=self.headlines,
             readings=self.readings,
             evaluations=self.evaluations,
-            scales={experiment: self.kernel_scale(experiment) for experiment in self.kernel_scales},
             claims=self.claims,
             drawn=self.drawn_experiments,
             rule=str(learner.get("kernel_scale")),
-            fixed_scale=float(self.study.learners[entry["fixed"]].get("kernel_scale")),
+            fixed_scale=self._fixed_scale,
             calibrated=entry["calibrated"],
         )
 

@@ -73,15 +73,6 @@ def inclination_curve(metrics, **options):
     return p_ml_curves.transfer_curve(metrics, "inclination", INCLINATIONS, **options)
 
 
-def with_seeds(metrics, offsets):
-    copies = [metrics.assign(seed=seed, p_ml=metrics["p_ml"] + k) for seed, k in enumerate(offsets)]
-    return pd.concat(copies, ignore_index=True)
-
-
-def legend(figure):
-    return [text.get_text() for text in figure.legends[0].get_texts()]
-
-
 def test_a_curve_each_window(transfers):
     figure = inclination_curve(transfers, published={"days-30-40": {50.0: 40.2}})
     drawn = lines(figure)
@@ -127,21 +118,6 @@ def test_no_correction_is_marked_in_range(transfers):
     assert not marked(transfers[transfers["test"] == "days-30-40"])
 
 
-def test_seeds_make_a_band(transfers):
-    figure = inclination_curve(with_seeds(transfers, (0.0, 1.0, 5.0)))
-    assert lines(figure)["days 30 to 40"][1] == pytest.approx([52.0, 42.0])
-    band = figure.axes[0].collections[1].get_paths()[0].vertices
-    at_50 = sorted({round(y, 9) for x, y in band if x == 50.0})
-    assert at_50 == pytest.approx([42.0 - 7.0**0.5, 42.0 + 7.0**0.5])  # of 40, 41, 45 over n - 1
-    assert "\nmean and standard deviation of 3 seeds" in figure.texts[-1].get_text()
-
-
-def test_seeds_of_the_partition_curve(metrics):
-    figure = p_ml_curves.partition_curve(with_seeds(metrics, (0.0, 2.0)))
-    assert lines(figure)["test part"][1] == pytest.approx([200 / 15 + 1, 200 / 55 + 1, 200 / 95 + 1])
-    assert len(figure.axes[0].collections) == 2
-
-
 def test_a_split_is_drawn_at_its_share_whatever_its_seed(metrics):
     named = metrics.assign(
         train=metrics["train"].where(metrics["test"] == "seen", metrics["train"] + "_split43")
@@ -149,76 +125,16 @@ def test_a_split_is_drawn_at_its_share_whatever_its_seed(metrics):
     assert lines(p_ml_curves.partition_curve(named)) == lines(p_ml_curves.partition_curve(metrics))
 
 
-def test_one_seed_makes_no_band(transfers):
-    figure = inclination_curve(with_seeds(transfers, (0.0,)))
-    assert len(figure.axes[0].collections) == 0
-    assert figure.legends[0].get_title().get_text() == ""
-
-
 def test_rows_of_different_things_are_not_averaged(transfers):
-    with pytest.raises(InputError, match="expected one row per point and seed"):
+    with pytest.raises(InputError, match="expected one row per point"):
         inclination_curve(pd.concat([transfers, transfers]))
 
 
-@pytest.fixture
-def scales():
-    splits = (
-        ("random-80", "rest"),
-        ("grouped-80", "rest"),
-        ("days-0-30", "days-30-40"),
-        ("random-50", "days-30-40"),
-    )
-    rows = [
-        {
-            "stations": stations,
-            "train": train,
-            "test": test,
-            "component": "e_y",
-            "kernel_scale": scale,
-            "p_ml": 10.0 * k + scale + more,
-        }
-        for stations, more in (("eglin", 0.0), ("eglin-clear", 60.0))
-        for scale in (8.0, 1.0, 2.0)
-        for k, (train, test) in enumerate(splits)
-    ]
-    return pd.DataFrame(rows)
-
-
-def test_kernel_scale_by_station_set_and_split_with_the_rules(scales):
-    rules = {"eglin": {"sigest": 3.456}, "eglin-clear": {"sigest": 4.0, "median": 5.0}}
-    figure = p_ml_curves.kernel_scale_sensitivity(scales, rules)
-    one, two = (
-        {line.get_label(): (list(line.get_xdata()), list(line.get_ydata())) for line in axes.get_lines()}
-        for axes in figure.axes
-    )
-    assert [axes.get_title(loc="left") for axes in figure.axes] == [
-        "one radar (Eglin)",
-        "two radars (Eglin, Clear)",
-    ]
-    assert one["random 80 %, test part"] == ([1.0, 2.0, 8.0], [1.0, 2.0, 8.0])
-    assert one["grouped 80 %, test part"][1] == [11.0, 12.0, 18.0]
-    assert one["days 30 to 40"][1] == [21.0, 22.0, 28.0]
-    assert two["random 50 %, days-30-40"][1] == [91.0, 92.0, 98.0]
-    assert one["$s$ by sigest"][0] == [3.456, 3.456]
-    assert two["$s$ by median"][0] == [5.0, 5.0]
-    assert "$s$ by median" not in one
-    assert len(legend(figure)) == 7
-    assert "no correction" in legend(figure)
-    assert all(axes.get_xscale() == "log" and axes.get_ylim()[1] > 98.0 for axes in figure.axes)
-
-
-def test_kernel_scale_without_rows(scales):
-    with pytest.raises(InputError, match="expected metrics of e_z"):
-        p_ml_curves.kernel_scale_sensitivity(scales, {}, component="e_z")
-
-
-def test_everything_stays_inside_the_column(metrics, transfers, scales):
+def test_everything_stays_inside_the_column(metrics, transfers):
     published = {test: {50.0: 40.2} for test in ("days-30-40", "days-30-50")}
-    rules = {"eglin": {"sigest": 3.5, "median": 5.0}}
     for figure in (
         p_ml_curves.partition_curve(metrics, published=PUBLISHED),
-        inclination_curve(with_seeds(transfers, (0.0, 1.0)), published=published),
-        p_ml_curves.kernel_scale_sensitivity(scales, rules),
+        inclination_curve(transfers, published=published),
     ):
         assert_inside(figure)
         assert figure.get_figwidth() in (pytest.approx(88.0 / 25.4), pytest.approx(180.0 / 25.4))

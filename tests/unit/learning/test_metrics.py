@@ -9,7 +9,6 @@ from opml.learning.judge.evaluation import evaluate
 from opml.learning.judge.metrics import (
     against_labels,
     bootstrap_interval,
-    by_seed,
     fraction_reduced,
     individual_p_ml,
     p_ml,
@@ -114,11 +113,3 @@ def test_the_same_rows_against_labels():
     assert against_labels(evaluation, labelled, component="e_y") == 25.0
     assert np.isnan(against_labels(evaluation, labelled.drop(columns="t_known"), component="e_y"))
     assert np.isnan(against_labels(evaluation, labelled.assign(keep=False), component="e_y"))
-
-
-def test_pairs_of_seeds_have_a_number_in_a_column_of_their_own():
-    table = pd.DataFrame({"seed_noise": [42, 42, 7, 42], "seed_split": [42, 43, 42, 42], "p_ml": 1.0})
-    seed = by_seed(table)["seed"].tolist()
-    assert seed[0] == seed[3]
-    assert len(set(seed)) == 3
-    assert "seed" not in table

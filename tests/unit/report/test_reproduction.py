@@ -108,17 +108,11 @@ def test_tables_are_the_papers():
     assert models["third bodies"][1] == "sun, moon, jupiter"
 
 
-def test_components_by_evaluation():
-    table = settings_tables.components({"one": [1.0, 2.0, 3.04, 4.0, 5.0, 6.0]})
-    assert cells(table) == {"`one`": ["1.0", "2.0", "3.0", "4.0", "5.0", "6.0"]}
-
-
 @pytest.fixture(scope="module")
 def paper():
     """The paper's study with fewer experiments."""
     values = paper_values()
     values["study"]["seeds"]["spread"] = {"split": [42, 43], "noise": [42, 43]}
-    values["study"]["kernel_scale"]["scales"] = [1, 2]
     return Paper(study_of(values))
 
 
@@ -163,12 +157,12 @@ def test_likeliest_cause_is_the_nearest_run(paper):
     headline = by_name(paper, "svr_testing_1station")
 
     def p_ml(one):
-        return {"_track": 30.0}.get(one.reading, 24.0 if one.learner == "svr_s2" else None)
+        return {"_track": 30.0}.get(one.reading, 24.0 if one.learner == "svrfixed" else None)
 
     results = Results(metrics(paper, p_ml))
     text, run, explains = reproduction.likeliest_cause(reproduction.compare(headline, results), results)
-    assert text == "the kernel scale is 2, not the default rule's"
-    assert run == replace(headline.experiment, learner="svr_s2")
+    assert text == "the kernel scale is 1.74, not the default rule's"
+    assert run == replace(headline.experiment, learner="svrfixed")
     assert explains
 
 

@@ -29,5 +29,5 @@ def test_a_piece_is_headings_paragraphs_and_tables():
     (paragraph, table) = texts.blocks("mornings.dataset", [["x"]], **told)
     assert (heading, paragraph) == (Heading("T"), Paragraph("**a, b.** v"))
     assert table == Table(["model", "1 d", "2 d", "skill, %"], [["x"]])
-    (_, _, empty) = texts.blocks("reproduction.kernel_scales", columns=texts.across([]))
-    assert empty.header == ["s"]
+    (_, _, empty) = texts.blocks("reproduction.readings", names=texts.across([]))
+    assert empty.header == ["interpretation"]

@@ -72,17 +72,6 @@ def test_curves_name_the_training_rso_once():
     assert len(PAPER.curves["inclination"].experiments) == 10
 
 
-def test_drawn_seeds_multiply_the_curves(values):
-    assert study_of(values).drawn_seeds(OWN) == [OWN]
-    values["study"]["seeds"] |= {"split": [42, 43], "noise": [42, 7]}
-    assert [(one.stations, one.train) for one in study_of(values).drawn_seeds(OWN)] == [
-        ("eglin", "random-80"),
-        ("eglin", "random-80_split43"),
-        ("eglin_noise7", "random-80"),
-        ("eglin_noise7", "random-80_split43"),
-    ]
-
-
 def test_spread_over_noise_is_not_asked_of_a_transfer():
     assert len(PAPER.study.noise_spread(OWN)) == 5
     transfer = PAPER.evaluations["inclination_50"]
@@ -121,7 +110,6 @@ def test_reported_are_all_and_each_once():
     assert len(found) == len(set(found))
     for one in (
         *PAPER.partitions,
-        *PAPER.kernel_scales,
         *PAPER.grids["rso"].values(),
         *PAPER.curves["semi_major_axis"].experiments,
     ):

@@ -81,11 +81,6 @@ def longest_errors(evaluation: pd.DataFrame) -> tuple[float, float]:
     return float(longest["true"].abs().mean()), float(longest["residual"].abs().mean())
 
 
-def by_seed(metrics: pd.DataFrame) -> pd.DataFrame:
-    """Return the `metrics` table with a further column `seed`, a number for each pair of seeds."""
-    return metrics.assign(seed=metrics.groupby(["seed_noise", "seed_split"]).ngroup())
-
-
 def summary(
     evaluation: pd.DataFrame,
     *,

@@ -22,9 +22,7 @@ from opml.study.settings.model.names import (
     PublishedByRatio,
     PublishedByValue,
     Ratios,
-    Scales,
     SeedList,
-    SplitPair,
     Splits,
     Standardisation,
     Test,
@@ -176,17 +174,6 @@ class Curves(Section):
     semi_major_axis: Absent[AxisCurve] = absent("one model on other semi-major axes")
 
 
-class KernelScale(OfModel, OfRso):
-    """Sensitivity of P_ML to the kernel scale."""
-
-    scales: Scales = setting("kernel scales of the figure")
-    rules: Names = setting("learners whose kernel scale is marked")
-    splits: Annotated[list[SplitPair], MinLen(1)] = setting(
-        "training and test splits", unit="list of pairs", see="wildcards.md"
-    )
-    station_sets: Names = setting("station sets of the figure")
-
-
 class Transfers(Tested):
     """Models on the curves' RSOs, and out of pools."""
 
@@ -210,14 +197,8 @@ class SpreadSeeds(Section):
 
 
 class StudySeeds(Section):
-    """Seeds of the curves and spreads."""
+    """Seeds of the spreads."""
 
-    split: Absent[SeedList] = absent(
-        "seeds of the splits that curves are drawn with; several give mean and band"
-    )
-    noise: Absent[SeedList] = absent(
-        "seeds of the noise that curves are drawn with; several give mean and band"
-    )
     spread: Absent[SpreadSeeds] = absent("seeds of the spreads in the reproduction")
 
 
@@ -286,9 +267,7 @@ class PaperStudy(Section):
     individual: Absent[Individual] = absent("an evaluation, drawn point by point")
     grids: Absent[dict[EntryName, GridSettings]] = absent("RSOs side by side")
     curves: Absent[Curves] = absent("one model on other RSOs")
-    kernel_scale: Absent[KernelScale] = absent("how P_ML answers to the kernel scale")
-    components: Absent[Names] = absent("evaluations whose six components are trained and tabulated")
-    seeds: Absent[StudySeeds] = absent("seeds of the curves and spreads")
+    seeds: Absent[StudySeeds] = absent("seeds of the spreads")
     reproduction: Absent[ReproductionSettings] = absent("the paper's numbers and ours")
 
 
