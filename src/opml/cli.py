@@ -371,8 +371,8 @@ def _train(options: argparse.Namespace) -> None:
     populations: dict[str, list[str]] = {}
     for one in options.sets:
         name, is_named, path = one.rpartition("=")
-        if is_named and not name:
-            raise InputError(f"{one}: expected NAME=PATH or PATH, got no name")
+        if is_named and not (name and path):
+            raise InputError(f"{one}: expected NAME=PATH or PATH, got no {'path' if name else 'name'}")
         populations.setdefault(name if is_named else "all", []).append(path)
     suffix_of(options.output, [trained_model.SUFFIX])
     check_distinct_files([options.output], [options.weather, *chain.from_iterable(populations.values())])

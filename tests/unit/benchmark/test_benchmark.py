@@ -571,7 +571,9 @@ def test_forecasts_are_those_issued_last(recipe, tmp_path):
         task_folders.Folders(folder, tmp_path / "truth"),
         task_folders.WeatherSources(forecasts=issued),
     )
-    recipes.make(early, sets, folders, known)
+    recipes.make(early, [*sets, *sets], folders, known)
+    lines = (folder / "inputs/2025-12-23T060000/sets.tle").read_text().splitlines()
+    assert len({*zip(lines[::2], lines[1::2], strict=True)}) == len(lines) / 2
     text = (folder / "inputs/2025-12-23T060000/forecast.csv").read_text()
     assert text == "issued,valid,f107\n2025-12-20T03:00:00Z,2025-12-21,150\n"
     for made, given, told in (

@@ -7,11 +7,14 @@ import sys
 from importlib.metadata import version
 
 import catalogue_files
+import numpy as np
+import pandas as pd
 import pytest
 from project import HUNG
 
 from opml.base import epochs
-from opml.element_sets import trained_model, training
+from opml.element_sets import corrector, trained_model, training
+from opml.element_sets.features import FEATURES
 
 OTHERWISE = {"OMP_NUM_THREADS": "2", "OPENBLAS_NUM_THREADS": "2", "NUMBA_CPU_NAME": "generic"}
 """Two threads, and kernels without AVX.
@@ -33,6 +36,19 @@ def files(tmp_path_factory):
 def trained(files):
     """What one thread trains."""
     return training.train({"all": [files[0]]}, weather=files[1])
+
+
+def test_an_object_alone_in_its_band_has_nothing_to_teach():
+    """Its target is its own median, 0, by whose size it would count without end."""
+    rng = np.random.default_rng(1)
+    rows = pd.DataFrame(rng.normal(size=(300, len(FEATURES))), columns=FEATURES)
+    rows = rows.assign(band=np.repeat([0, 1], 150), lead=1, target=rng.normal(size=300))
+    learned = {}
+    for alone in (5.0, 0.0):
+        rows.loc[rows["band"] == 0, "target"] *= alone
+        learned[alone] = corrector.LEARNERS["trees"].fit(rows, 1).predict(rows[list(FEATURES)].to_numpy())
+    assert np.isfinite(learned[0.0]).all()
+    assert np.abs(learned[0.0]).max() < np.abs(learned[5.0]).max()
 
 
 @pytest.mark.slow

@@ -1,9 +1,13 @@
 """The list of formats: each file has one, whatever stands before its first key, and refusals name it."""
 
+import os
+from threading import Thread
+
 import pytest
 
 from opml.base.errors import InputError
 from opml.interop import formats
+from opml.interop.orbit_arcs import contents
 
 BEGINNINGS = {
     "TLE": b"ISS (ZARYA)\n1 25544U 98067A   26263.12500000",
@@ -39,6 +43,13 @@ BEGINNINGS = {
 def test_a_file_has_the_format_that_it_begins_as(name):
     kinds = {one.kind for one in formats.FORMATS}
     assert name.startswith(formats.of("file", BEGINNINGS[name], *kinds).name)
+
+
+def test_a_pipe_is_read_once_and_serves_twice(tmp_path):
+    pipe = tmp_path / "sets.tle"
+    os.mkfifo(pipe)
+    Thread(target=pipe.write_bytes, args=[BEGINNINGS["TLE"]], daemon=True).start()
+    assert contents(pipe) == contents(pipe) == BEGINNINGS["TLE"]
 
 
 @pytest.mark.parametrize(
