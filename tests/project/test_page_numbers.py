@@ -15,7 +15,6 @@ from opml.element_sets import features, improved_sizes, prediction, weighting
 from opml.interop.curves import orbit_breaks
 from opml.learning.judge import error_sizes
 from opml.mornings import days, verdicts
-from opml.workflow import params
 from validation.pictures import every_week, where_learning_helps
 from validation.pictures.page_tables import catalogue, rows
 
@@ -210,7 +209,6 @@ def test_the_picture_of_learning_has_every_season_and_satellite():
         ("day", f"at least {100.0 * verdicts.LEAST_INSIDE:.0f} % of the last two weeks' errors, "),
         ("day", f"errors, {100.0 * verdicts.LEAST_OF_DAY:.0f} % on each day ahead"),
         ("day", f"its last {days.STRIP} verdicts"),
-        ("day", f"Below {params.FITS_ABOVE / 1e3:.0f} km fits are"),
         ("improve", f"scaled by the errors of the object's last {improved_sizes.ALONG_MORNINGS} mornings"),
         ("improve", f"(a/{improved_sizes.STORM:.0f})^2"),
         ("improve", f"the errors of its last {improved_sizes.MORNINGS} mornings"),

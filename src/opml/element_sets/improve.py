@@ -10,7 +10,7 @@ to the corrections at all leads.
 """
 
 import logging
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
@@ -101,13 +101,25 @@ def read(
     Raises InputError for an unreadable file, for weather that ends too early, and where no set was public.
     """
     check_date(date)
+    return public_on(
+        date, lambda: catalogues.read(paths, latency=latency), known_weather.read(weather), source=weather
+    )
+
+
+def public_on(
+    date: str, catalogue: Callable[[], ElementCatalogue], measured: Weather, *, source: FilePath
+) -> PublicData:
+    """Return what was public on a date (UTC text); raises as `read`.
+
+    catalogue: returns all sets, and is called when the weather is known to reach; source: of the weather
+    """
     today = modified_julian_day(date)
-    found = known_weather.read(weather).keep_known(today)
-    check_newest(found, weather, date=date, oldest=OLDEST_WEATHER)
-    sets = catalogues.read(paths, latency=latency).until(today).daily()
+    weather = measured.keep_known(today)
+    check_newest(weather, source, date=date, oldest=OLDEST_WEATHER)
+    sets = catalogue().until(today).daily()
     if sets.table.empty:
         raise InputError(f"element sets: expected some that were public on {date}, got none")
-    return PublicData(sets, density.clean(found), date)
+    return PublicData(sets, density.clean(weather), date)
 
 
 def check_written(better: FilePath, table: FilePath | None, paths: Iterable[FilePath]) -> None:

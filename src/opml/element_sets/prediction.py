@@ -131,6 +131,13 @@ class Prediction(PredictedOrbit):
         return "; ".join([f"{self.way}{by_sgp4}", *self._cautions()])
 
     @property
+    def model(self) -> str:
+        """The name of what was used: inside, or of an improved set learned, density or sgp4."""
+        if isinstance(self.inside, OrbitInside):
+            return "inside"
+        return "sgp4" if self.how["applied"] == weighting.UNCHANGED else str(self.how["applied"])
+
+    @property
     def way(self) -> str:
         """What was used, in words."""
         of = f" from {self.how['population']}" if self.how["population"] else ""
@@ -231,8 +238,9 @@ class PublicMorning:
     ) -> "PublicMorning":
         """Read it from files and folders of sets; raises as `predict` does."""
         known = improve.read(paths, date=date, weather=str(weather), latency=latency)
-        better = improve.improve(known, trained_model.read(trained), progress=progress)
-        return cls(known, better, weather, latency)
+        return cls(
+            known, improve.improve(known, trained_model.read(trained), progress=progress), weather, latency
+        )
 
     def predict(self, history: Sequence[ElementSet], *, days: float = LEADS[-1]) -> Prediction:
         """Predict an object.
@@ -244,6 +252,8 @@ class PublicMorning:
         """
         date, newest = self.better.date, history[-1]
         public = known_sets.since(date, history, latency=self.latency, until=0.0)
+        if not public:
+            raise InputError(f"{known_sets.identity(newest)}: expected a set public on {date}, got none")
         (place,) = np.flatnonzero(self.better.table["number"] == newest.number)
         how = self.better.table.iloc[place]
         burns, thrusts = burns_before(public, date), thrusting(public) if how["height"] < LOW else 0

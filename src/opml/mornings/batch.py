@@ -17,6 +17,7 @@ from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.base.provenance import settings_digest
 from opml.base.section import JobSettings
+from opml.catalog import kinds
 from opml.catalog.fit.estimation_settings import Estimation
 from opml.catalog.predict import weather_spread
 from opml.catalog.predict.weather_spread import Weathers
@@ -26,17 +27,18 @@ from opml.dynamics.ensemble import Arcs
 from opml.dynamics.kernels.surroundings import ForceModel
 from opml.dynamics.settings import ForceModelSettings, Integrator
 from opml.dynamics.shared_blocks import SharedBlocks
+from opml.element_sets import known_sets
 from opml.element_sets.catalogue import modified_julian_day
-from opml.element_sets.improved_history import ImprovedHistory
-from opml.interop.element_sets import histories
-from opml.interop.element_sets.histories import History
+from opml.interop.element_sets.element_set import ElementSet
 from opml.learning.models.learners import JobLearner
 from opml.mornings import days, measurement_files
 from opml.mornings.calendar import Calendar
 from opml.mornings.days import BatchTask, UnderWay
 from opml.mornings.kept.store import Store
 from opml.mornings.measurement_files import MeasurementSource, Span
+from opml.mornings.morning import TrackedObject
 from opml.mornings.outcomes import FAILED
+from opml.mornings.set_mornings import ObjectOfSets, RunSets, history_of
 from opml.mornings.watched_object import MorningPlan, ObjectPropagators, Watched
 from opml.mornings.weather_of_day import FIGURES
 from opml.orbits.sheets import Rso, Station
@@ -89,8 +91,6 @@ class BatchSettings(JobSettings):
     max_days: float
     step_s: float
     models: dict[str, JobLearner]
-    fits_above: float
-    high_degree: int
     catalogue: CatalogueFiles
     objects: dict[str, ObjectSettings]
 
@@ -117,7 +117,6 @@ class BatchSettings(JobSettings):
             self.step_s,
             DAY * self.duration_days,
             self.epoch,
-            self.fits_above,
         )
 
 
@@ -126,19 +125,19 @@ class Surroundings:
     """What all objects of a job share: force models as of `watched.ObjectPropagators`, and the stations.
 
     The weather was seen until `seen_until` [s]. The models of fits and predictions stand with the parts of
-    them for high orbits and for neighbours, made once: arcs under one model are propagated together. Mean
-    elements are improved beside those of all objects of the run, whose files are read once.
+    them for high orbits and for neighbours, made once: arcs under one model are propagated together.
+    sets: those of all objects of the run, None without any
     """
 
-    fits: tuple[ForceModel, ForceModel, ForceModel]
-    predictions: tuple[ForceModel, ForceModel, ForceModel]
+    fits: tuple[ForceModel, ForceModel]
+    predictions: tuple[ForceModel, ForceModel]
     integrator: Integrator
     weathers: Weathers
     orientation: pd.DataFrame
     stations: Sequence[Station]
     seen_until: float
-    improved: ImprovedHistory | None
-    read_sets: Callable[..., History]
+    sets: RunSets | None
+    read_sets: Callable[[tuple[str, ...]], Mapping[int, Sequence[ElementSet]]]
     propagate: Callable[..., Arcs]
 
     @classmethod
@@ -157,35 +156,29 @@ class Surroundings:
         futures = _futures(files.futures, since=since) if files.futures else None
         activity = read_table(fits["solar_activity"], "solar_activity")
         return cls(
-            _with_parts(of_fits, settings.high_degree),
-            _with_parts(of_predictions, settings.high_degree),
+            (of_fits, near_part(of_fits)),
+            (of_predictions, near_part(of_predictions)),
             settings.integrator,
             Weathers.of(flattened, futures),
             read_table(fits["earth_orientation"], "earth_orientation"),
             settings.stations,
             float(activity.dropna(subset=list(FIGURES))["t"].max()),
-            _improved(settings, since),
-            cache(histories.read),
+            _run_sets(settings, since),
+            cache(known_sets.by_object),
             propagate,
         )
 
     def model(self, rso: Rso) -> ObjectPropagators:
         """Return the propagators of an object."""
         of = partial(Propagator, rso=rso, integrator=self.integrator, propagate_arcs=self.propagate)
-        (fits, high, near), (predictions, high_ahead, near_ahead) = self.fits, self.predictions
+        (fits, near), (predictions, near_ahead) = self.fits, self.predictions
         return ObjectPropagators(
             of(fits, near=near),
             of(predictions, near=near_ahead),
             of(self.weathers.model),
             self.weathers,
             self.orientation,
-            (of(high, near=near), of(high_ahead, near=near_ahead)),
         )
-
-
-def _with_parts(model: ForceModel, high_degree: int) -> tuple[ForceModel, ForceModel, ForceModel]:
-    """Return a model with its parts for high orbits and for neighbours."""
-    return model, model.truncated(high_degree), near_part(model)
 
 
 def run(files: Any, settings: BatchSettings, *, metadata: Mapping[str, Any]) -> list[dict[str, Any]]:
@@ -251,21 +244,12 @@ class _Attempts:
         return None
 
 
-def _improved(settings: BatchSettings, since: float) -> ImprovedHistory | None:
-    """Return what improves mean elements; None without any, or where the log says what is missing.
-
-    since: a time before all mornings to be run [s]
-    """
+def _run_sets(settings: BatchSettings, since: float) -> RunSets | None:
+    """Return the public sets of a run, None without any; since: a time before all mornings to be run [s]."""
     if not settings.catalogue.files:
         return None
-    zero = modified_julian_day(settings.epoch)
-    first, last = (zero + t / DAY for t in (since, settings.calendar.time(settings.date)))
-    try:
-        improved = ImprovedHistory.read(settings.catalogue.files, settings.catalogue.weather)
-        return improved.within(first, last, kept=settings.days)
-    except InputError as reason:
-        _log.warning("element sets are not improved: %s", reason)
-        return None
+    first = modified_julian_day(settings.epoch) + (since / DAY if np.isfinite(since) else 0.0)
+    return RunSets.read(settings.catalogue.files, settings.catalogue.weather, since=first)
 
 
 def _futures(path: FilePath, *, since: float) -> pd.DataFrame:
@@ -291,34 +275,33 @@ def _begin(
     done: Sequence[date],
 ) -> UnderWay:
     """Return an object before the first of its mornings that are not over."""
-    calendar, plan = settings.calendar, replace(settings.plan, has_message=one.has_message)
-    span = Span(settings.epoch, plan.end)
-    source = MeasurementSource(
-        one.kind, one.files, one.options, one.start, one.manoeuvres, surroundings.read_sets
-    )
-    found = measurement_files.read(
-        source,
-        span,
-        surroundings.stations,
-        surroundings.orientation,
-        since=days.since(done, calendar, plan),
-    )
-    known = max(surroundings.seen_until, days.last_known(found.tracking))
-    days.check_reached(calendar, settings.date, known)
+    plan = replace(settings.plan, has_message=one.has_message)
+    begin = _of_sets if one.kind == kinds.ELEMENTS.name else _tracked
+    watched = begin(one, surroundings, plan, since=days.since(done, settings.calendar, plan))
+    known = max(surroundings.seen_until, watched.last_known)
+    days.check_reached(settings.calendar, settings.date, known)
+    digest = settings_digest(settings.shared | one.model_dump(include={"rso", "options"}))
+    return UnderWay.begin(BatchTask(name, settings.calendar, settings.date, digest), watched, store, done)
+
+
+def _of_sets(
+    one: ObjectSettings, surroundings: Surroundings, plan: MorningPlan, *, since: float
+) -> ObjectOfSets:
+    """Return an object of public sets; all of them count, whenever its mornings begin."""
+    assert surroundings.sets is not None
+    histories = surroundings.read_sets(tuple(one.files))
+    history = history_of(histories, one.options.get("number"), one.files[0])
+    return ObjectOfSets(plan, surroundings.sets, history)
+
+
+def _tracked(
+    one: ObjectSettings, surroundings: Surroundings, plan: MorningPlan, *, since: float
+) -> TrackedObject:
+    """Return an object of tracks or fixes; since: earlier tracks are left out [s]."""
+    span = Span(plan.epoch, plan.end)
+    source = MeasurementSource(one.kind, one.files, one.options, one.start, one.manoeuvres)
+    found = measurement_files.read(source, span, surroundings.stations, surroundings.orientation, since=since)
     model = surroundings.model(one.rso)
     given = measurement_files.given_state(source, span, one.rso, found.tracking, model.predictions.model.gm)
-    watched = Watched(
-        model,
-        plan,
-        found.tracking,
-        surroundings.stations,
-        found.manoeuvres,
-        given,
-        found.identity,
-        found.sgp4 and replace(found.sgp4, improved=surroundings.improved),
-    )
-    own = one.model_dump(include={"rso", "options"})
-    if found.sgp4 is not None:
-        own["high_degree"] = settings.high_degree
-    digest = settings_digest(settings.shared | own)
-    return UnderWay.begin(BatchTask(name, calendar, settings.date, digest), watched, store, done)
+    stations, burns = surroundings.stations, found.manoeuvres
+    return TrackedObject(Watched(model, plan, found.tracking, stations, burns, given, found.identity))

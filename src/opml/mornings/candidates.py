@@ -95,10 +95,7 @@ def paths(
     table = part.pairs().assign(morning=now)
     for name, settings in plan.models.items():
         table[f"e_y_{name}"] = _along(part, settings)
-    others = {} if watched.sgp4 is None else watched.sgp4.menu(now)
-    for name, expected_by in others.items():
-        table[f"e_y_{name}"] = expected_by(table)
-    asked = [*STATE, *(f"e_y_{name}" for name in (*plan.models, *others))]
+    asked = [*STATE, *(f"e_y_{name}" for name in plan.models)]
     lost = ~np.isfinite(table[asked].to_numpy()).all(axis=1)
     reached = table[np.cumsum(lost) == 0]
     if len(reached) < LEAST_EPOCHS:

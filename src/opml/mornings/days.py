@@ -3,31 +3,28 @@
 import logging
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from datetime import date, timedelta
 from itertools import pairwise
-from typing import Any, Self
+from pathlib import Path
+from typing import Any, Protocol, Self
 
 import numpy as np
 import pandas as pd
 
-from opml.base.constants import DAY, EARTH_GM, HOUR, WGS84_A
+from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
 from opml.base.progress import counted
-from opml.base.provenance import settings_digest
-from opml.interop import ccsds, oem
+from opml.interop import ccsds
 from opml.learning.judge.error_sizes import INSIDE, along_track
 from opml.mornings import verdicts
 from opml.mornings.calendar import Calendar
 from opml.mornings.kept.batch_day import FinishedMorning
 from opml.mornings.kept.store import Store
-from opml.mornings.morning import MorningResult, morning
-from opml.mornings.outcomes import NOTHING
+from opml.mornings.outcomes import NOTHING, rounded
 from opml.mornings.records import Records
-from opml.mornings.verdicts import OLDEST
-from opml.mornings.watched_object import MorningPlan, Watched
-from opml.orbits.elements import coe_from_cartesian
-from opml.tables import STATE
+from opml.mornings.verdicts import OLDEST, Verdict
+from opml.mornings.watched_object import MorningPlan
 
 STRIP = 30  # mornings whose verdicts the page of a day shows in a row
 
@@ -51,29 +48,70 @@ class BatchTask:
     settings: str  # digest of those that its mornings are made with
 
 
+class WatchedObject(Protocol):
+    """An object of whose mornings each leaves something: of what tracks it, or of its public sets."""
+
+    @property
+    def plan(self) -> MorningPlan:
+        """What is asked of every morning."""
+
+    @property
+    def judged_for(self) -> float:
+        """Days after a morning for which what it predicted may be judged."""
+
+    @property
+    def first_known(self) -> float:
+        """When the first of what tells of the object was known [s]."""
+
+    @property
+    def stations(self) -> dict[str, str]:
+        """Digests of the stations that measured it, by name."""
+
+    def morning(self, records: Records, *, now: float) -> "MorningLeft":
+        """Return what the morning at a time [s] leaves; records: of earlier ones."""
+
+
+class MorningLeft(Protocol):
+    """What a morning left; ephemeris: of an object whose verdict lets it go."""
+
+    @property
+    def records(self) -> Records:
+        """Tables of this morning alone."""
+
+    @property
+    def verdict(self) -> Verdict:
+        """Whether to trust its ephemeris."""
+
+    def figures(self, plan: MorningPlan) -> dict[str, Any]:
+        """Return what the ephemeris starts from, its orbit, and its errors to expect, as JSON values."""
+
+    def write(self, path: Path, name: str, plan: MorningPlan) -> bool:
+        """Write the ephemeris as a message of an object of a name; return whether there is one."""
+
+
 @dataclass
 class UnderWay:
     """An object on its way through its mornings; records: of those before `next`."""
 
     task: BatchTask
-    watched: Watched
+    watched: WatchedObject
     store: Store
     records: Records
     next: date
 
     @classmethod
-    def begin(cls, task: BatchTask, watched: Watched, store: Store, done: Sequence[date]) -> Self:
+    def begin(cls, task: BatchTask, watched: WatchedObject, store: Store, done: Sequence[date]) -> Self:
         """Return an object before the first of its mornings that are not over; done: dates of those that are.
 
         Raises InputError where a morning between others is gone, and where settings or stations changed.
         """
         if not done:
-            first = min(task.calendar.first(_first_known(watched.tracking)), task.until)
+            first = min(task.calendar.first(watched.first_known), task.until)
             return cls(task, watched, store, Records.empty(), first)
         for before, after in pairwise(done):
             store.check_next(before, after, task.rso)
-        store.check_made(done[-1], task.rso, task.settings, stations_of(watched))
-        longest = timedelta(days=_days_ahead(watched.plan))
+        store.check_made(done[-1], task.rso, task.settings, watched.stations)
+        longest = timedelta(days=_days_ahead(watched))
         records = store.records(task.rso, done, since=done[-1] - longest)
         return cls(task, watched, store, records, done[-1] + timedelta(days=1))
 
@@ -81,33 +119,19 @@ class UnderWay:
         """Run the next morning."""
         rso, day, plan = self.task.rso, self.next, self.watched.plan
         now = self.task.calendar.time(day)
-        left = morning(self.watched, self.records, now=now)
-        self.records = self.records.and_then(left.records, since=now - DAY * plan.max_days)
+        left = self.watched.morning(self.records, now=now)
+        self.records = self.records.and_then(left.records, since=now - DAY * self.watched.judged_for)
+        message = self.store.message(day, rso)
+        is_written = plan.has_message and left.write(message, rso, plan)
         told = outcome(rso, day, left, plan) | {
-            "message": self._write_message(left),
+            "message": message.name if is_written else None,
             "past": past(self.records),
             "mornings": strip(self.records, plan),
             "beside_sgp4": verdicts.medians_with_sgp4(self.records.judged),
         }
         self.next = day + timedelta(days=1)
         _log.info("%s, %s: %s, %s", rso, day, left.verdict.word, left.verdict.reason)
-        return FinishedMorning(left.records, told, self.task.settings, stations_of(self.watched))
-
-    def _write_message(self, left: MorningResult) -> str | None:
-        """Write the ephemeris that left as a message; return the name of its file, None without one."""
-        if left.ephemeris is None or not self.watched.plan.has_message:
-            return None
-        path = self.store.message(self.next, self.task.rso)
-        identity = replace(self.watched.identity, name=self.task.rso)
-        segments = oem.segments_of(left.ephemeris, "corrected", identity)
-        oem.write(path, segments, epoch=self.watched.plan.epoch, comment=left.basis)
-        return path.name
-
-
-def stations_of(watched: Watched) -> dict[str, str]:
-    """Return digests of the stations that measured an object, by name."""
-    measured = {*watched.tracking.get("station", ())}
-    return {one.name: settings_digest(one.row) for one in watched.stations if one.name in measured}
+        return FinishedMorning(left.records, told, self.task.settings, self.watched.stations)
 
 
 def since(done: Sequence[date], calendar: Calendar, plan: MorningPlan) -> float:
@@ -115,24 +139,9 @@ def since(done: Sequence[date], calendar: Calendar, plan: MorningPlan) -> float:
     return calendar.time(done[-1]) - plan.reach - DAY if done else -np.inf
 
 
-def last_known(tracking: pd.DataFrame) -> float:
-    """Return when the last of what was measured was known [s]."""
-    return float(tracking[_known(tracking)].max())
-
-
-def _first_known(tracking: pd.DataFrame) -> float:
-    """Return when the first track was over [s]."""
-    return float(tracking.groupby("track")[_known(tracking)].max().min())
-
-
-def _known(tracking: pd.DataFrame) -> str:
-    """Return the column of when measurements were known."""
-    return "t_known" if "t_known" in tracking else "t"
-
-
-def _days_ahead(plan: MorningPlan) -> int:
-    """Return how many days before a morning the oldest one is whose ephemerides later tracks may reach."""
-    return math.ceil(plan.max_days) - 1
+def _days_ahead(watched: WatchedObject) -> int:
+    """Return how many days before a morning the oldest one is whose ephemerides may be judged."""
+    return math.ceil(watched.judged_for) - 1
 
 
 def check_reached(calendar: Calendar, until: date, known: float) -> None:
@@ -180,14 +189,13 @@ def catch_up(
 
 def _drop_paths(store: Store, objects: Sequence[UnderWay], day: date) -> None:
     """Remove ephemerides that no morning after AGAIN days before a day judges."""
-    longest = max((_days_ahead(one.watched.plan) for one in objects), default=0)
+    longest = max((_days_ahead(one.watched) for one in objects), default=0)
     store.drop_paths(day - timedelta(days=longest + AGAIN), until=day)
 
 
-def outcome(rso: str, day: date, left: MorningResult, plan: MorningPlan) -> dict[str, Any]:
+def outcome(rso: str, day: date, left: MorningLeft, plan: MorningPlan) -> dict[str, Any]:
     """Return what became of an object on a morning, as JSON values."""
-    row, made = left.records.issued.iloc[0], left.records.estimates
-    base = made[made["window_hours"] == plan.base]
+    row = left.records.issued.iloc[0]
     age = (row["morning"] - row["t_i"]) / HOUR
     return {
         "object": rso,
@@ -198,42 +206,14 @@ def outcome(rso: str, day: date, left: MorningResult, plan: MorningPlan) -> dict
         "newest_estimate": _utc(plan.epoch, row["t_i"]),
         "age_hours": round(age, 1) if np.isfinite(age) else None,
         "burn": _utc(plan.epoch, row["burn_t"]),
-        "tracks": len(base),
-        "converged": int(base["converged"].sum()),
-        "late": left.recent.late,
-        **orbit(left.ephemeris),
-        "expected": [] if left.ephemeris is None else expected(left.ephemeris),
+        **left.figures(plan),
         "scores": scores(_selected(left.records.judged)),
-    }
-
-
-def orbit(ephemeris: pd.DataFrame | None) -> dict[str, float | None]:
-    """Return mean height above the equator [km] and inclination [deg] at the start of an ephemeris."""
-    if ephemeris is None:
-        return {"height_km": None, "inclination_deg": None}
-    a, _, inclination, *_ = coe_from_cartesian(ephemeris[STATE].to_numpy()[0], EARTH_GM).tolist()
-    return {
-        "height_km": round((a - WGS84_A) / 1e3, 1),
-        "inclination_deg": round(float(np.degrees(inclination)), 2),
     }
 
 
 def _utc(epoch: str, t: float) -> str | None:
     """Return a time as UTC text, None where there is none."""
     return ccsds.utc_texts(epoch, np.array([t]))[0] if np.isfinite(t) else None
-
-
-def expected(ephemeris: pd.DataFrame) -> list[dict[str, float]]:
-    """Return the standard deviations of an ephemeris in RSW [m], days after its estimate.
-
-    ephemeris: table `corrected`
-    """
-    t, begin = ephemeris["t"].to_numpy(), float(ephemeris["t_i"].iloc[0])
-    leads = np.arange(1.0, np.round((t[-1] - begin) / DAY, 2) + 1e-9)
-    at = [np.interp(begin + DAY * leads, t, np.sqrt(ephemeris[f"cov_{axis}_{axis}"])) for axis in "yxz"]
-    names = ("day", "along_track_sigma_m", "radial_sigma_m", "cross_track_sigma_m")
-    rows = zip(leads.astype(int).tolist(), *(map(_rounded, sigma) for sigma in at), strict=True)
-    return [dict(zip(names, row, strict=True)) for row in rows]
 
 
 def strip(records: Records, plan: MorningPlan) -> list[dict[str, str]]:
@@ -265,17 +245,12 @@ def scores(selected: pd.DataFrame) -> list[dict[str, Any]]:
         {
             "day": day,
             "predictions": int(rows.sum()),
-            "along_track_m": _rounded(np.quantile(size[rows], 0.5)),
-            "along_track_95_m": _rounded(np.quantile(size[rows], 0.95)),
+            "along_track_m": rounded(np.quantile(size[rows], 0.5)),
+            "along_track_95_m": rounded(np.quantile(size[rows], 0.95)),
             "inside": float(np.mean(inside[rows])),
         }
         for day, rows in by_day.items()
     ]
-
-
-def _rounded(length: float) -> float:
-    """Return a length to a decimetre [m]."""
-    return round(float(length), 1)
 
 
 def failed(rso: str, day: date, verdict: str, reason: str) -> dict[str, Any]:

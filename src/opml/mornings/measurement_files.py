@@ -1,7 +1,7 @@
-"""What was measured of an object, from its files: tracks, fixes or mean elements."""
+"""What was measured of an object, from its files: tracks or fixes."""
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import pandas as pd
@@ -10,15 +10,10 @@ from opml.base.constants import HOUR
 from opml.catalog.fit import fixes, measured_tracks
 from opml.catalog.fit.first import first_orbit
 from opml.catalog.fit.first.first_orbit import TimedState
-from opml.dynamics import shared_blocks
 from opml.interop import first_state, points_from_files, tdm
-from opml.interop.element_sets import burns_in_sets, histories, measured_sets
-from opml.interop.element_sets.histories import History
-from opml.interop.element_sets.measured_sets import HistoryTaking
 from opml.interop.object_ids import UNKNOWN, ObjectId, most_specific
 from opml.interop.orbit_from_files import OrbitFiles
 from opml.interop.points_from_files import FixTaking
-from opml.mornings.watched_object import Sgp4
 from opml.orbits import manoeuvres
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.orbits.sheets import Rso, Station
@@ -28,16 +23,14 @@ from opml.orbits.sheets import Rso, Station
 class MeasurementSource:
     """Where the measurements of an object are.
 
-    options: how fixes or mean elements are taken; of fixes and tracks also the satellite, of several
-    read_sets: `histories.read`, or what reads files once for all objects in them
+    options: how fixes are taken; of fixes and tracks also the satellite, of several
     """
 
-    kind: str  # tracks, fixes or elements
+    kind: str  # tracks or fixes
     files: list[str]  # of them
     options: Mapping[str, Any]
     start: str = ""  # file of a state that the very first fits may start from, if any
     manoeuvres: Sequence[str] = ()  # UTC texts
-    read_sets: Callable[..., History] = histories.read
 
 
 @dataclass(frozen=True)
@@ -55,7 +48,6 @@ class ObjectMeasurements:
     tracking: pd.DataFrame  # the table, or `fixes` in its place
     manoeuvres: list[Manoeuvre]
     identity: ObjectId = UNKNOWN  # what its files tell of the object
-    sgp4: Sgp4 | None = None  # the prediction of the public sets, where mean elements were taken
 
 
 def read(
@@ -79,37 +71,12 @@ def read(
         tracking = measured_tracks.tracks(found[found["t"] >= since], stations)
         started = [first_state.identity(source.start)] if source.start else []
         return ObjectMeasurements(tracking, known, most_specific([*started, tdm.identity(found)]))
-    if source.kind == "fixes":
-        options = FixTaking.model_validate(source.options)
-        files = OrbitFiles(source.files, span.epoch, span.duration, options.satellite)
-        points = points_from_files.read(files, orientation, options.sampling)
-        tracking = fixes.arcs(points, length=HOUR * options.stretch_hours)
-        identity, burns = points_from_files.identity_and_burns(files)
-        return ObjectMeasurements(tracking, known + burns, identity)
-    asked = HistoryTaking.model_validate(source.options)
-    history = source.read_sets(
-        tuple(source.files), epoch=span.epoch, leave_out_damaged=asked.leave_out_damaged
-    )
-    return _of_elements(history, asked, span, known, since=since)
-
-
-def _of_elements(
-    history: History, options: HistoryTaking, span: Span, known: list[Manoeuvre], *, since: float
-) -> ObjectMeasurements:
-    """Return what mean elements measured; the manoeuvres are with those that they show, if asked for."""
-    ours = histories.of_object(history.sets, options.number)
-    sets, identity = measured_sets.of_run(ours, span.duration), history.objects[int(ours["number"].iloc[0])]
-    known = burns_in_sets.manoeuvres_of(sets, known, epoch=span.epoch, find=options.find_manoeuvres)
-    found = measured_sets.measured(
-        sets,
-        # On the raster arcs of several objects share blocks.
-        replace(options.of_sets, raster=shared_blocks.STEP, since=since),
-        epoch=span.epoch,
-        duration=span.duration,
-        manoeuvres=known,
-    )
-    tracking = fixes.of_sets(found.epochs, found.points, known=found.known)
-    return ObjectMeasurements(tracking, known, identity, Sgp4(sets, span.epoch))
+    options = FixTaking.model_validate(source.options)
+    files = OrbitFiles(source.files, span.epoch, span.duration, options.satellite)
+    points = points_from_files.read(files, orientation, options.sampling)
+    tracking = fixes.arcs(points, length=HOUR * options.stretch_hours)
+    identity, burns = points_from_files.identity_and_burns(files)
+    return ObjectMeasurements(tracking, known + burns, identity)
 
 
 def given_state(

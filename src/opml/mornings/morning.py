@@ -5,23 +5,29 @@ never made again.
 """
 
 from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from opml.base.constants import HOUR
+from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
+from opml.base.provenance import settings_digest
 from opml.ephemerides import corrected
-from opml.mornings import candidates, fits, issued, verdicts
+from opml.interop import oem
+from opml.interop.object_ids import UNKNOWN, ObjectId
+from opml.mornings import candidates, fits, issued, outcomes, verdicts
 from opml.mornings.fits import Recent
 from opml.mornings.issued import SelectedModel
 from opml.mornings.outcomes import DO_NOT_USE, UNPROVEN
 from opml.mornings.records import Paths, Records, below
 from opml.mornings.verdicts import Verdict
-from opml.mornings.watched_object import Watched
+from opml.mornings.watched_object import MorningPlan, Watched
 from opml.orbits.manoeuvres import Manoeuvre
-from opml.tables import SCHEMAS
+from opml.tables import SCHEMAS, STATE
 
+_OF_EPHEMERIS = ("height_km", "inclination_deg", "expected")
 _NOT_ISSUED = Verdict(UNPROVEN, "nothing was issued yet")
 
 
@@ -34,6 +40,73 @@ class MorningResult:
     verdict: Verdict
     ephemeris: pd.DataFrame | None = None  # table `corrected`; None where none left; sparse without a message
     basis: str = ""  # what its covariances rest on, in words
+    identity: ObjectId = UNKNOWN
+
+    def figures(self, plan: MorningPlan) -> dict[str, Any]:
+        """Return as `days.MorningLeft`; errors to expect are those of days after the estimate."""
+        fits = self.records.estimates
+        base = fits[fits["window_hours"] == plan.base]
+        counts = {"tracks": len(base), "converged": int(base["converged"].sum()), "late": self.recent.late}
+        if self.ephemeris is None:
+            return counts | {name: outcomes.NOTHING[name] for name in _OF_EPHEMERIS}
+        t, begin = self.ephemeris["t"].to_numpy(), float(self.ephemeris["t_i"].iloc[0])
+        leads = np.arange(1.0, np.round((t[-1] - begin) / DAY, 2) + 1e-9)
+        variances = [self.ephemeris[f"cov_{axis}_{axis}"] for axis in "xyz"]
+        sigmas = np.stack([np.interp(begin + DAY * leads, t, np.sqrt(one)) for one in variances], axis=1)
+        orbit = outcomes.orbit(self.ephemeris[STATE].to_numpy()[0])
+        return counts | orbit | {"expected": outcomes.expected(leads, sigmas)}
+
+    def write(self, path: Path, name: str, plan: MorningPlan) -> bool:
+        """Write the ephemeris as `days.MorningLeft`."""
+        if self.ephemeris is None:
+            return False
+        segments = oem.segments_of(self.ephemeris, "corrected", replace(self.identity, name=name))
+        oem.write(path, segments, epoch=plan.epoch, comment=self.basis)
+        return True
+
+
+@dataclass(frozen=True)
+class TrackedObject:
+    """An object of tracks, fixes or ranges on its mornings, as `days.WatchedObject`."""
+
+    watched: Watched
+
+    @property
+    def plan(self) -> MorningPlan:
+        """What is asked of every morning."""
+        return self.watched.plan
+
+    @property
+    def judged_for(self) -> float:
+        """Days after a morning for which later tracks judge what it predicted."""
+        return self.plan.max_days
+
+    @property
+    def first_known(self) -> float:
+        """When the first track was over [s]."""
+        tracking = self.watched.tracking
+        return float(tracking.groupby("track")[_known(tracking)].max().min())
+
+    @property
+    def last_known(self) -> float:
+        """When the last of what was measured was known [s]."""
+        tracking = self.watched.tracking
+        return float(tracking[_known(tracking)].max())
+
+    @property
+    def stations(self) -> dict[str, str]:
+        """Digests of the stations that measured it, by name."""
+        measured = {*self.watched.tracking.get("station", ())}
+        return {one.name: settings_digest(one.row) for one in self.watched.stations if one.name in measured}
+
+    def morning(self, records: Records, *, now: float) -> MorningResult:
+        """Return what the morning at a time [s] leaves; records: of earlier ones."""
+        return morning(self.watched, records, now=now)
+
+
+def _known(tracking: pd.DataFrame) -> str:
+    """Return the column of when measurements were known."""
+    return "t_known" if "t_known" in tracking else "t"
 
 
 def morning(watched: Watched, records: Records, *, now: float) -> MorningResult:
@@ -45,7 +118,7 @@ def morning(watched: Watched, records: Records, *, now: float) -> MorningResult:
     What cannot be made of what was measured is told by the verdict: a morning that raised an error for it
     would be tried again for ever.
     """
-    one = _Morning(watched.on(now).aware_of(records.burns), records, now)
+    one = _Morning(watched.aware_of(records.burns), records, now)
     try:
         one.fit()
         one.issue(one.select())
@@ -134,4 +207,5 @@ class _Morning:
         row = issued.row(self.now, self.starts, self.selected, self.verdict.word, burn=self.burn)
         basis = corrected.basis(self.selected.replay, self.now) if self.selected else ""
         records = Records(self.estimates, self.judged, row, self.paths)
-        return MorningResult(records, self.recent, self.verdict, self.ephemeris, basis)
+        identity = self.watched.identity
+        return MorningResult(records, self.recent, self.verdict, self.ephemeris, basis, identity)

@@ -9,7 +9,6 @@ import pandas as pd
 
 from opml.base.constants import DAY, HOUR
 from opml.base.progress import counted
-from opml.catalog.fit import fixes
 from opml.catalog.predict import labels
 from opml.ephemerides.corrected import spread_at
 from opml.learning.judge.error_sizes import INSIDE, LEVEL
@@ -17,23 +16,18 @@ from opml.mornings import issued
 from opml.mornings.fits import FAR, Recent, sigmas_off
 from opml.mornings.outcomes import DO_NOT_USE, GOOD, UNPROVEN, WIDE
 from opml.mornings.records import Records
-from opml.mornings.watched_object import SGP4, Watched
+from opml.mornings.watched_object import Watched
 from opml.orbits.manoeuvres import Manoeuvre, contain_any
 from opml.tables import DOUBT, SIGMA_STATE, SIGMAS, STATE
 
 
 def later_states(estimates: pd.DataFrame, recent: Recent) -> pd.DataFrame:
-    """Return what estimates tell of the orbit: j, t_j, t_known, DOUBT and a state of each that converged.
-
-    They are `correlated` where mean elements are fitted.
-    """
+    """Return what estimates tell of the orbit: j, t_j, t_known, DOUBT and a state of each that converged."""
     ends = dict(zip(recent.numbers, recent.ends, strict=True))
     known = labels.with_sigmas(estimates[estimates["converged"].astype(bool)])
     doubt = dict(zip(DOUBT, (known[name] for name in SIGMAS[:3]), strict=True))
-    states = known.assign(j=known["track"], t_j=known["t"], t_known=known["track"].map(ends), **doubt)[
-        ["j", "t_j", "t_known", *DOUBT, *STATE]
-    ]
-    return states.assign(correlated=True) if fixes.are_of_sets(recent.tracking) else states
+    columns = ["j", "t_j", "t_known", *DOUBT, *STATE]
+    return known.assign(j=known["track"], t_j=known["t"], t_known=known["track"].map(ends), **doubt)[columns]
 
 
 def judge(watched: Watched, estimates: pd.DataFrame, recent: Recent, records: Records) -> pd.DataFrame:
@@ -67,6 +61,8 @@ def _ahead(rows: pd.DataFrame, later: Mapping[str, np.ndarray], watched: Watched
     ahead = {name: values[reached] for name, values in later.items()}
     return ahead | {"i": np.full(reached.sum(), rows["i"].iloc[0])} | spread_at(ahead["t_j"], rows)
 
+
+SGP4 = "sgp4"  # name of SGP4 from the newest public set among models
 
 OLDEST = 1.5 * DAY  # oldest estimate that an ephemeris should start from [s]
 FEWEST = 7  # mornings whose ephemerides were judged, below which intervals are hardly known

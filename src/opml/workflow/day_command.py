@@ -36,6 +36,8 @@ _START, _DATE, _OBJECT, _WINDOW = 20.0, 2.2, 0.8, 0.9
 """Time of mornings on a core [s]: before the first, each date, each object on it, as their arcs are side by
 side, and of one that is measured by points or tracks, as Swarm A, each window of the models' fits."""
 
+_SETS = 4.0  # what an object of public sets takes [s]
+
 _ARENAS = "2"
 """Heaps of the threads of a job, one an object: of one each they keep a quarter more memory (glibc alone)."""
 
@@ -123,8 +125,9 @@ def beforehand(ahead: Mapping[str, int], settings: Settings) -> str:
     objects, number, day = len(settings.measured), sum(ahead.values()), settings.run.day
     models = [settings.values["learners"][name] for name in settings.morning_models]
     windows = len({model.get("window_hours") for model in models})
-    measured = sum(count for rso, count in ahead.items() if settings.kind_of(rso) is not ELEMENTS)
-    seconds = _START + _DATE * max(ahead.values()) + _OBJECT * number + _WINDOW * windows * measured
+    of_sets = sum(count for rso, count in ahead.items() if settings.kind_of(rso) is ELEMENTS)
+    fitted = number - of_sets
+    seconds = _START + _DATE * max(ahead.values()) + (_OBJECT + _WINDOW * windows) * fitted + _SETS * of_sets
     share = 1.0 if day is None or day.messages is None else len(day.messages) / objects
     stay = min(number, _STAY * objects)
     megabytes = number * (_TABLES + share * _MESSAGE) + stay * _EPHEMERIDES

@@ -20,9 +20,6 @@ from opml.study.settings.model.catalogue import SeasonSettings
 from opml.study.settings.model.whole import RunSettings
 from opml.workflow.plan import Plan, end_plan
 
-FITS_ABOVE = 600e3
-"""Height below which fits to mean elements were farther off than SGP4 from the newest of them [m]."""
-
 
 class Wildcards(Protocol):
     """The parts of a file's name, as Snakemake hands them to functions of rules."""
@@ -230,9 +227,6 @@ class Params:
             "max_days": self.run.prediction.max_days,
             "step_s": self.run.ephemeris.step_s,
             "models": {name: settings.of_job() for name, settings in models.items()},
-            # Models that a user names are used at any height.
-            "fits_above": FITS_ABOVE if day.models is None else 0.0,
-            "high_degree": day.high_degree,
             "catalogue": {"files": self.element_files, "weather": self.measured_weather},
             "objects": {rso: self._watched(rso) for rso in self.plan.watched[wildcards.batch]},
         }

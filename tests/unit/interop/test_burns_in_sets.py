@@ -49,7 +49,7 @@ def found(sets):
 
 @pytest.mark.parametrize("step", [{"raised": {4.5: 60.0}}, {"raised": {4.5: -60.0}}, {"tilted": {4.5: 60.0}}])
 def test_a_burn_is_found_with_the_second_set_after_it(step, caplog):
-    with caplog.at_level(logging.INFO):
+    with caplog.at_level(logging.DEBUG):
         assert found(sets_with(**step)) == [Manoeuvre(5.0 * DAY, 6.0 * DAY)]
     (message,) = caplog.messages
     assert re.sub(r"\.0+", "", message) == (

@@ -8,7 +8,6 @@ from datetime import date, timedelta
 import numpy as np
 import pandas as pd
 import pytest
-from element_histories import history
 from support import EPOCH, ESTIMATION, refusal
 
 from opml.base.constants import DAY, HOUR
@@ -23,14 +22,15 @@ from opml.ephemerides.known_tables import KnownTables
 from opml.interop import orbit_segments
 from opml.interop.object_ids import ObjectId
 from opml.learning.models import learners
-from opml.mornings import candidates, days, fits, verdicts
+from opml.mornings import candidates, days, fits
 from opml.mornings.calendar import Calendar
 from opml.mornings.days import BatchTask, UnderWay
 from opml.mornings.kept import older_days
 from opml.mornings.kept.store import Store
+from opml.mornings.morning import TrackedObject
 from opml.mornings.outcomes import DO_NOT_USE, UNPROVEN
 from opml.mornings.records import Records
-from opml.mornings.watched_object import MorningPlan, ObjectPropagators, Sgp4, Watched
+from opml.mornings.watched_object import MorningPlan, ObjectPropagators, Watched
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import FIX_SIGMAS, SCHEMAS, STATE, paths_schema, write_table
 
@@ -70,7 +70,8 @@ def watched(orbit, assumed_model, iss, earth_orientation, three_stations):
 
 def begin(store, name, watched, until):
     """An object before the first of its mornings that are not over."""
-    return UnderWay.begin(BatchTask(name, CALENDAR, until, "digest"), watched, store, store.done(until)[name])
+    task, object_ = BatchTask(name, CALENDAR, until, "digest"), TrackedObject(watched)
+    return UnderWay.begin(task, object_, store, store.done(until)[name])
 
 
 def run(watched, folder, until=LAST):
@@ -139,22 +140,6 @@ def test_what_comes_after_a_morning_changes_nothing_of_it(watched, whole, tmp_pa
     run(replace(watched, tracking=other), tmp_path, LAST)
     assert contents(tmp_path, until) == contents(whole, until)
     assert contents(tmp_path) != contents(whole)
-
-
-@pytest.mark.parametrize(
-    ("fits_above", "models", "windows"),
-    [(0.0, ["fit18", "running18", "sgp4"], {12.0, 18.0}), (600e3, ["sgp4"], {12.0})],
-    ids=["models that a user names", "the default of low mean elements"],
-)
-def test_low_down_no_fit_to_mean_elements_is_flown(watched, whole, tmp_path, fits_above, models, windows):
-    """Earlier mornings, on which fits were flown, keep what they left and are built on."""
-    sets = Sgp4(history(np.arange(0.0, 5.0, 0.5)), EPOCH)
-    low = replace(watched, sgp4=sets, plan=replace(watched.plan, fits_above=fits_above))
-    carried_on(whole, low, tmp_path, after=LAST - timedelta(days=1))
-    (table,) = left(tmp_path).paths("iss")
-    assert table.models == models
-    assert {*rows(tmp_path, "kept_estimates", [LAST])["window_hours"]} == windows
-    assert contents(tmp_path, LAST - timedelta(days=1)) == contents(whole, LAST - timedelta(days=1))
 
 
 def test_a_morning_that_was_cut_short_runs_again(watched, whole, tmp_path):
@@ -469,14 +454,6 @@ def test_a_track_keeps_its_number_and_one_that_comes_late_gets_none():
 def test_messages_tell_the_object_by_what_its_files_tell(watched, whole):
     (segment,) = orbit_segments.read(whole / LAST.isoformat() / "iss" / "iss.oem", epoch=EPOCH)
     assert (segment.name, segment.identity.designator) == ("iss", "1998-067A")
-
-
-def test_fits_to_mean_elements_are_marked_as_what_errs_alike(watched, whole):
-    made = rows(whole, "kept_estimates", [LAST]).query("window_hours == 12.0")
-    recent = fits.recent_tracks(watched.tracking, made, now=CALENDAR.time(LAST), reach=2 * DAY)
-    assert "correlated" not in verdicts.later_states(made, recent)
-    before = recent.tracking.assign(t_estimate=recent.tracking["t"] + HOUR)
-    assert verdicts.later_states(made, replace(recent, tracking=before))["correlated"].all()
 
 
 def test_an_estimate_long_after_the_one_before_is_not_flown_to():

@@ -3,23 +3,17 @@
 import numpy as np
 import pandas as pd
 import pytest
-from element_histories import history
 from mornings import replays
-from support import EPOCH
 
 from opml.base.constants import DAY
 from opml.base.errors import InputError
-from opml.element_sets.catalogue import modified_julian_day
-from opml.interop.element_sets import histories
-from opml.interop.element_sets.element_set import changed
 from opml.learning.judge.error_sizes import Sizes
 from opml.mornings import days, issued
 from opml.mornings.outcomes import DO_NOT_USE, GOOD, UNPROVEN, WIDE
 from opml.mornings.records import Records
 from opml.mornings.verdicts import Verdict, medians_with_sgp4, verdict
-from opml.mornings.watched_object import MorningPlan, ObjectPropagators, Sgp4, Watched
 from opml.orbits.manoeuvres import Manoeuvre
-from opml.tables import SIGMA_STATE, STATE
+from opml.tables import SIGMA_STATE
 
 NOW = 20.0 * DAY
 
@@ -162,64 +156,6 @@ def test_medians_of_sgp4_are_of_the_same_epochs_by_day_ahead():
     mornings = past.iloc[1:].groupby(np.ceil(past["duration"] / DAY))["morning"].nunique()
     assert [one["mornings"] for one in found] == mornings.tolist()
     assert medians_with_sgp4(past) == []
-
-
-def test_a_path_corrected_by_sgp4_is_where_sgp4_is():
-    """Along the track; a set that nobody knew of on the morning changes nothing."""
-    sets = history(np.arange(0.0, 20.0, 0.5))
-    t = NOW + 300.0 * np.arange(5)
-    true = histories.predict(sets, epoch=EPOCH, known=NOW, t=t)
-    step = true[:, 3:] / np.linalg.norm(true[:, 3:], axis=1)[:, None]
-    path = pd.DataFrame(np.column_stack([true[:, :3] + 250.0 * step, true[:, 3:]]), columns=STATE).assign(
-        t_j=t
-    )
-    expected = Sgp4(sets, EPOCH).menu(NOW)["sgp4"](path)
-    np.testing.assert_allclose(expected, 250.0, atol=1.0)
-    later = sets.assign(bstar=sets["bstar"].mask(sets["t"] > NOW, 1.0))
-    np.testing.assert_array_equal(Sgp4(later, EPOCH).menu(NOW)["sgp4"](path), expected)
-
-
-def test_the_height_is_that_of_the_newest_set_that_was_known():
-    """That of the ISS is about 400 km; sets that come later, of whatever height, change nothing."""
-    sets = history(np.arange(0.0, 22.0, 0.5))
-    sets = sets.assign(mean_motion=sets["mean_motion"].mask(sets["t"] > NOW, 1e-4))
-    sgp4 = Sgp4(sets, EPOCH)
-    assert [sgp4.is_above(least, now=NOW) for least in (380e3, 430e3)] == [True, False]
-    assert sgp4.is_above(430e3, now=NOW + DAY)
-    assert sgp4.is_above(430e3, now=-DAY)
-
-
-def test_high_up_fits_to_mean_elements_fly_under_less_of_the_field():
-    """As the newest set that was known has it; a long orbit with a low perigee flies under all of it."""
-    low = history(np.arange(0.0, 22.0, 0.5))
-    high = low.assign(mean_motion=low["mean_motion"].mask(low["t"] > NOW - DAY, 0.93 * low["mean_motion"]))
-    long = high.assign(eccentricity=high["eccentricity"].mask(low["t"] > NOW - DAY, 0.05))
-    model = ObjectPropagators("fits", "predictions", "flat", None, None, ("high", "ahead"))
-    plan = MorningPlan({}, None, 7.0, 60.0, 30 * DAY, EPOCH)
-    watched = [Watched(model, plan, None, (), sgp4=Sgp4(sets, EPOCH)) for sets in (low, high, long)]
-    assert [one.on(NOW).model.fits for one in watched] == ["fits", "high", "fits"]
-    assert [watched[1].on(t).model.predictions for t in (NOW - DAY, NOW)] == ["predictions", "ahead"]
-
-
-class _Improved:
-    """Improves the first set of the history by a mean motion that is a millionth larger."""
-
-    def newest(self, name, number, morning):
-        assert morning == modified_julian_day(EPOCH) + NOW / DAY
-        newest = histories.satellite(history(np.arange(0.0, 20.0, 0.5)).iloc[0], epoch=EPOCH)
-        return changed(newest, newest.no_kozai * (1.0 + 1e-6), newest.bstar) if name == "density" else None
-
-
-def test_sets_that_are_improved_stand_in_the_menu_beside_the_published_one():
-    """A larger mean motion is ahead of the published set; a model without a set is left out."""
-    sets = history(np.arange(0.0, 20.0, 0.5))
-    t = NOW + 300.0 * np.arange(5)
-    states = histories.predict(sets, epoch=EPOCH, known=NOW, t=t)
-    path = pd.DataFrame(states, columns=STATE).assign(t_j=t)
-    menu = Sgp4(sets, EPOCH, improved=_Improved()).menu(NOW)
-    assert list(menu) == ["sgp4", "density"]
-    np.testing.assert_allclose(menu["sgp4"](path), 0.0, atol=1e-6)
-    assert (menu["density"](path) < 0.0).all()
 
 
 def test_a_model_that_is_new_in_the_menu_waits_for_a_past_of_its_own():

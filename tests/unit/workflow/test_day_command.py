@@ -82,8 +82,8 @@ def test_what_is_ahead_is_told(tmp_path):
         settings.morning_models = models
         told = beforehand({"first": 0, "second": 100}, settings)
         assert f"100 mornings: about {minutes} min of one core" in told
-    assert "about 6 min of" in beforehand({"first": 100, "second": 0}, settings)
-    assert "about 7 min of" in beforehand({"first": 100, "second": 20}, settings)
+    assert "about 11 min of" in beforehand({"first": 100, "second": 0}, settings)
+    assert "about 12 min of" in beforehand({"first": 100, "second": 20}, settings)
 
 
 def test_a_workflow_that_fails_without_a_word_is_told(monkeypatch, capsys):

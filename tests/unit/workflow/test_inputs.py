@@ -622,24 +622,17 @@ def test_jobs_that_run_here_have_no_limit(queue, limit):
 SETS = read_yaml(REPOSITORY / "config" / "elements.yaml")
 
 
-@pytest.mark.parametrize(("day", "height"), [({"hour": 6}, 600e3), ({"models": ["fit96"]}, 0.0)])
-def test_models_of_mornings_that_a_user_names_are_used_at_any_height(day, height):
-    told = params(**SETS | {"day": day, "elements": {"mine": "sets.tle"}, "rsos": {"mine": BODY}})
-    assert told.mornings_of(wildcards(batch="0", date="2016-10-05"))["fits_above"] == height
-
-
-OF_SETS = ["fit96", "fit144", "held96", "held144"]
 OF_TRACKS = ["fit48", "fit96", "running24m3", "running24", "running", "running96"]
 
 
 @pytest.mark.parametrize(
     ("files", "expected"),
     [
-        ({"elements": {"mine": "sets.tle"}}, OF_SETS),
+        ({"elements": {"mine": "sets.tle"}}, []),
         ({"tracks": {"mine": "mine.tdm"}}, OF_TRACKS),
         (
             {"tracks": {"mine": "mine.tdm"}, "elements": {"other": "sets.tle"}},
-            [*OF_TRACKS, "fit144", "held96", "held144"],
+            OF_TRACKS,
         ),
         ({"elements": {"mine": "sets.tle"}, "day": {"models": ["fit48"]}}, ["fit48"]),
     ],

@@ -7,6 +7,7 @@ neighbouring sets have in common they do not show: precise orbits do, and that f
 
 import numpy as np
 import pandas as pd
+from sgp4.api import Satrec
 
 from opml.base.constants import DAY
 from opml.element_sets.inside.inside_now import InsideNow
@@ -43,6 +44,12 @@ def typical(sinking: float, days: np.ndarray, motion: float) -> pd.DataFrame:
     across = _ROUND["w"] + min(part * max(sinking, 0.0), most)
     columns = {"r": np.hypot(_ROUND["r"], lower), "s": along, "w": np.full(len(days), across)}
     return pd.DataFrame(columns, index=days)
+
+
+def at_epoch(satellite: Satrec) -> np.ndarray:
+    """Return the standard deviations (3,) in RSW [m] of the orbit inside a set at its epoch."""
+    usual = typical(decay(satellite), np.zeros(1), satellite.no_kozai / _MINUTE)
+    return np.hypot(usual[list(FLOOR)].to_numpy()[0], [*FLOOR.values()])
 
 
 def sizes(now: InsideNow, leads: np.ndarray) -> pd.DataFrame:

@@ -11,10 +11,9 @@ from opml.base.constants import HOUR
 from opml.base.files import FilePath
 from opml.base.progress import Progress
 from opml.element_sets.catalogue import ElementCatalogue
-from opml.element_sets.inside import inside_forces, inside_now, set_orbits
-from opml.element_sets.inside.inside_sizes import FLOOR, typical
+from opml.element_sets.inside import inside_forces, inside_now, inside_sizes, set_orbits
 from opml.element_sets.inside.orbit_inside import usual_half_span
-from opml.interop.element_sets.element_set import decay, elements_epoch
+from opml.interop.element_sets.element_set import elements_epoch
 from opml.tables import STATE, read_table
 
 SCHEMA = "set_states"
@@ -79,14 +78,8 @@ def _states(catalogue: ElementCatalogue, weather: str | Path, ballistic: np.ndar
 
 def _sigmas(catalogue: ElementCatalogue) -> dict[str, np.ndarray]:
     """Return standard deviations (sets,) at the epochs [m], which are typical of the drag of each set."""
-    none = np.zeros(1)
-    sizes = np.array(
-        [
-            typical(decay(one), none, one.no_kozai / 60.0)[list("rsw")].to_numpy()[0]
-            for one in catalogue.satellites
-        ]
-    ).reshape(-1, 3)
-    return {f"sigma_{axis}": np.hypot(sizes[:, k], FLOOR[axis]) for k, axis in enumerate("rsw")}
+    sizes = np.array([inside_sizes.at_epoch(one) for one in catalogue.satellites]).reshape(-1, 3)
+    return {f"sigma_{axis}": sizes[:, k] for k, axis in enumerate("rsw")}
 
 
 def read_before(path: FilePath) -> pd.Series:

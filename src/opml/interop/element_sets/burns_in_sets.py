@@ -109,7 +109,7 @@ def burns_among(sets: Iterable[KnownSet], *, epoch: str) -> list[Manoeuvre]:
         elif len(off) == _UNCLEAR or (off and past.follows(off[-1], one)):
             burns.append(Manoeuvre(off[0].t, one.made))
             begin, end, known = ccsds.utc_texts(epoch, np.array([followed.t, off[0].t, one.t]))
-            _log.info("a burn between %s and %s, found by the set of %s", begin, end, known)
+            _log.debug("a burn between %s and %s, found by the set of %s", begin, end, known)
             past = _Past() if len(off) == _UNCLEAR else past
             past.since = 0
             followed, off = one, []

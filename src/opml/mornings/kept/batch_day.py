@@ -63,6 +63,8 @@ class FinishedMorning:
             for column in SCHEMAS[name].optional
             if column.name in table
         ]
+        more = paths_schema([]).optional
+        optional += [c.name for c in more if any(c.name in one.table for one in self.records.paths)]
         models = [model for paths in self.records.paths for model in paths.models]
         return MorningMark(self.settings, self.stations, optional, models)
 
@@ -104,8 +106,10 @@ class BatchDay:
         models = self.marks[name].models
         if not models or self._paths is None:
             return []
-        rows = self._paths.rows(name)
-        return [Paths(rows[paths_schema(models).names])] if len(rows) else []
+        schema, optional = paths_schema(models), self.marks[name].optional
+        names = [*schema.names, *(one.name for one in schema.optional if one.name in optional)]
+        rows = self._paths.rows(name, optional)
+        return [Paths(rows[names])] if len(rows) else []
 
     @cached_property
     def _paths(self) -> "ObjectRows | None":
@@ -128,7 +132,7 @@ class BatchDay:
         if tables := {name: one.table for name, found in paths.items() for one in found}:
             models = list(dict.fromkeys(model for name in tables for model in marks[name].models))
             of_none, of_all = paths_schema([]), paths_schema(models)
-            schema = replace(of_none, optional=of_all.columns[len(of_none.columns) :])
+            schema = replace(of_none, optional=(*of_none.optional, *of_all.columns[len(of_none.columns) :]))
             self._write(PATHS, tables, schema, {**metadata, "models": models})
         told = [made[name].outcome if name in made else self.outcomes[name] for name in marks]
         outcomes.write(self.folder / _OUTCOMES, told)

@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from glob import glob
-from itertools import chain
 from typing import Any
 
 from opml import naming
@@ -26,7 +25,6 @@ from opml.orbits.sheets import (
 from opml.study.settings.model.catalogue import CatalogueSettings
 from opml.study.settings.model.run import (
     MORNING_MODELS,
-    MORNING_MODELS_OF_SETS,
     DaySettings,
     Sheets,
     TakingSettings,
@@ -90,9 +88,8 @@ class Settings:
         """Models that a morning chooses from: those that are named, or what suits the measurements."""
         if self.day.models is not None:
             return self.day.models
-        measured = [kind for kind in KINDS if self.files_of(kind)]
-        suitable = (MORNING_MODELS_OF_SETS if kind is ELEMENTS else MORNING_MODELS for kind in measured)
-        return list(dict.fromkeys(chain.from_iterable(suitable)))
+        is_fitted = any(self.files_of(kind) for kind in KINDS if kind is not ELEMENTS)
+        return list(MORNING_MODELS) if is_fitted else []
 
     @cached_property
     def catalogue(self) -> CatalogueSettings | None:

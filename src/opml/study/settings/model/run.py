@@ -206,17 +206,13 @@ class Uncertainty(Section):
 MORNING_MODELS = ("fit48", "fit96", "running24m3", "running24", "running", "running96")
 """Models that a morning chooses from where none are named."""
 
-MORNING_MODELS_OF_SETS = ("fit96", "fit144", "held96", "held144")
-"""The same for mean elements: where drag is weak, fits need several days of sets and a Cd from their past."""
-
 
 class DaySettings(Section):
     """Every morning."""
 
     models: Absent[Annotated[list[Name], MinLen(1), Unique()]] = absent(
         f"models that a morning chooses from, of those that learn nothing; by default "
-        f"{', '.join(MORNING_MODELS)}; for mean elements {', '.join(MORNING_MODELS_OF_SETS)} and SGP4, "
-        "below 600 km only SGP4",
+        f"{', '.join(MORNING_MODELS)}; element sets are predicted as by `opml predict`",
         unit="names",
     )
     hour: Annotated[float, Ge(0), Lt(24), Expected("an hour from 0 to below 24")] = setting(
@@ -224,9 +220,6 @@ class DaySettings(Section):
     )
     together: Annotated[int, Ge(1), Expected("a whole number from 1")] = setting(
         "objects that one job takes at most; their arcs are integrated in step", default=64
-    )
-    high_degree: Annotated[int, Ge(2), Expected("a whole number from 2")] = setting(
-        "largest degree of the field for fits to mean elements with a perigee above 420 km", default=36
     )
     messages: Absent[Annotated[list[Name], Unique()]] = absent(
         "objects whose ephemerides are also written as OEM; by default all", unit="names"

@@ -1,0 +1,248 @@
+"""The mornings of an object that is known by its public sets.
+
+On each it is predicted as `opml predict` does, by the sets and the weather that were public then. What
+earlier mornings predicted is judged by the orbit inside the newest set, at its epoch; without one by the set
+itself.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from opml.base.constants import DAY
+from opml.base.errors import InputError
+from opml.base.files import FilePath
+from opml.element_sets import catalogue as catalogues
+from opml.element_sets import density, improve, known_sets, trained_model
+from opml.element_sets.catalogue import ElementCatalogue
+from opml.element_sets.inside import inside_sizes
+from opml.element_sets.inside.orbit_prediction import OrbitInside
+from opml.element_sets.prediction import Prediction, PublicMorning
+from opml.element_sets.set_errors import OLDEST
+from opml.element_sets.trained_model import CatalogueModel
+from opml.environment import known_weather
+from opml.environment.weather import Weather
+from opml.ephemerides.along_track_shift import LEAST_EPOCHS
+from opml.interop import ccsds
+from opml.interop.element_sets import mean_elements, sgp4_errors
+from opml.interop.element_sets.element_set import ElementSet, seconds_since
+from opml.mornings import outcomes, verdicts
+from opml.mornings.candidates import STEP
+from opml.mornings.outcomes import DO_NOT_USE
+from opml.mornings.records import Paths, Records, below
+from opml.mornings.verdicts import SGP4, Verdict
+from opml.mornings.watched_object import MorningPlan
+from opml.orbits.elements import in_rsw
+from opml.tables import DOUBT, SCHEMAS, SIGMA_STATE, SPREAD, STATE
+
+REACH = 90.0  # days before the first morning of a job from which on sets count
+
+_SIZES = SIGMA_STATE[:3]  # standard deviations of positions
+
+
+@dataclass(frozen=True, eq=False)
+class RunSets:
+    """The public sets of all objects of a run and the weather, on the mornings of a job."""
+
+    catalogue: ElementCatalogue
+    weather: Weather
+    source: str
+    model: CatalogueModel
+    _mornings: dict[str, PublicMorning] = field(default_factory=dict)
+
+    @classmethod
+    def read(cls, paths: Sequence[FilePath], weather: str, *, since: float) -> "RunSets":
+        """Read them; weather: OBSERVED, the packaged one, or a CSSI file; since: modified Julian day (UTC).
+
+        Raises InputError for unreadable files.
+        """
+        sets = catalogues.read(paths, leave_out_damaged=True)
+        rows = np.flatnonzero(sets.table["t"].to_numpy() >= since - REACH)
+        measured, model = known_weather.read(weather), trained_model.read()
+        return cls(sets.take(rows), measured, weather, model)
+
+    def on(self, date: str) -> PublicMorning:
+        """Return what was public on a date (UTC text), improved. Raises InputError as `improve.read`."""
+        if date not in self._mornings:
+            self._mornings.clear()  # all objects have one morning before any has the next
+            known = improve.public_on(date, lambda: self.catalogue, self.weather, source=self.source)
+            better = improve.improve(known, self.model, progress=lambda line: None)
+            self._mornings[date] = PublicMorning(known, better, self.source, catalogues.LATENCY)
+        return self._mornings[date]
+
+    @property
+    def weather_until(self) -> float:
+        """When the last weather was measured (modified Julian day, UTC)."""
+        return density.end_of(self.weather)
+
+
+@dataclass(frozen=True, eq=False)
+class ObjectOfSets:
+    """An object on its mornings, as `days.WatchedObject`; history: all its sets, by epoch."""
+
+    plan: MorningPlan
+    sets: RunSets
+    history: Sequence[ElementSet]
+    stations: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def judged_for(self) -> float:
+        """Days after a morning for which later sets judge what it predicted: they are some days old."""
+        return self.plan.max_days + OLDEST
+
+    @property
+    def known(self) -> list[float]:
+        """When its sets were known [s]."""
+        return [one.made for one in known_sets.since(self.plan.epoch, self.history)]
+
+    @property
+    def first_known(self) -> float:
+        """When the first of its sets of the run was known [s]."""
+        return min((known for known in self.known if known >= 0.0), default=0.0)
+
+    @property
+    def last_known(self) -> float:
+        """When the last of its sets was known [s]."""
+        return max(self.known)
+
+    def morning(self, records: Records, *, now: float) -> "SetMorning":
+        """Return what the morning at a time [s] leaves; records: of earlier ones."""
+        (date,) = ccsds.utc_texts(self.plan.epoch, np.array([now]))
+        row = {"morning": now, "i": -1, "t_i": np.nan, "model": "", "burn_t": np.nan}
+        try:
+            prediction = self.sets.on(date).predict(self.history, days=self.plan.max_days)
+        except InputError as reason:
+            return SetMorning(_left(row, Verdict(DO_NOT_USE, str(reason))), Verdict(DO_NOT_USE, str(reason)))
+        later = _later(prediction, self.plan.epoch, now)
+        judged = _judged(later, records)
+        past = below([records.judged, judged], "judged")
+        start = pd.DataFrame({"track": [later["j"]], "t": [later["t_set"]]})
+        verdict = verdicts.verdict(past, start, now=now)
+        row |= {"i": later["j"], "t_i": later["t_set"], "model": prediction.model}
+        paths = _paths(prediction, later["j"], now, days=self.plan.max_days)
+        return SetMorning(_left(row, verdict, judged, [paths]), verdict, prediction)
+
+
+@dataclass(frozen=True, eq=False)
+class SetMorning:
+    """What a morning left, as `days.MorningLeft`."""
+
+    records: Records
+    verdict: Verdict
+    prediction: Prediction | None = None
+
+    def figures(self, plan: MorningPlan) -> dict[str, Any]:
+        """Return as `days.MorningLeft`; errors to expect are those of days after the morning."""
+        if self.prediction is None:
+            return {name: outcomes.NOTHING[name] for name in _FIGURES}
+        days = np.arange(1.0, plan.max_days + 1e-9)
+        new = len(self.records.judged["j"].unique())
+        return {
+            "tracks": new,
+            "converged": new,
+            "late": 0,
+            **outcomes.orbit(self.prediction.states(np.zeros(1))[0]),
+            "expected": outcomes.expected(days, self.prediction.sigmas(DAY * days)),
+        }
+
+    def write(self, path: Path, name: str, plan: MorningPlan) -> bool:
+        """Write the ephemeris as `days.MorningLeft`."""
+        if self.prediction is None or self.verdict.word == DO_NOT_USE:
+            return False
+        identity = replace(self.prediction.identity, name=name)
+        replace(self.prediction, identity=identity).to_oem(path)
+        return True
+
+
+def history_of(
+    histories: Mapping[int, Sequence[ElementSet]], number: int | None, file: FilePath
+) -> Sequence[ElementSet]:
+    """Return the sets of an object among those of files, the first of which is named.
+
+    number: its catalogue number; None: there is only one object
+
+    Raises InputError where there are no such sets.
+    """
+    chosen = next(iter(histories)) if number is None and len(histories) == 1 else number
+    if chosen is None or chosen not in histories:
+        expected = "a number that names the object" if chosen is None else f"object {chosen}"
+        there = ", ".join(map(str, [*histories][:_TOLD])) + (", ..." if len(histories) > _TOLD else "")
+        raise InputError(f"{file}: expected {expected}, got {there or 'no set'}")
+    return histories[chosen]
+
+
+_TOLD = 5  # objects in an error
+_FIGURES = ("tracks", "converged", "late", "height_km", "inclination_deg", "expected")
+
+
+def _left(
+    row: Mapping[str, Any], verdict: Verdict, judged: pd.DataFrame | None = None, paths: Sequence[Paths] = ()
+) -> Records:
+    """Return the records of a morning with its row of the table `issued`, whose sizes stand in its paths."""
+    issued = pd.DataFrame([{**dict.fromkeys(SCHEMAS["issued"].names, np.nan), **row}])
+    rows = SCHEMAS["judged"].empty() if judged is None else judged
+    return Records(SCHEMAS["kept_estimates"].empty(), rows, issued.assign(verdict=verdict.word), list(paths))
+
+
+def _later(prediction: Prediction, epoch: str, now: float) -> dict[str, Any]:
+    """Return what judges what was predicted before: j, t_j, t_known, DOUBT and a GCRF state.
+
+    With t_set, the epoch of the newest set; epoch: UTC text from which times count; now: the morning [s]
+    """
+    satellite = prediction.published
+    (t_set,) = seconds_since(epoch, [satellite])
+    if isinstance(prediction.inside, OrbitInside):
+        inside = prediction.inside.now
+        begin = inside.orbit.begin_again(inside.numbers)
+        t, state = now + begin.t - inside.forces.time(prediction.date), begin.state
+        doubt = inside_sizes.at_epoch(satellite)
+    else:
+        t, state = t_set, mean_elements.states(satellite, epoch=epoch, t=np.array([t_set]))[0]
+        doubt = sgp4_errors.usual_sigmas(satellite, np.zeros(1))[0]
+    return {
+        "j": int(t_set),
+        "t_set": float(t_set),
+        "t_j": float(t),
+        "t_known": now,
+        **dict(zip(DOUBT, doubt, strict=True)),
+        **dict(zip(STATE, state, strict=True)),
+    }
+
+
+def _judged(later: Mapping[str, Any], records: Records) -> pd.DataFrame:
+    """Return rows of the table `judged`: what earlier mornings predicted against the newest set's orbit."""
+    if later["j"] in records.judged["j"].to_numpy():
+        return SCHEMAS["judged"].empty()
+    parts = []
+    for one in records.paths:
+        t, at = one.table["t_j"].to_numpy(), later["t_j"]
+        if not t[0] <= at <= t[-1]:
+            continue
+        states = {name: np.array([value]) for name, value in later.items() if name != "t_set"}
+        states |= {"i": np.array([one.start])} | dict.fromkeys(SPREAD, np.zeros(1))
+        sizes = {name: np.interp(at, t, one.table[name]) for name in _SIZES}
+        rows = pd.DataFrame(one.differences(states)).assign(
+            model=one.models, **dict.fromkeys(SIGMA_STATE, np.nan)
+        )
+        # Of the model that was issued, the first, sizes were stated.
+        rows.loc[0, _SIZES] = [*sizes.values()]
+        parts.append(rows)
+    return below(parts, "judged")[SCHEMAS["judged"].names]
+
+
+def _paths(prediction: Prediction, set_number: int, now: float, *, days: float) -> Paths:
+    """Return the ephemerides of the prediction and of SGP4 from the newest set, with sizes of errors."""
+    t = STEP * np.arange(max(int(DAY * days / STEP) + 1, LEAST_EPOCHS))
+    states = prediction.states(t)
+    by_sgp4 = mean_elements.states(prediction.published, epoch=prediction.date, t=t)
+    columns = {"morning": now, "i": set_number, "t_i": now, "t_j": now + t}
+    table = pd.DataFrame(columns | dict(zip(STATE, states.T, strict=True)) | dict.fromkeys(SPREAD, 0.0))
+    table = table.assign(**dict(zip(_SIZES, prediction.sigmas(t).T, strict=True)))
+    table[f"e_y_{prediction.model}"] = 0.0
+    if prediction.model != SGP4:
+        table[f"e_y_{SGP4}"] = in_rsw(states - by_sgp4, states)[:, 1]
+    return Paths(table)

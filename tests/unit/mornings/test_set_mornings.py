@@ -1,0 +1,119 @@
+"""Mornings of objects of public sets: predicted as `opml predict` does, judged by what later sets have."""
+
+from datetime import date, timedelta
+from functools import partial
+
+import numpy as np
+import pytest
+import sinking_histories
+from support import refusal
+
+from opml.base import epochs
+from opml.base.constants import DAY
+from opml.element_sets import known_sets, prediction
+from opml.element_sets.catalogue import modified_julian_day
+from opml.element_sets.inside import inside_forces
+from opml.interop import orbit_segments
+from opml.mornings import days, set_mornings
+from opml.mornings.calendar import Calendar
+from opml.mornings.days import BatchTask, UnderWay
+from opml.mornings.kept.store import Store
+from opml.mornings.outcomes import UNPROVEN
+from opml.mornings.set_mornings import ObjectOfSets, RunSets
+from opml.mornings.watched_object import MorningPlan
+
+EPOCH = "2026-01-03T00:00:00"
+LAST = date(2026, 1, 6)
+CALENDAR = Calendar(EPOCH, hour=6.0)
+PLAN = MorningPlan({}, None, 3.0, 60.0, 10 * DAY, EPOCH)
+NUMBER = 102
+
+
+@pytest.fixture(scope="module", autouse=True)
+def coarse_field():
+    """Orbits inside sets under a field of degree 16, in less than half of the time."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(inside_forces, "read", partial(inside_forces.read, degree=16))
+        yield
+
+
+def sets_until(path, days_of_sets):
+    sinking_histories.write(path, range(NUMBER, NUMBER + 1), days_of_sets)
+    return path
+
+
+def run(path, folder, until=LAST):
+    """The mornings of the sets in a file up to a date."""
+    sets = RunSets.read([path], "OBSERVED", since=modified_julian_day(EPOCH))
+    watched = ObjectOfSets(PLAN, sets, known_sets.by_object([path])[NUMBER])
+    store = Store(folder, "0", ["mine"])
+    task = BatchTask("mine", CALENDAR, until, "digest")
+    under_way = UnderWay.begin(task, watched, store, store.done(until)["mine"])
+    days.catch_up(store, [under_way], until, metadata={"epoch": EPOCH, "settings": "digest"})
+    return folder
+
+
+@pytest.fixture(scope="module")
+def sets(tmp_path_factory):
+    return sets_until(tmp_path_factory.mktemp("sets") / "sets.tle", 60)
+
+
+@pytest.fixture(scope="module")
+def whole(sets, tmp_path_factory):
+    return run(sets, tmp_path_factory.mktemp("whole"))
+
+
+def told(folder, day=LAST):
+    return Store(folder, "0", ["mine"]).places(day)["mine"].outcomes["mine"]
+
+
+def contents(folder):
+    return {path.relative_to(folder): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+def test_a_morning_says_what_predict_says(sets, whole):
+    """The same model, the same states, the same sizes of errors."""
+    when = f"{LAST}T06:00:00"
+    made = prediction.predict(sets, date=when, days=PLAN.max_days)
+    outcome = told(whole)
+    assert (outcome["model"], outcome["verdict"]) == (made.model, UNPROVEN)
+    leads = np.arange(1.0, 4.0)
+    names = ("radial_sigma_m", "along_track_sigma_m", "cross_track_sigma_m")
+    sigmas = [[one[name] for name in names] for one in outcome["expected"]]
+    np.testing.assert_allclose(sigmas, made.sigmas(DAY * leads), atol=0.051)
+    (segment,) = orbit_segments.read(whole / str(LAST) / "mine" / "mine.oem", epoch=when)
+    assert segment.name == "mine"
+    np.testing.assert_allclose(segment.states, made.states(segment.t), atol=1e-5)
+
+
+def test_later_sets_change_nothing_and_mornings_go_on_where_they_ended(whole, tmp_path):
+    """Run in two pieces, from files that grew between them, they are the same to the byte."""
+    known = sets_until(tmp_path / "sets.tle", 46)
+    folder = run(known, tmp_path / "days", LAST - timedelta(days=1))
+    sets_until(known, 60)
+    assert contents(run(known, folder)) == contents(whole)
+
+
+def test_what_was_predicted_is_judged_by_the_newest_set(sets, whole):
+    """That of the day before was public by the morning: it judges the morning before its epoch."""
+    place = Store(whole, "0", ["mine"]).places(LAST)["mine"]
+    judged, (made, by) = place.rows("judged", "mine"), (LAST - timedelta(days=2), LAST)
+    assert {*judged["morning"]} == {CALENDAR.time(made)}
+    row = judged[np.isfinite(judged["sigma_y"])].iloc[0]
+    predicted = prediction.predict(sets, date=f"{made}T06:00:00", days=3.0)
+    later = set_mornings._later(prediction.predict(sets, date=f"{by}T06:00:00"), EPOCH, CALENDAR.time(by))
+    t = np.array([row["t_j"] - row["morning"]])
+    np.testing.assert_allclose(row[["sigma_x", "sigma_y", "sigma_z"]].astype(float), predicted.sigmas(t)[0])
+    off = predicted.states(t)[0, :3] - [later[name] for name in "xyz"]
+    error = np.linalg.norm(row[["e_x", "e_y", "e_z"]].astype(float))
+    assert error == pytest.approx(np.linalg.norm(off), rel=1e-3, abs=0.5)
+    assert later["t_set"] == pytest.approx(epochs.seconds_between(EPOCH, "2026-01-05T02:00:00"), abs=1e-3)
+
+
+def test_an_object_is_told_by_its_number_where_there_are_several(tmp_path):
+    sinking_histories.write(tmp_path / "two.tle", range(101, 103), 3)
+    histories = known_sets.by_object([tmp_path / "two.tle"])
+    assert set_mornings.history_of(histories, 102, "two.tle")[-1].number == 102
+    told = refusal(set_mornings.history_of, histories, None, "two.tle")
+    assert told == "two.tle: expected a number that names the object, got 101, 102"
+    assert "expected object 7" in refusal(set_mornings.history_of, histories, 7, "two.tle")
