@@ -513,7 +513,9 @@ def test_columns_that_were_collapsed_are_shown_as_they_are(tmp_path):
     )
 
 
-@pytest.mark.parametrize(("key", "value"), [("NORAD_CAT_ID", "+12345"), ("REV_AT_EPOCH", "+0")])
+@pytest.mark.parametrize(
+    ("key", "value"), [("NORAD_CAT_ID", "+12345"), ("REV_AT_EPOCH", "+0"), ("EPHEMERIS_TYPE", "+00")]
+)
 def test_whole_numbers_may_have_a_sign(key, value, tmp_path):
     (tmp_path / "one.kvn").write_text(kvn(omm(**{key: value})))
     assert mean_elements.read_sets(tmp_path / "one.kvn")[0].number == 12345

@@ -27,6 +27,7 @@ PER_DAY = 1440.0 / (2.0 * math.pi)  # revolutions per day of a radian per minute
 
 _SGP4_ZERO = datetime(1949, 12, 31)
 _SGP4_ZERO_JULIAN = 2433281.5
+_LEAPS = 2441317.5  # Julian date from which UTC has leap seconds, 1972-01-01; its seconds were longer before
 
 _FASTEST = 18.0  # revolutions per day that no satellite makes: at the Earth's surface there were 17
 _ROUNDING = 1e-9  # [deg]
@@ -183,9 +184,11 @@ def elements_epoch(satellite: Satrec) -> str:
 def seconds_since(epoch: str, satellites: Sequence[Satrec]) -> np.ndarray:
     """Return the epochs (n,) of mean elements [s since the UTC text `epoch`], rounded to the microsecond."""
     midnights = np.array([satellite.jdsatepoch for satellite in satellites])
-    clocks = np.array([satellite.jdsatepochF for satellite in satellites]) * DAY  # on days of 86 401 s, too
+    fractions = np.array([satellite.jdsatepochF for satellite in satellites])
+    is_early = midnights < _LEAPS
     with epochs.strict_erfa():
-        day, fraction = erfa.utctai(midnights, 0.0)
+        day, fraction = erfa.utctai(midnights, np.where(is_early, fractions, 0.0))
+    clocks = np.where(is_early, 0.0, fractions) * DAY  # on days of 86 401 s, too
     first, first_fraction = epochs.tai(epoch, 0.0)
     return np.asarray(np.round((day - first) * DAY + (fraction - first_fraction) * DAY + clocks, 6))
 

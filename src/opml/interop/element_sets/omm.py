@@ -39,9 +39,9 @@ _NUMBERS = (
     "MEAN_ANOMALY",
     "BSTAR",
 )
+_DERIVATIVES = ("MEAN_MOTION_DOT", "MEAN_MOTION_DDOT")
 _UNUSED = {
-    "MEAN_MOTION_DOT": "0",
-    "MEAN_MOTION_DDOT": "0",
+    **dict.fromkeys(_DERIVATIVES, "0"),
     "CLASSIFICATION_TYPE": "U",
     "OBJECT_ID": "",
     "EPHEMERIS_TYPE": "0",
@@ -96,7 +96,7 @@ def element_set(path: FilePath, record: Record) -> ElementSet:
     for key in _NUMBERS:
         values.check(key, _is_finite, "a finite number")
     values.check_degrees()
-    for key in ("MEAN_MOTION_DOT", "MEAN_MOTION_DDOT"):
+    for key in _DERIVATIVES:
         values.check(key, _is_finite, "a finite number", "0")
     for key in ("ELEMENT_SET_NO", "REV_AT_EPOCH", "NORAD_CAT_ID"):
         values.check(key, _is_whole, f"a whole number of at most {_MOST_DIGITS} digits", "0")
@@ -104,8 +104,10 @@ def element_set(path: FilePath, record: Record) -> ElementSet:
     identity = {
         "EPOCH": values.time("EPOCH"),
         "NORAD_CAT_ID": str(number if number <= LARGEST_NUMBER else 0),
+        "CLASSIFICATION_TYPE": values.known.get("CLASSIFICATION_TYPE", "U")[0],
     }
-    made = satellite({key: values.known[key] for key in _NUMBERS} | identity)
+    numbers = {key: values.known[key] for key in (*_NUMBERS, *_DERIVATIVES) if key in values.known}
+    made = satellite(numbers | identity)
     check_orbit(path, record.line, made)
     created = values.time("CREATION_DATE") if "CREATION_DATE" in values.known else ""
     name, designator = (values.known.get(key, "") for key in ("OBJECT_NAME", "OBJECT_ID"))
@@ -181,7 +183,8 @@ class _Values:
 
     def check_choice(self, key: str, allowed: Sequence[str]) -> None:
         """Raise InputError where the value of a key is there, but not allowed."""
-        if self.known.get(key, allowed[0]).upper() not in allowed:
+        text = self.known.get(key, allowed[0]).upper()
+        if (str(int(text)) if _is_whole(text) else text) not in allowed:
             raise self._error(key, " or ".join(allowed))
 
     def check_degrees(self) -> None:
