@@ -3,7 +3,6 @@
 import argparse
 import io
 import logging
-import math
 import os
 import re
 import sys
@@ -271,11 +270,12 @@ def _predict(options: argparse.Namespace) -> None:
     if options.passes:
         prediction_files.check_passes(options.passes)
     places = [station_passes.place(text) for text in options.station]
+    mask = station_passes.mask(options.mask)
     with on_stderr() as progress:
         _fetch_object(options, progress)
         kind = formats.kind_of(options.files[0], formats.ELEMENTS, formats.ORBIT, formats.TRACKS)
         made = (_propagate_sets if kind == formats.ELEMENTS else _fit)(options, progress)
-    over = {place: station_passes.passes(made, place, math.radians(options.mask)) for place in places}
+    over = {place: station_passes.passes(made, place, mask) for place in places}
     for path in options.output:
         prediction_files.write(path, made, over)
     if options.passes:

@@ -59,6 +59,13 @@ def in_itrf(prediction: PredictedOrbit, t: np.ndarray) -> np.ndarray:
     return np.asarray(np.einsum("nij,nj->ni", _turns(prediction, t), prediction.states(t)[:, :3]))
 
 
+def mask(degrees: float) -> float:
+    """Return the least elevation of passes [rad]. Raises InputError for one that no pass or all have."""
+    if not 0.0 <= degrees < 90.0:
+        raise InputError(f"--mask: expected 0 deg or more and less than 90, got {degrees:g}")
+    return float(np.radians(degrees))
+
+
 def _turns(prediction: PredictedOrbit, t: np.ndarray) -> np.ndarray:
     """Return the rotations (n, 3, 3) from GCRF to ITRF at times (n,) [s since the date]."""
     hours = nodes(prediction.date, DAY * prediction.days)

@@ -220,7 +220,7 @@ def _in_one_unit(arc: Arc) -> Arc:
     ways, misses = (np.linalg.norm(one, axis=1) for one in (moved, moved - by_velocity))
     if np.count_nonzero(misses > _OTHER_UNIT * ways) <= len(ways) / 2:
         return arc
-    _log.warning("%s: velocities of another unit passed over", arc.path)
+    _log.warning("%s: velocities are not those of its positions: passed over", arc.path)
     return arc.without_velocities()
 
 

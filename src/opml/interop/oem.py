@@ -193,10 +193,10 @@ def read(path: FilePath, _: bytes, *, epoch: str, satellite: str | None = None) 
     satellite: as in `choose_satellites`, a name or an id of the object
 
     The message may use the time systems of `ccsds.SCALES`, the frames of `ccsds.FRAMES`, TEME, TOD and
-    realisations of the ITRF. States outside the useable times are left out, accelerations are ignored, and
-    covariances in other axes are passed over, and logged. Raises InputError, naming the line, for a malformed
-    or truncated message, one that is not centred on Earth, another frame, times that do not ascend and
-    negative variances.
+    realisations of the ITRF; TEME and TOD are of REF_FRAME_EPOCH where there is one. States outside the
+    useable times are left out, accelerations are ignored, and covariances in other axes are passed over, and
+    logged. Raises InputError, naming the line, for a malformed or truncated message, one that is not centred
+    on Earth, another frame, times that do not ascend and negative variances.
     """
     message = ccsds.Message(path, version_key=_KEY, versions=_VERSIONS, in_comments=_DENSITY_KEYS)
     found = []
@@ -272,7 +272,8 @@ def _named_arc(message: ccsds.Message, epoch: str) -> tuple[tuple[str, str], Arc
     frame = "ITRF" if _TERRESTRIAL.fullmatch(realisation) else metadata.choice("REF_FRAME", _FRAMES)
     covariance_t, covariances, axes, density = _covariances(message, frame, scale, epoch)
     if frame in _OF_DATE:
-        states = np.einsum("nij,nj->ni", _turns(frame, epoch, t), states)
+        of = metadata.time("REF_FRAME_EPOCH", np.nan, epoch=epoch, scale=scale)
+        states = np.einsum("nij,nj->ni", _turns(frame, epoch, np.where(np.isnan(of), t, of)), states)
         frame = "GCRF"
     number = metadata.text("OBJECT_ID", name)
     arc = Arc(

@@ -358,6 +358,21 @@ def test_frames_of_date_are_turned_to_ours(message, orbit):
     np.testing.assert_allclose(turned["TEME"], given @ mean.T, rtol=0, atol=2.0)
 
 
+@pytest.mark.parametrize("frame", ["TEME", "TOD"])
+def test_a_frame_of_date_may_be_of_another_epoch(message, frame):
+    """Twenty years of precession are a third of a degree."""
+    edited(message, "REF_FRAME = GCRF", f"REF_FRAME = {frame}")
+    (of_date,) = arcs(message)
+    edited(message, "TIME_SYSTEM", "REF_FRAME_EPOCH = 1996-09-28T12:09:45\nTIME_SYSTEM")
+    (of_epoch,) = arcs(message)
+    angle = np.linalg.norm(of_epoch.positions - of_date.positions, axis=1) / np.linalg.norm(
+        of_date.positions, axis=1
+    )
+    assert 1e-4 < angle.max() < np.radians(0.3)
+    edited(message, "1996-09-28", "2016-09-28")
+    np.testing.assert_allclose(arcs(message)[0].positions, of_date.positions, rtol=0, atol=5.0)
+
+
 @pytest.mark.parametrize(("old", "new", "line"), refusals("oem_arcs"))
 def test_arcs_that_are_cut_or_malformed_are_named(message, old, new, line):
     edited(message, old, new)
