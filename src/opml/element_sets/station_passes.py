@@ -1,7 +1,9 @@
 """Passes of a predicted object over a place, and how many seconds early or late they may be."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
 
 import erfa
 import numpy as np
@@ -13,10 +15,12 @@ from opml.base.errors import InputError
 from opml.catalog.simulate.observing import horizon, observe
 from opml.dynamics.frames import gcrf_to_itrf
 from opml.environment import earth_orientation, nodes
-from opml.interop import ccsds
+from opml.interop import ccsds, known_orbits
+from opml.interop.curves.orbit_path import EPOCH
+from opml.interop.known_orbits import KnownOrbit
 from opml.interop.predicted_orbit import PredictedOrbit
 from opml.orbits.rsw_covariance import half_width
-from opml.tables import SCHEMAS
+from opml.tables import SCHEMAS, write_as
 
 MASK = float(np.radians(5.0))  # elevation above which an object passes [rad]
 LEVEL = 0.9  # share of passes that are no earlier or later than told
@@ -24,6 +28,35 @@ _SHOWN = 5  # passes of a text
 _STEP = 20.0  # between looks [s]
 _WGS84 = 1
 _BOUNDS = ((-90.0, 90.0), (-180.0, 360.0), (-500.0, 10_000.0))
+
+
+@dataclass(frozen=True)
+class WholeOrbit:
+    """An orbit with covariances from its first state to its last, in the place of a prediction."""
+
+    known: KnownOrbit
+
+    @cached_property
+    def date(self) -> str:
+        """UTC text at which it begins."""
+        return ccsds.utc_texts(EPOCH, self.known.t[:1])[0]
+
+    @property
+    def days(self) -> float:
+        """Its length."""
+        return float(self.known.t[-1] - self.known.t[0]) / DAY
+
+    def states(self, t: np.ndarray) -> np.ndarray:
+        """Return states as `PredictedOrbit.states`."""
+        return self.known.at(self.known.t[0] + t)
+
+    def sigmas(self, t: np.ndarray) -> np.ndarray:
+        """Return standard deviations as `PredictedOrbit.sigmas`."""
+        covariances = self.known.covariances(self.known.t[0] + t)
+        return np.sqrt(np.diagonal(covariances, axis1=1, axis2=2)[:, :3])
+
+
+Orbit = PredictedOrbit | WholeOrbit
 
 
 @dataclass(frozen=True)
@@ -54,9 +87,9 @@ def place(text: str) -> Place:
     return Place(text, float(np.radians(latitude)), float(np.radians(longitude)), altitude)
 
 
-def in_itrf(prediction: PredictedOrbit, t: np.ndarray) -> np.ndarray:
-    """Return positions (n, 3) in ITRF [m] at times (n,) [s since the date of the prediction]."""
-    return np.asarray(np.einsum("nij,nj->ni", _turns(prediction, t), prediction.states(t)[:, :3]))
+def in_itrf(orbit: Orbit, t: np.ndarray) -> np.ndarray:
+    """Return positions (n, 3) in ITRF [m] at times (n,) [s since the date of the orbit]."""
+    return np.asarray(np.einsum("nij,nj->ni", _turns(orbit, t), orbit.states(t)[:, :3]))
 
 
 def mask(degrees: float) -> float:
@@ -66,30 +99,30 @@ def mask(degrees: float) -> float:
     return float(np.radians(degrees))
 
 
-def _turns(prediction: PredictedOrbit, t: np.ndarray) -> np.ndarray:
+def _turns(orbit: Orbit, t: np.ndarray) -> np.ndarray:
     """Return the rotations (n, 3, 3) from GCRF to ITRF at times (n,) [s since the date]."""
-    hours = nodes(prediction.date, DAY * prediction.days)
-    return gcrf_to_itrf(earth_orientation.tabulate(prediction.date, hours), t)
+    hours = nodes(orbit.date, DAY * orbit.days)
+    return gcrf_to_itrf(earth_orientation.tabulate(orbit.date, hours), t)
 
 
-def passes(prediction: PredictedOrbit, where: Place, mask: float = MASK) -> pd.DataFrame:
+def passes(orbit: Orbit, where: Place, mask: float = MASK) -> pd.DataFrame:
     """Return the table `passes` over a place above an elevation `mask` [rad].
 
     A pass that is under way at the beginning or the end is left out.
     """
-    t = np.arange(0.0, DAY * prediction.days, _STEP)
-    elevation = _seen(prediction, where, t)[:, 1]
+    t = np.arange(0.0, DAY * orbit.days, _STEP)
+    elevation = _seen(orbit, where, t)[:, 1]
     rows = []
     for first, last in _spans(elevation > mask):
         rise, fall = (_crossing(t, elevation, k, mask) for k in (first - 1, last - 1))
         fine = np.linspace(rise, fall, max(int(fall - rise), 2))
-        top = fine[int(np.argmax(_seen(prediction, where, fine)[:, 1]))]
+        top = fine[int(np.argmax(_seen(orbit, where, fine)[:, 1]))]
         moments = np.array([rise, top, fall])
-        azimuth, heights = np.degrees(_seen(prediction, where, moments)[:, :2]).T
-        state, sigmas = prediction.states(moments[1:2])[0], prediction.sigmas(moments[1:2])[0]
-        sunlit, sun = _light(prediction, top, state[:3], where)
+        azimuth, heights = np.degrees(_seen(orbit, where, moments)[:, :2]).T
+        state, sigmas = orbit.states(moments[1:2])[0], orbit.sigmas(moments[1:2])[0]
+        sunlit, sun = _light(orbit, top, state[:3], where)
         late = half_width(LEVEL) * float(sigmas[1]) / float(np.linalg.norm(state[3:]))
-        times = ccsds.utc_texts(prediction.date, moments)
+        times = ccsds.utc_texts(orbit.date, moments)
         rows.append((where.name, *times, *azimuth, float(heights[1]), late, sunlit, sun))
     return pd.DataFrame(rows, columns=SCHEMAS["passes"].names)
 
@@ -97,6 +130,13 @@ def passes(prediction: PredictedOrbit, where: Place, mask: float = MASK) -> pd.D
 def joined(passes: Mapping[Place, pd.DataFrame]) -> pd.DataFrame:
     """Return the passes over several stations in the order of their rises."""
     return pd.concat(passes.values(), ignore_index=True).sort_values(["rise", "station"], ignore_index=True)
+
+
+def write_beside(message: Path, places: Iterable[Place]) -> None:
+    """Write the passes of an ephemeris message's object over places as `passes.csv` beside it."""
+    orbit = WholeOrbit(known_orbits.read([message]))
+    over = {where: passes(orbit, where) for where in places}
+    write_as(message.with_name("passes.csv"), joined(over), "passes", metadata={})
 
 
 def text(passes: Mapping[Place, pd.DataFrame]) -> str:
@@ -107,23 +147,23 @@ def text(passes: Mapping[Place, pd.DataFrame]) -> str:
     return f"passes, the first of {len(rows)}, UTC, [deg], [s]:\n{told}"
 
 
-def _seen(prediction: PredictedOrbit, where: Place, t: np.ndarray) -> np.ndarray:
+def _seen(orbit: Orbit, where: Place, t: np.ndarray) -> np.ndarray:
     """Return azimuth, elevation [rad] and range [m] (n, 3) at times (n,) [s since the date]."""
-    return observe(in_itrf(prediction, t), _site(where), horizon(where.longitude, where.latitude))
+    return observe(in_itrf(orbit, t), _site(where), horizon(where.longitude, where.latitude))
 
 
-def _light(prediction: PredictedOrbit, t: float, position: np.ndarray, where: Place) -> tuple[bool, float]:
+def _light(orbit: Orbit, t: float, position: np.ndarray, where: Place) -> tuple[bool, float]:
     """Return whether the Sun shines on a position (3,) in GCRF [m], and its elevation over a place [deg].
 
     The Earth's shadow is a cylinder: the penumbra lasts seconds. Source: erfa.epv00.
     """
     with epochs.strict_erfa():
-        heliocentric, _ = erfa.epv00(*epochs.tt(prediction.date, t))
+        heliocentric, _ = erfa.epv00(*epochs.tt(orbit.date, t))
     sun = -np.asarray(heliocentric["p"])
     sun /= np.linalg.norm(sun)
     ahead = float(position @ sun)
     is_sunlit = ahead > 0.0 or bool(np.linalg.norm(position - ahead * sun) > WGS84_A)
-    (turn,) = _turns(prediction, np.array([t]))
+    (turn,) = _turns(orbit, np.array([t]))
     up = horizon(where.longitude, where.latitude)[2]
     return is_sunlit, float(np.degrees(np.arcsin(up @ turn @ sun)))
 

@@ -27,7 +27,7 @@ from opml.dynamics.ensemble import Arcs
 from opml.dynamics.kernels.surroundings import ForceModel
 from opml.dynamics.settings import ForceModelSettings, Integrator
 from opml.dynamics.shared_blocks import SharedBlocks
-from opml.element_sets import known_sets
+from opml.element_sets import known_sets, station_passes
 from opml.element_sets.catalogue import modified_julian_day
 from opml.interop.element_sets.element_set import ElementSet
 from opml.learning.models.learners import JobLearner
@@ -91,6 +91,7 @@ class BatchSettings(JobSettings):
     max_days: float
     step_s: float
     models: dict[str, JobLearner]
+    passes: list[str]
     catalogue: CatalogueFiles
     objects: dict[str, ObjectSettings]
 
@@ -117,6 +118,7 @@ class BatchSettings(JobSettings):
             self.step_s,
             DAY * self.duration_days,
             self.epoch,
+            passes=[*map(station_passes.place, self.passes)],
         )
 
 

@@ -15,6 +15,7 @@ import pandas as pd
 from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
 from opml.base.progress import counted
+from opml.element_sets import station_passes
 from opml.interop import ccsds
 from opml.learning.judge.error_sizes import INSIDE, along_track
 from opml.mornings import verdicts
@@ -123,6 +124,8 @@ class UnderWay:
         self.records = self.records.and_then(left.records, since=now - DAY * self.watched.judged_for)
         message = self.store.message(day, rso)
         is_written = plan.has_message and left.write(message, rso, plan)
+        if is_written and plan.passes:
+            station_passes.write_beside(message, plan.passes)
         told = outcome(rso, day, left, plan) | {
             "message": message.name if is_written else None,
             "past": past(self.records),

@@ -10,6 +10,7 @@ from opml.catalog.fit.estimation_settings import Estimation
 from opml.catalog.fit.first.first_orbit import TimedState
 from opml.catalog.predict.weather_spread import Weathers
 from opml.catalog.propagator import Propagator
+from opml.element_sets.station_passes import Place
 from opml.interop.object_ids import UNKNOWN, ObjectId
 from opml.learning.models import learners
 from opml.learning.models.contract import ResolvedSettings
@@ -42,6 +43,7 @@ class MorningPlan:
     end: float  # of the run [s]
     epoch: str  # UTC text
     has_message: bool = True  # whether its ephemerides are written as messages
+    passes: Sequence[Place] = ()  # over which passes are written beside them
 
     @property
     def base(self) -> float:

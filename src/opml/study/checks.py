@@ -14,6 +14,7 @@ from opml.base.errors import InputError
 from opml.base.files import PACKAGED
 from opml.catalog import kinds
 from opml.catalog.kinds import KINDS, Kind, MeasurementRequest
+from opml.element_sets import station_passes
 from opml.environment import known_weather
 from opml.interop import first_state, orbit_from_files
 from opml.learning.data.dataset import MEASUREMENT
@@ -131,6 +132,11 @@ def _check_day(source: Source, settings: Settings) -> None:
     for name in run.day.messages or ():
         if name not in settings.measured:
             raise source.wrong(("day", "messages"), f"expected objects that were measured, got {name}")
+    for text in run.day.passes:
+        try:
+            station_passes.place(text)
+        except InputError as reason:
+            raise source.wrong(("day", "passes"), str(reason).partition(": ")[2]) from None
     for name in settings.morning_models:
         with source.naming(("day", "models")):
             learner = learners.resolved(

@@ -228,6 +228,7 @@ class Params:
             "step_s": self.run.ephemeris.step_s,
             "models": {name: settings.of_job() for name, settings in models.items()},
             "catalogue": {"files": self.element_files, "weather": self.measured_weather},
+            "passes": day.passes,
             "objects": {rso: self._watched(rso) for rso in self.plan.watched[wildcards.batch]},
         }
 

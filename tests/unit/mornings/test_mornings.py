@@ -17,9 +17,10 @@ from opml.catalog.predict.weather_spread import Weathers
 from opml.catalog.propagator import Propagator
 from opml.catalog.simulate import tracking, truth
 from opml.dynamics.shared_blocks import SharedBlocks
+from opml.element_sets import station_passes
 from opml.ephemerides.along_track_shift import corrected
 from opml.ephemerides.known_tables import KnownTables
-from opml.interop import orbit_segments
+from opml.interop import known_orbits, orbit_segments
 from opml.interop.object_ids import ObjectId
 from opml.learning.models import learners
 from opml.mornings import candidates, days, fits
@@ -46,6 +47,7 @@ FIRST = date.fromisoformat(EPOCH[:10])
 LAST = FIRST + timedelta(days=4)
 METADATA = {"epoch": EPOCH, "settings": "digest"}
 BATCH = "batch_0"
+SANTIAGO = station_passes.place("-33.4,-70.6,500")
 
 
 @pytest.fixture(scope="module")
@@ -60,7 +62,7 @@ def watched(orbit, assumed_model, iss, earth_orientation, three_stations):
     measured = tracking.simulate(orbit, earth_orientation, three_stations, rso="iss", seed=1)
     propagator = Propagator(assumed_model, iss)
     first = (0.0, orbit[STATE].to_numpy()[0])
-    plan = MorningPlan(MODELS, ESTIMATION, 2.0, 60.0, 7 * DAY, EPOCH)
+    plan = MorningPlan(MODELS, ESTIMATION, 2.0, 60.0, 7 * DAY, EPOCH, passes=[SANTIAGO])
     model = ObjectPropagators(
         propagator, propagator, propagator, Weathers.of(assumed_model, None), earth_orientation
     )
@@ -198,6 +200,16 @@ def test_every_track_is_estimated_once_and_judges_what_was_flown_before(watched,
         assert (judged["t_known"] <= now).all()
         assert (judged["morning"] < now).all()
         assert (judged["t_known"] > now - DAY).all()
+
+
+def test_passes_are_those_of_the_message(whole):
+    folder = whole / LAST.isoformat() / "iss"
+    rows = pd.read_csv(folder / "passes.csv")
+    orbit = station_passes.WholeOrbit(known_orbits.read([folder / "iss.oem"]))
+    expected = station_passes.passes(orbit, SANTIAGO)
+    assert len(rows) == len(expected) >= 5
+    np.testing.assert_allclose(rows["elevation"], expected["elevation"], atol=1e-3)
+    assert (rows["early_or_late"] > 0.0).all()
 
 
 def test_what_leaves_is_the_path_of_the_model_that_the_past_chose(whole):

@@ -224,6 +224,11 @@ class DaySettings(Section):
     messages: Absent[Annotated[list[Name], Unique()]] = absent(
         "objects whose ephemerides are also written as OEM; by default all", unit="names"
     )
+    passes: list[Text] = setting(
+        "places over which passes are written beside each OEM: latitude,longitude,altitude, as 52.2,21.0,110",
+        unit="deg, m",
+        default=[],
+    )
 
 
 class Sheets(Section):
