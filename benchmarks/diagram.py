@@ -54,7 +54,7 @@ def work_precision(panels: Panels) -> Figure:
         "arcs of the paper's RSO on one core, five settings a tool (opml's: the longest step); "
         "down is faster, left is more precise"
     )
-    headline = f"opml is {min(leads(panels).values()):.0f} times faster than any other tool, or more"
+    headline = f"At equal precision opml is at least {min(leads(panels).values()):.0f} times faster"
     add_head_and_legend(figure, headline, note, columns=3)
     return figure
 

@@ -77,20 +77,18 @@ html_copy_source = False
 
 def point(app, docname, source):
     """Point the links of a page at pages."""
-    homes = {page: path for path, page in INCLUDED.items()}
-    own = posixpath.dirname(f"docs/{docname}")
-    folder = posixpath.dirname(homes.get(f"{docname}.md", f"docs/{docname}"))
-
-    def pointed(link):
-        path = posixpath.normpath(posixpath.join(folder, link[1]))
-        return "](" + INCLUDED.get(path, posixpath.relpath(path, own))
-
-    source[0] = LINK.sub(pointed, source[0])
+    point_included(app, f"{docname}.md", docname, source)
 
 
 def point_included(app, path, docname, source):
-    """Point the links of a file that a page includes."""
-    point(app, docname, source)
+    """Point the links of a file that a page includes; path: from the folder of pages."""
+    own, folder = (posixpath.dirname(posixpath.join("docs", file)) for file in (docname, path))
+
+    def pointed(link):
+        target = posixpath.normpath(posixpath.join(folder, link[1]))
+        return "](" + INCLUDED.get(target, posixpath.relpath(target, own))
+
+    source[0] = LINK.sub(pointed, source[0])
 
 
 def list_parameters(app, what, name, obj, options, lines):

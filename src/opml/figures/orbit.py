@@ -142,10 +142,9 @@ def orbit_3d(truth: pd.DataFrame, tracking: pd.DataFrame, *, note: str = "") -> 
     axes.add_collection3d(arcs)
     axes.scatter(
         *observed.T,
-        s=3.0,
-        color="white",
-        edgecolors="black",
-        linewidths=0.3,
+        s=0.8,
+        color="black",
+        linewidths=0.0,
         depthshade=False,
         zorder=3,
         rasterized=True,
