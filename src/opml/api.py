@@ -431,9 +431,9 @@ def predict(
 
 def _paths(what: str, files: FilePath | Iterable[FilePath]) -> list[FilePath]:
     """Return one path or several as a list. Raises InputError for none, and for what is none."""
-    paths = list(files) if isinstance(files, Iterable) and not isinstance(files, str) else [files]
+    paths = list(files) if isinstance(files, Iterable) and not isinstance(files, (str, bytes)) else [files]
     for one in paths:
-        if not isinstance(one, (str, os.PathLike)):
+        if not isinstance(one, (str, os.PathLike)) or one == "":
             raise InputError(f"{what}: expected files, got {one!r}")
     if not paths:
         raise InputError(f"{what}: expected files, got none")

@@ -39,7 +39,8 @@ class Format:
 
 
 def _begins(pattern: bytes) -> Callable[[bytes], bool]:
-    begin = re.compile(rb"\s*" + pattern, re.IGNORECASE)
+    # The blanks are given back to no pattern: files of many would take minutes.
+    begin = re.compile(rb"\s*+" + pattern, re.IGNORECASE)
     return lambda content: begin.match(content) is not None
 
 
@@ -74,7 +75,7 @@ FORMATS = (
     Format("space weather", _BESIDE, _begins(rb"DATE,BSRN,|DATATYPE CssiSpaceWeather")),
     Format("Earth orientation", _BESIDE, _begins(rb"DATE,MJD,")),
     Format("Space-Track: a login that failed", _OTHER, _begins(rb"\{\s*\"Login\"\s*:\s*\"Failed")),
-    Format("Space-Track: an error", _OTHER, _begins(rb"\[?\s*\{\s*\"error\"\s*:")),
+    Format("Space-Track: an error", _OTHER, _begins(rb"\[?\s*+\{\s*\"error\"\s*:")),
     Format("TLE", ELEMENTS, tle.matches, _of_text(tle.pieces)),
     Format("JSON without MEAN_MOTION", _OTHER, _is_other_json),
     Format("OMM", ELEMENTS, _begins(rb"[\[{]"), _of_text(omm.read_json)),

@@ -140,6 +140,7 @@ def test_what_is_no_file_or_number_is_refused(file):
     assert refusal(opml.read_orbit) == "read_orbit: expected files, got none"
     assert refusal(opml.read_orbit, [file, None]) == "read_orbit: expected files, got None"
     assert refusal(opml.predict, 3) == "predict: expected files, got 3"
+    assert refusal(opml.read_orbit, "") == "read_orbit: expected files, got ''"
     assert refusal(opml.predict, file, days="2") == "predict: days: expected a number, got '2'"
     assert "nowhere.tle: no such file" in refusal(opml.predict, file, catalogue="/nowhere.tle")
     assert opml.read_orbit([file]).identity.number == NUMBER

@@ -1,6 +1,7 @@
 """The list of formats: each file has one, whatever stands before its first key, and refusals name it."""
 
 import os
+import time
 from threading import Thread
 
 import pytest
@@ -43,6 +44,14 @@ BEGINNINGS = {
 def test_a_file_has_the_format_that_it_begins_as(name):
     kinds = {one.kind for one in formats.FORMATS}
     assert name.startswith(formats.of("file", BEGINNINGS[name], *kinds).name)
+
+
+@pytest.mark.parametrize("filling", [b"\n", b" ", b"COMMENT a\n", b"<", b"[", b"a "], ids=str)
+def test_the_format_of_much_of_the_same_is_known_in_time(filling):
+    begun = time.process_time()
+    for one in formats.FORMATS:
+        one.matches(20_000 * filling)
+    assert time.process_time() - begun < 1.0
 
 
 def test_a_pipe_is_read_once_and_serves_twice(tmp_path):
