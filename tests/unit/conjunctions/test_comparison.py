@@ -82,6 +82,21 @@ def test_a_true_covariance_holds_what_it_says(truth, tmp_path, frame):
     assert f"the 90 % ellipsoid contains {100 * inside[1]:.0f} %" in comparison.summary(table)
 
 
+SHEARED = np.array([[1.0, 99.0, 0.01], [99.0, 1e4, -99.0], [0.01, -99.0, 1.0]])
+"""Correlations within 1 whose ellipsoid is none: its least eigenvalue is below 0."""
+
+
+@pytest.mark.parametrize("spread", [np.zeros((3, 3)), np.diag([1.0, 0.0, 1.0]), SHEARED], ids=str)
+def test_a_covariance_that_is_no_ellipsoid_has_no_shares(spread, truth, tmp_path, caplog):
+    covariances = np.zeros((len(T), 6, 6))
+    covariances[:, :3, :3], covariances[:, 3:, 3:] = spread, np.eye(3)
+    ours = known_orbits.read([written(tmp_path / "ours.oem", truth, covariances)])
+    table = comparison.compare(ours, known_orbits.read([written(tmp_path / "truth.oem", truth)]))
+    assert table["ellipsoid"].isna().all()
+    assert f"covariances not positive definite, without an ellipsoid: {len(T)}" in caplog.text
+    assert "ellipsoid" not in comparison.summary(table)
+
+
 @pytest.mark.parametrize(
     ("one", "other", "are_two"),
     [
