@@ -136,6 +136,7 @@ def _add_screen(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--within", type=float, help="largest distance [km] (5); not of a CDM")
     parser.add_argument("--radius", type=float, help="sum of the radii of two objects [m] (20, or a CDM's)")
     parser.add_argument("--days", type=float, default=7.0, help="days to screen without an orbit (7)")
+    parser.add_argument("--weather", default="NEWEST", help=WEATHER)
     printed = parser.add_mutually_exclusive_group()
     printed.add_argument("--csv", action="store_true", help="as comma-separated values")
     printed.add_argument("--json", action="store_true", help="as a list of objects, null where unknown")
@@ -149,7 +150,7 @@ def _screen(options: argparse.Namespace) -> None:
 
     if options.messages:
         check_folder(os.path.join(options.messages, "*.cdm"))
-    limits = {name: getattr(options, name) for name in ("within", "radius", "days")}
+    limits = {name: getattr(options, name) for name in ("within", "radius", "days", "weather")}
     found = from_files.conjunctions([options.ours, *options.others], **limits)
     if options.messages:
         found = list(found)

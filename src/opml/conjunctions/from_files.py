@@ -12,7 +12,12 @@ from opml.interop.curves.orbit_path import EPOCH
 
 
 def conjunctions(
-    files: Sequence[FilePath], *, within: float | None, radius: float | None, days: float
+    files: Sequence[FilePath],
+    *,
+    within: float | None,
+    radius: float | None,
+    days: float,
+    weather: FilePath = "OBSERVED",
 ) -> Iterable[Conjunction]:
     """Return the conjunctions of the first file's object, of all pairs in a file alone, or of CDMs.
 
@@ -21,6 +26,7 @@ def conjunctions(
     within: largest distance [km], None: the usual one
     radius: sum of the radii of two objects [m], None: the usual one, or the CDM's
     days: that mean elements are propagated where no file is an orbit
+    weather: OBSERVED, the packaged one, or a CSSI file, under which element sets are predicted
 
     Raises InputError for a distance with a CDM, and as `screening.screen`, `all_pairs.screen` and `cdm.read`.
     """
@@ -34,7 +40,7 @@ def conjunctions(
     metres = 1e3 * (screening.WITHIN if within is None else within)
     if len(files) == 1:
         return all_pairs.screen(files[0], days=days, within=metres, radius=radius)
-    return screening.screen(screening.read(files, days=days), within=metres, radius=radius)
+    return screening.screen(screening.read(files, days=days, weather=weather), within=metres, radius=radius)
 
 
 def _files_of(path: Path) -> list[Path]:

@@ -21,6 +21,7 @@ from opml.base.files import FilePath
 from opml.conjunctions import approaches
 from opml.conjunctions.approaches import Approach
 from opml.conjunctions.conjunction import Conjunction, Participant, check_length, check_radius, remarks_on
+from opml.conjunctions.predicted_sets import PredictedSets
 from opml.conjunctions.sieve import Looks, Span
 from opml.conjunctions.trajectories import (
     PropagatedElements,
@@ -85,15 +86,19 @@ class ScreenedObject:
         ]
 
 
-def read(paths: Sequence[FilePath], *, days: float = DAYS) -> list[ScreenedObject]:
+def read(
+    paths: Sequence[FilePath], *, days: float = DAYS, weather: FilePath = "OBSERVED"
+) -> list[ScreenedObject]:
     """Read the ephemerides in files, ours first: orbits, and mean elements over the span of ours.
 
     days: from our newest set on that elements are propagated where no file is an orbit
+    weather: OBSERVED, the packaged one, or a CSSI file, under which objects of several sets are predicted
 
     A file that is named twice counts once. The first file is of our object. Where it has mean elements,
-    all of them are propagated over the span of the orbits. Of an object with several sets SGP4 propagates the
-    newest before the middle of the span, to 30 days from its epoch at most. Raises InputError, naming the
-    file, for what cannot be read, and a first file of several objects.
+    all of them are propagated over the span of the orbits. Over a week an object with several sets is where
+    `opml predict` has it; any other is propagated by SGP4, the newest before the middle of the span, to 30
+    days from its epoch at most. Raises InputError, naming the file, for what cannot be read, and a first file
+    of several objects.
     """
     first, *rest = {File(path).resolve(): path for path in paths}.values()
     kinds = {path: formats.kind_of(path, formats.ORBIT, formats.ELEMENTS) for path in (first, *rest)}
@@ -102,14 +107,19 @@ def read(paths: Sequence[FilePath], *, days: float = DAYS) -> list[ScreenedObjec
     others = [ephemeris for path in orbits for ephemeris in _of_orbit(path)]
     spans = [trajectory.span for ephemeris in ours or others for trajectory in ephemeris.trajectories]
     span = _whole(spans) if spans else span_of_days(first, days)
-    ours = ours or _of_elements([first], span)
+    elements = [path for path in rest if path not in orbits]
+    own = [] if ours else read_elements([first], span)
+    known_from = max([span[0], *(float(one.row["known"]) for one in own[:1])])
+    files = [*([] if ours else [first]), *elements]
+    predicted = PredictedSets(files, known_from, span[1], weather)
+    ours = ours or _of_elements(own, predicted)
     if len(ours) > 1:
         raise InputError(f"{first}: expected one object, ours, got {ours[0].identity}, {ours[1].identity}")
     if not ours[0].trajectories:
         begin, end = _texts(span)
         raise InputError(f"{first}: expected elements that SGP4 propagates from {begin} to {end}, got others")
-    elements = [path for path in rest if path not in orbits]
-    return [*ours, *others, *(_of_elements(elements, span) if elements else [])]
+    others += _of_elements(read_elements(elements, span), predicted) if elements else []
+    return [*ours, *others]
 
 
 def screen(ephemerides: Sequence[ScreenedObject], *, within: float, radius: float) -> list[Conjunction]:
@@ -233,8 +243,8 @@ def _of_orbit(path: FilePath) -> list[ScreenedObject]:
     ]
 
 
-def _of_elements(paths: Sequence[FilePath], span: Span) -> list[ScreenedObject]:
-    return [object_of_elements(one, one.trajectories) for one in read_elements(paths, span)]
+def _of_elements(elements: Sequence[PropagatedElements], predicted: PredictedSets) -> list[ScreenedObject]:
+    return [object_of_elements(one, partial(predicted.trajectories, one)) for one in elements]
 
 
 def object_of_elements(

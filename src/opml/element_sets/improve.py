@@ -37,7 +37,7 @@ from opml.tables import TABLE_SUFFIXES, write_as
 
 OLDEST_WEATHER = 3.0  # days before the date that the weather may end: the forecast begins there
 
-_FEWEST_SETS = 3
+FEWEST_SETS = 3  # of an object whose past tells something
 _MOST_BSTAR = 0.1  # of a body that is no balloon, some 0.6 m2/kg; more is a fit that failed
 _PAST_COLUMNS = ["number", "morning", "lead", "error", "left", "sigma"]
 _MINUTES = 1440.0
@@ -260,7 +260,7 @@ def reasons(
     off = after_a_day.groupby(rows["number"]).quantile(0.75)
     age = date - newest["t"]
     found = {
-        FEW: counts < _FEWEST_SETS,
+        FEW: counts < FEWEST_SETS,
         "burned lately": missed.reindex(newest.index, fill_value=0.0) > weighting.BURN,
         f"newest set older than {OLDEST:g} d": age > OLDEST,
         "no B* above 0": newest["bstar"] <= 0.0,

@@ -1,0 +1,79 @@
+"""Objects of public sets where `opml predict` has them, as surely as it says."""
+
+import logging
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from opml.base import epochs
+from opml.base.constants import DAY
+from opml.base.errors import InputError
+from opml.base.files import FilePath
+from opml.conjunctions.trajectories import PropagatedElements, Trajectory, of_segment
+from opml.element_sets import known_sets
+from opml.element_sets.improve import FEWEST_SETS
+from opml.element_sets.prediction import Prediction, PublicMorning
+from opml.interop import ccsds
+from opml.interop.curves.orbit_path import EPOCH
+from opml.interop.element_sets.element_set import ElementSet
+from opml.interop.predicted_orbit import LEADS
+from opml.orbits.density_error import DensityErrors
+
+_log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, eq=False)
+class PredictedSets:
+    """The sets in files, predicted from a time on.
+
+    paths: of the files; begin: when predictions begin, rounded up to a second [s since EPOCH]; end: of the
+    span that is asked for; weather: OBSERVED, the packaged one, or a CSSI file
+    """
+
+    paths: Sequence[FilePath]
+    begin: float
+    end: float
+    weather: FilePath
+
+    def trajectories(self, elements: PropagatedElements) -> Sequence[Trajectory]:
+        """Return where an object is predicted; by SGP4 with few sets, and where no prediction can be made."""
+        history = self._histories[int(elements.row["number"])]
+        if len(history) < FEWEST_SETS or self._days > LEADS[-1] or self._morning is None:
+            return elements.trajectories()
+        try:
+            return [self._trajectory(self._morning.predict(history, days=self._days))]
+        except InputError as reason:
+            _log.warning("%s: propagated by SGP4: %s", elements.identity, reason)
+            return elements.trajectories()
+
+    def _trajectory(self, prediction: Prediction) -> Trajectory:
+        """Return a prediction, times since EPOCH."""
+        segment, shift = prediction.segment(), epochs.seconds_between(EPOCH, prediction.date)
+        density = segment.density
+        if density is not None:
+            density = DensityErrors(density.uncertainty, density.t + shift, density.sensitivities)
+        t, covariance_t = segment.t + shift, segment.covariance_t + shift
+        trajectory = of_segment(replace(segment, t=t, covariance_t=covariance_t, density=density))
+        return replace(trajectory, remark=f"as opml predict states it: {prediction.way}")
+
+    @property
+    def _days(self) -> float:
+        return (self.end - np.ceil(self.begin)) / DAY
+
+    @cached_property
+    def _histories(self) -> dict[int, list[ElementSet]]:
+        return known_sets.by_object(self.paths)
+
+    @cached_property
+    def _morning(self) -> PublicMorning | None:
+        """What was public when predictions begin; None where the log says what is missing."""
+        (date,) = ccsds.utc_texts(EPOCH, np.ceil([self.begin - 1e-6]))
+        try:
+            return PublicMorning.read(
+                self.paths, date=date.partition(".")[0], weather=self.weather, latency=0.0
+            )
+        except InputError as reason:
+            _log.warning("element sets are propagated by SGP4: %s", reason)
+            return None
