@@ -36,6 +36,7 @@ FONTS = Path(find_spec("ziamath").origin).with_name("fonts")  # a wheel with STI
 LINKS = [line.split(", ") for line in metadata("opml-orbits").get_all("Project-URL") or ()]
 SAMPLE = Path(opml.__file__).parent / "data" / "benchmark" / "sample" / "inputs" / "2026-01-13T060000"
 SAMPLE_DATE = "2026-01-13T06:00:00"
+BADGE = re.compile(r"^\[!\[.*\n", re.MULTILINE)  # a picture from elsewhere, which the site does not fetch
 LINK = re.compile(r"\]\((?!\w+:|#)([^)\s#]+)")
 ARTICLE = re.compile(r"<article[^>]*>(.*)</article>", re.DOTALL)
 TAG = re.compile(r"<(?!/?section\b)[^>]*>|¶")
@@ -88,7 +89,7 @@ def point_included(app, path, docname, source):
         target = posixpath.normpath(posixpath.join(folder, link[1]))
         return "](" + INCLUDED.get(target, posixpath.relpath(target, own))
 
-    source[0] = LINK.sub(pointed, source[0])
+    source[0] = LINK.sub(pointed, BADGE.sub("", source[0]))
 
 
 def list_parameters(app, what, name, obj, options, lines):

@@ -64,6 +64,9 @@ def test_what_improve_leaves_of_the_tasks_is_the_board_s():
         ]
         for line in lines
     }
+    sgp4, ours = (board["elements-maximum", tool][-1] / 1e3 for tool in ("sgp4", "improve"))
+    said = f"SGP4's median error after a week is {sgp4:.1f} km, that of `improve` {ours:.1f} km"
+    assert said in sentences("docs/benchmark")
     for task in ("maximum", "minimum"):
         pairs = zip(*(board[f"elements-{task}", tool] for tool in ("improve", "sgp4")), strict=True)
         *days, week = (round(100.0 * ours / sgp4) for ours, sgp4 in pairs)
@@ -221,7 +224,7 @@ def test_the_picture_of_learning_has_every_season_and_satellite():
             f"at {LOWEST} to {HIGHEST} km mean height and eccentricities below {features.MOST_ECCENTRICITY}",
         ),
         ("conjunctions", f"near-circular objects from {LOWEST} to {HIGHEST} km"),
-        ("conjunctions", f"for `--days` ({screening.DAYS:.0f}) from the newest set"),
+        ("conjunctions", f"the span is `--days` ({screening.DAYS:.0f}) from the newest set"),
         ("learning", f"weighted by their likelihood in its last {weighting.PAST} mornings"),
         (
             "learning",
@@ -255,6 +258,21 @@ def test_numbers_in_a_sentence_are_those_of_a_row(name, phrase, source, row):
     (cells,) = (", ".join(cells) for cells in rows(source) if ", ".join(cells).startswith(row))
     for number in re.findall(r"\d+(?:\.\d+)?", phrase):
         assert re.search(rf"(?<![\d.]){re.escape(number)}(?!\d)", cells), number
+
+
+def test_the_paper_s_numbers_are_those_of_the_pages(improved):
+    text = sentences("docs/paper")
+    inside = {cells[0].strip("*"): cells[1] for cells in rows("docs/inside")}
+    ours, sgp4 = inside["Sentinel-3A, the orbit inside"], inside["Sentinel-3A, 804 km, SGP4"]
+    assert f"{ours} m (radial, along-track, cross-track), SGP4's is {sgp4} m" in text
+    week, low, high = improved["summer"][-1]
+    assert f"to {week} % (95 % interval {low} to {high}) in the summer of 2026" in text
+    assert f"to {improved['solar'][-1][0]} % at solar minimum" in text
+    three = {cells[1]: cells for cells in rows("docs/beyond", "## Results") if cells[0] == "3"}
+    random, grouped, _, unseen = (cell.split()[0] for cell in three["`svr`"][2:])
+    assert f"machine {random} % of the error remain on rows drawn at random, {grouped} % on estimates" in text
+    assert f"and {unseen} % on those of later days" in text
+    assert f"the causes {three['`mechanism`'][-1].split()[0]} %" in text
 
 
 def test_burns_that_are_found_are_those_of_the_satellites_that_set_no_limit():
