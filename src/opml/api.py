@@ -400,7 +400,7 @@ def predict(
     at most; object: name, designator or number, of several; date: a time (UTC), None for when the newest was
     known; weather: NEWEST, of ``opml fetch``, else packaged, or a CSSI file; catalogue: others' sets to
     compare with; trained: a model of ``opml train``; stations: of tracks; area_to_mass: of what was measured
-    [m2/kg], None: a guess.
+    [m2/kg], None: a guess, above 1000 km by light.
     Raises InputError for unreadable files, an object that is not there, days out of range, old weather.
     Source: ``opml docs improve``.
 

@@ -250,7 +250,7 @@ def _add_predict(parser: argparse.ArgumentParser) -> None:
     sets.add_argument("--catalogue", nargs="+", default=[], help="sets of other objects, to compare with")
     sets.add_argument("--model", help="a model of `opml train` (that of the package)")
     measured = parser.add_argument_group("of points and tracks")
-    measured.add_argument("--area-to-mass", type=float, help="area over mass [m2/kg] (a guess: 0.01)")
+    measured.add_argument("--area-to-mass", type=float, help="area over mass [m2/kg] (a guess, or by light)")
     measured.add_argument("--radars", default="config/stations.tsv", help="sheet of the stations of tracks")
 
 

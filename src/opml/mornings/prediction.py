@@ -54,6 +54,9 @@ MORNINGS = 7  # mornings before the date that are run again
 STRETCH = 6.0  # length of a stretch of points [h], whose estimate is at its first
 SIGMA = 10.0  # standard deviation of positions whose file tells none [m]
 GUESS = 0.01  # area to mass of a body that nobody knows [m2/kg]
+_TRIED = (0.0005, 0.005, 0.01)  # areas to mass of fits that show how light presses [m2/kg]
+_PRIOR = 1e-3  # what an area to mass twice GUESS counts as, in mean squares of weighted residuals
+_BODIES = (1e-4, 0.1)  # areas to mass of satellites [m2/kg]
 LIT = 1000e3  # height above which light presses more than drag does [m]
 LONGEST = 7.0  # days that a prediction reaches at most
 _EVERY = 120.0  # between points [s]: each is an end of a step
@@ -227,6 +230,11 @@ def predict(request: Request, settings: OrbitSettings, *, progress: Progress) ->
         _log.warning("%s: measurements are off their fit by %.0f sigma: %s", request.files[0], rms, asked)
     height = float(np.linalg.norm(made[STATE[:3]].iloc[0])) - WGS84_A
     if request.area_to_mass is None and height > LIT:
+        progress("area to mass, by how light presses")
+        area = _area_by_light(request, settings, times)
+        if area is not None:
+            _log.warning("%s: area to mass of %.2g m2/kg, by how light presses", request.files[0], area)
+            return predict(replace(request, area_to_mass=area), settings, progress=progress)
         told = "%s: area to mass is a guess, %g m2/kg: light presses by it, more than drag: give it"
         _log.warning(told, request.files[0], GUESS)
     expected = f"{request.files[0]}: expected an orbit for {request.days:g} days, got"
@@ -251,6 +259,26 @@ def predict(request: Request, settings: OrbitSettings, *, progress: Progress) ->
         issued_last.verdict,
         sum(times.mornings[0] <= one.t for one in [*watched.known_by(times.date), *records.burns]),
     )
+
+
+def _area_by_light(request: Request, settings: OrbitSettings, times: _Times) -> float | None:
+    """Return the area to mass [m2/kg] whose fit leaves least, near GUESS; None where fits hardly tell it.
+
+    The mean square of what the newest, longest fit leaves is a parabola of the pressure of light.
+    """
+    squares = []
+    for area in _TRIED:
+        watched = _watched(replace(request, area_to_mass=area), settings, times)
+        fitted = morning(watched, Records.empty(), now=times.date).records.estimates
+        newest = fitted[(fitted["track"] == fitted["track"].max()) & fitted["converged"].astype(bool)]
+        if newest.empty:
+            return None
+        squares.append(float(newest.sort_values("window_hours")["weighted_rms"].iloc[-1]) ** 2)
+    curve = np.polynomial.Polynomial.fit(_TRIED, squares, 2).convert().coef
+    prior = _PRIOR / GUESS**2
+    if curve[2] < prior:
+        return None
+    return float(np.clip((prior * GUESS - 0.5 * curve[1]) / (prior + curve[2]), *_BODIES))
 
 
 def _text(epoch: str, t: float) -> str:

@@ -192,8 +192,19 @@ def test_a_mirrored_orbit_is_told(orbit, tmp_path, caplog):
     assert re.fullmatch(r".*iss\.oem: measurements are off their fit by \d+ sigma: are .*", told)
 
 
-def test_a_guessed_body_is_told_where_light_presses_more_than_drag(hours, monkeypatch, caplog):
+def test_an_area_that_is_not_given_follows_from_how_light_presses(iss, tmp_path, caplog):
+    """High up a day of points tells it."""
+    environment = api.make_environment(EPOCH, days=2, activity="OBSERVED", degree=8)
+    high = Propagator(api.force_model(environment, **SMALL), replace(iss, a=12e6, area_to_mass=0.001))
+    path = points(truth.simulate(high, duration=1.2 * DAY, step=60.0), tmp_path / "high.oem")
+    made_of(path, date=None, area_to_mass=None)
+    (told,) = re.findall(r"high\.oem: area to mass of (\S+) m2/kg, by how light presses", caplog.text)
+    assert float(told) == pytest.approx(0.001, rel=0.2)
+
+
+def test_an_area_that_light_does_not_tell_is_a_guess_and_told(hours, monkeypatch, caplog):
     monkeypatch.setattr("opml.mornings.prediction.LIT", 0.0)
+    monkeypatch.setattr("opml.mornings.prediction._PRIOR", 1.0)
     made_of(hours, date=None, area_to_mass=None)
     assert "iss.oem: area to mass is a guess, 0.01 m2/kg: light presses by it" in caplog.text
 
