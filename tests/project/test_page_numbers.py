@@ -15,8 +15,8 @@ from opml.element_sets import features, improved_sizes, prediction, weighting
 from opml.interop.curves import orbit_breaks
 from opml.learning.judge import error_sizes
 from opml.mornings import days, verdicts
-from validation.pictures import every_week, where_learning_helps
-from validation.pictures.page_tables import catalogue, rows
+from validation.pictures import by_height, every_week, where_learning_helps
+from validation.pictures.page_tables import catalogue, rows, tsv
 
 WEATHER = (REPOSITORY / "src" / "opml" / "data" / "space_weather.csv").read_text(encoding="utf-8")
 LOWEST, HIGHEST = (f"{edge / 1e3:.0f}" for edge in features.BANDS[[0, -1]])  # of corrected heights [km]
@@ -34,6 +34,13 @@ def sentences(name):
 def improved():
     """Cells of improved sets by the first word of the season."""
     return {season.split()[0]: cells for (season, way), cells in catalogue().items() if way == "improved"}
+
+
+def test_the_picture_by_height_has_every_row_of_its_table():
+    table = tsv("heights")
+    figure = by_height.by_height(table)
+    drawn = sorted(size for axes in figure.axes for line in axes.lines for size in line.get_ydata())
+    assert drawn == sorted(float(row[name]) for row in table for name in ("SGP4 [m]", "improved [m]"))
 
 
 def test_the_share_of_sgp4_s_error_is_that_of_the_catalogue(improved):
@@ -83,7 +90,7 @@ def test_trees_relative_to_density_are_those_of_the_columns():
 
 
 def test_the_worst_weeks_are_those_of_their_table():
-    table = every_week.read()
+    table = tsv("weeks")
     summer, storms = (
         every_week.worst([row for row in table if row["season"] == season])
         for season in ("summer of 2026", "storms of 2025")

@@ -5,7 +5,6 @@
 The folder is of a run of `config/studies/catalogue.yaml`; its weeks become docs/tables/weeks.tsv.
 """
 
-import csv
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -19,11 +18,9 @@ from matplotlib.ticker import FixedLocator, NullLocator
 
 from opml.base import epochs
 from opml.figures import style
-from opml.tables import read_table
-from validation.case import ROOT
 from validation.pictures import shrunk
+from validation.pictures.page_tables import tsv, write_seasons
 
-TABLE = ROOT / "docs" / "tables" / "weeks.tsv"
 SEASONS = {
     "summer": "summer of 2026",
     "storms": "storms of 2025",
@@ -107,21 +104,10 @@ def worst(rows: Sequence[dict[str, str]]) -> tuple[float, str, int]:
     return max((float(row[_column(lead)]), row["week from"], lead) for row in rows for lead in LEADS)
 
 
-def read() -> list[dict[str, str]]:
-    """Return the rows of the table."""
-    with TABLE.open(encoding="utf-8") as file:
-        return list(csv.DictReader(file, delimiter="\t"))
-
-
 def main(folder: str) -> None:
     """Write the table, draw the picture and shrink it."""
-    parts = [
-        row
-        for test, season in SEASONS.items()
-        for row in weeks(read_table(Path(folder) / test / "trees.parquet", "catalogue_residuals"), season)
-    ]
-    pd.DataFrame(parts).to_csv(TABLE, sep="\t", index=False)
-    shrunk.save(every_week(read()), "weeks")
+    write_seasons("weeks", Path(folder), SEASONS, weeks)
+    shrunk.save(every_week(tsv("weeks")), "weeks")
 
 
 if __name__ == "__main__":

@@ -2,7 +2,13 @@
 
 import csv
 import re
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
 
+import pandas as pd
+
+from opml.tables import read_table
 from validation.case import ROOT
 
 
@@ -15,13 +21,36 @@ def rows(page: str, heading: str = "") -> list[list[str]]:
     return [[cell.strip() for cell in line[1:-1].split(" | ")] for line in lines]
 
 
+def tsv(name: str) -> list[dict[str, str]]:
+    """Return the rows of a table of docs/tables."""
+    with (ROOT / "docs" / "tables" / f"{name}.tsv").open(encoding="utf-8") as file:
+        return list(csv.DictReader(file, delimiter="\t"))
+
+
+def write_seasons(
+    name: str,
+    folder: Path,
+    seasons: Mapping[str, str],
+    rows_of: Callable[[pd.DataFrame, str], list[dict[str, Any]]],
+) -> None:
+    """Write a table of docs/tables from the residuals of the trees in the seasons of a run.
+
+    folder: of residuals of `config/studies/catalogue.yaml`; seasons: words by the test's name
+    """
+    parts = (
+        row
+        for test, words in seasons.items()
+        for row in rows_of(read_table(folder / test / "trees.parquet", "catalogue_residuals"), words)
+    )
+    pd.DataFrame(parts).to_csv(ROOT / "docs" / "tables" / f"{name}.tsv", sep="\t", index=False)
+
+
 def catalogue() -> dict[tuple[str, str], list[list[int]]]:
     """Return the medians of docs/learning.md by season and way: at 1, 3, 5 and 7 days the numbers of a cell.
 
     They are the median and, where stated, its interval, in % of SGP4's.
     """
-    with (ROOT / "docs" / "tables" / "seasons.tsv").open(encoding="utf-8") as file:
-        lines = list(csv.DictReader(file, delimiter="\t"))
+    lines = tsv("seasons")
     table: dict[tuple[str, str], list[list[int]]] = {}
     for line in lines:
         for name, cell in line.items():
