@@ -22,6 +22,7 @@ SUFFIXES = (".tle", ".txt", ".3le", ".json", ".csv", ".xml", ".kvn", ".omm")
 """Endings of the files of a folder that are read, `.gz` after them or not."""
 
 _MOST_DAYS = 1e6  # more than any modified Julian day
+_LATE = 3.0  # days after its epoch when no publisher makes a set any more
 _DAMAGED = 20  # a file is refused where more than one set of so many cannot be read
 
 _log = logging.getLogger(__name__)
@@ -93,7 +94,12 @@ def read(
     """
     sets = of_files(find_files(paths), partial(readable, leave_out_damaged=leave_out_damaged))
     sets.sort(key=lambda one: (one.number, _epoch(one.satellite), one.created))
-    return ElementCatalogue(_table(sets, latency), [one.satellite for one in sets])
+    table = _table(sets, latency)
+    late = int((table["known"] - table["t"] > _LATE).sum())
+    if 2 * late > len(table):
+        told = "element sets made more than %g d after their epochs: %d of %d: is CREATION_DATE a download's?"
+        _log.warning(told, _LATE, late, len(table))
+    return ElementCatalogue(table, [one.satellite for one in sets])
 
 
 def readable(path: FilePath, leave_out_damaged: bool = False) -> list[ElementSet]:

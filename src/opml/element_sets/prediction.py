@@ -156,7 +156,7 @@ class Prediction(PredictedOrbit):
         """Why that was used, in words."""
         weight = f"weight {self.how['weight']:.0%}, from the errors of its last {weighting.PAST} mornings"
         inside = self.inside.reason if isinstance(self.inside, OrbitInside) else self.inside
-        return "; ".join([inside, str(self.how["why"]) or weight, *self._cautions()])
+        return "; ".join(dict.fromkeys([inside, str(self.how["why"]) or weight, *self._cautions()]))
 
     def _cautions(self) -> Iterator[str]:
         """Yield what the date hides, what sigmas rest on where no past does, and why they are wide."""

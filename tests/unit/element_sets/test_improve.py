@@ -25,7 +25,8 @@ from opml.element_sets import (
 from opml.element_sets import trained_model as models
 from opml.element_sets.catalogue import modified_julian_day
 from opml.environment import solar_activity
-from opml.interop.element_sets import element_set, mean_elements
+from opml.interop.element_sets import element_set, mean_elements, omm
+from opml.interop.object_ids import ObjectId
 from opml.tables import read_table
 
 DATE = "2026-01-08T06:00:00"
@@ -331,6 +332,23 @@ def test_what_belongs_beside_sets_is_passed_over_however_few_they_are(tmp_path, 
     assert len(catalogue.read([folder]).table) == 2
     assert re.search(r"passed over: .*satcat\.csv: expected .*, got a list of objects", caplog.text)
     assert "sets.tle: sets of operators' ephemerides: 1: burns to come are in them" in caplog.text
+
+
+@pytest.mark.parametrize(("days", "is_told"), [(1, False), (10, True)])
+def test_dates_of_creation_that_are_of_a_download_are_told(days, is_told, tmp_path, caplog):
+    """No past is known of sets that all came today."""
+    text = ""
+    for day in range(4):
+        path = tmp_path / f"{day}.kvn"
+        epoch = str(np.datetime64("2026-01-01T00:00:00") + np.timedelta64(day, "D"))
+        made = element_set.satellite(epoch, [0.0666, 1e-3, 1.0, 1.0, 1.0, 1.0, 1e-4])
+        omm.write(path, made, identity=ObjectId("X", number=5), epoch=epoch, comment="")
+        created = str(np.datetime64(epoch) + np.timedelta64(days * (day != 3), "D"))
+        text += re.sub("(?<=CREATION_DATE = ).*", created, path.read_text())
+    (tmp_path / "all.kvn").write_text(text)
+    assert len(catalogue.read([tmp_path / "all.kvn"]).table) == 4
+    told = "element sets made more than 3 d after their epochs: 3 of 4: is CREATION_DATE a download's?"
+    assert (told in caplog.text) == is_told
 
 
 @pytest.mark.parametrize("name", BAD)
