@@ -52,10 +52,20 @@ def written(path, number):
 
 
 @pytest.fixture(scope="module", autouse=True)
-def coarse_field():
+def sought_once():
+    """Orbits inside sets under a coarse field; those of the same sets and date are sought once."""
+    find, kept = inside_now.find, {}
+
+    def remembered(public, *, date, forces):
+        sets = tuple((one.t, one.made, one.satellite.bstar, one.satellite.mo) for one in public)
+        if (sets, date) not in kept:
+            kept[sets, date] = find(public, date=date, forces=forces)
+        return kept[sets, date]
+
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(inside_forces, "read", partial(inside_forces.read, degree=8))
         patch.setattr(inside_now, "MOST", 4)
+        patch.setattr(inside_now, "find", remembered)
         yield
 
 
