@@ -11,9 +11,11 @@ Where the force model has outlooks, each arc is propagated under the newest at i
 knows what was measured later. Arcs under several outlooks share blocks: only their density differs.
 """
 
+import logging
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -24,6 +26,8 @@ from opml.dynamics.kernels.block import advance, workspace
 from opml.dynamics.kernels.lanes import WIDTH, rows
 from opml.dynamics.kernels.surroundings import ForceModel
 from opml.dynamics.settings import Integrator
+
+_log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -91,6 +95,8 @@ def propagate(
         integrator=integrator,
     )
     outlook = departures.outlooks(model, epochs)
+    if not advance.signatures and not any(Path(advance.stats.cache_path).glob("*.nbi")):
+        _log.warning("the force model is compiled, once for each version: half a minute")
 
     def propagate(members: np.ndarray) -> int:
         kinds, kind = np.unique(outlook[members], return_inverse=True)

@@ -89,7 +89,7 @@ FORMATS = (
     Format("TDM", TRACKS, _message(b"TDM")),
     Format("CDM", CONJUNCTION, _message(b"CDM")),
     Format("Parquet", TABLE, is_table),
-    Format("laser ranges (CRD)", _OTHER, _begins(rb"H1\s+CRD\b")),
+    Format("laser ranges (CRD), which a study reads: opml docs tracks", _OTHER, _begins(rb"H1\s+CRD\b")),
     Format("a web page", _OTHER, _begins(rb"(?:<\?xml[^>]*>\s*)?<(?:!DOCTYPE\s+)?html\b")),
     Format("CelesTrak: not updated", _OTHER, _begins(rb"GP data has not updated")),
     Format("CelesTrak: no such object", _OTHER, _begins(rb"No (?:Sup)?GP data found")),

@@ -235,8 +235,8 @@ def predict(request: Request, settings: OrbitSettings, *, progress: Progress) ->
         if area is not None:
             _log.warning("%s: area to mass of %.2g m2/kg, by how light presses", request.files[0], area)
             return predict(replace(request, area_to_mass=area), settings, progress=progress)
-        told = "%s: area to mass is a guess, %g m2/kg: light presses by it, more than drag: give it"
-        _log.warning(told, request.files[0], GUESS)
+        told = "area to mass is a guess, %g m2/kg: light presses by it, more than drag: give --area-to-mass"
+        _log.warning(f"%s: {told}", request.files[0], GUESS)
     expected = f"{request.files[0]}: expected an orbit for {request.days:g} days, got"
     try:
         light = usual_errors.GUESSED if request.area_to_mass is None else usual_errors.GIVEN

@@ -31,7 +31,7 @@ BEGINNINGS = {
     "TDM": b"CCSDS_TDM_VERS=1.0",
     "CDM": b"CCSDS_CDM_VERS = 1.0",
     "Parquet": b"PAR1....",
-    "laser ranges (CRD)": b"h1 CRD  1 2016",
+    "laser ranges (CRD), which a study reads: opml docs tracks": b"h1 CRD  1 2016",
     "a web page": b"<!doctype HTML>\n<html>",
     "a web page in XML": b'<?xml version="1.0"?>\n<!DOCTYPE html PUBLIC "x">\n<html>',
     "an archive, not gzip": b"PK\3\4" + bytes(9),
