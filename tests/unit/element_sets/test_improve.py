@@ -329,9 +329,15 @@ def test_what_belongs_beside_sets_is_passed_over_however_few_they_are(tmp_path, 
     lines = sinking_histories.sets_of(101, 2)
     lines[2] = lines[2].replace("U", "C", 1)
     (folder / "sets.tle").write_text("\n".join(lines) + "\n")
-    assert len(catalogue.read([folder]).table) == 2
+    operators = mean_elements.read_sets(folder / "sets.tle")[1]
+    omm.write(
+        folder / "b.kvn", operators.satellite, identity=ObjectId("X", number=101), epoch=DATE, comment=""
+    )
+    (folder / "b.kvn").write_text((folder / "b.kvn").read_text().replace("TYPE = U", "TYPE = C"))
+    assert len(catalogue.read([folder]).table) == 3
     assert re.search(r"passed over: .*satcat\.csv: expected .*, got a list of objects", caplog.text)
-    assert "sets.tle: sets of operators' ephemerides: 1: burns to come are in them" in caplog.text
+    for name in ("sets.tle", "b.kvn"):
+        assert f"{name}: sets of operators' ephemerides: 1: burns to come are in them" in caplog.text
 
 
 @pytest.mark.parametrize(("days", "is_told"), [(1, False), (10, True)])

@@ -104,7 +104,7 @@ def element_set(path: FilePath, record: Record) -> ElementSet:
     identity = {
         "EPOCH": values.time("EPOCH"),
         "NORAD_CAT_ID": str(number if number <= LARGEST_NUMBER else 0),
-        "CLASSIFICATION_TYPE": values.known.get("CLASSIFICATION_TYPE", "U")[0],
+        "CLASSIFICATION_TYPE": values.known.get("CLASSIFICATION_TYPE", "U"),
     }
     numbers = {key: values.known[key] for key in (*_NUMBERS, *_DERIVATIVES) if key in values.known}
     made = satellite(numbers | identity)
@@ -116,8 +116,10 @@ def element_set(path: FilePath, record: Record) -> ElementSet:
 
 def satellite(values: Mapping[str, str]) -> Satrec:
     """Return what SGP4 propagates of a message's values, with all that a TLE has beside its orbit."""
-    made = Satrec()
-    omm.initialize(made, {**_UNUSED, **values})
+    made, fields = Satrec(), {**_UNUSED, **values}
+    kind = fields["CLASSIFICATION_TYPE"][:1]
+    omm.initialize(made, {**fields, "CLASSIFICATION_TYPE": kind})
+    made.classification = kind  # which sgp4 forgets
     return made
 
 
