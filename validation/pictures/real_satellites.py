@@ -100,7 +100,7 @@ def overview(found: Mapping[str, Satellite]) -> Figure:
     panels[0].set_ylabel("along-track error")
     panels[0].yaxis.set_major_formatter(FuncFormatter(metres))
     panels[-1].legend(loc="upper right", fontsize=style.NOTE_SIZE, handlelength=1.0, borderaxespad=0.0)
-    headline = "On four satellites orbit determination removes most of the error, learning no more"
+    headline = "On four satellites orbit determination removes most of the error, learning adds nothing"
     note = (
         "learning from the object's own past; tracks of three simulated radars, weather as forecast that "
         "day; marks: median, bars: up to the 95th percentile"
