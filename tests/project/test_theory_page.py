@@ -73,9 +73,9 @@ def test_its_numbers_are_those_of_the_code(phrase):
 
 
 def test_the_noises_of_the_filters_are_those_of_the_bank():
-    rows = re.findall(r"^\| (?:walk|gust|kick) .*\| ([\d., ]+) (?:%|mm/s) \|$", TEXT, re.MULTILINE)
+    rows = re.findall(r"^\| (?:walk|gust|impulse) .*\| ([\d., ]+) (?:%|mm/s) \|$", TEXT, re.MULTILINE)
     told = [[float(number) for number in row.split(", ")] for row in rows]
-    scales = {"walk": 100.0, "gust": 100.0, "kick": 1000.0}
+    scales = {"walk": 100.0, "gust": 100.0, "impulse": 1000.0}
     for (name, scale), numbers in zip(scales.items(), told, strict=True):
         np.testing.assert_allclose(
             numbers, sorted({scale * getattr(noise, name) for noise in sequential.BANK})

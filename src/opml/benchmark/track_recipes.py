@@ -35,7 +35,7 @@ _ARCSECOND = np.pi / 648000.0
 _DIGITS = {"azimuth": 5, "elevation": 5, "range": 1}  # of degrees and metres: the same text on all machines
 
 
-class TrackedObject(Section):
+class ObservedObject(Section):
     """An object of a recipe, its key the number by which answers name it."""
 
     files: Text  # pattern of the names of its orbit's files
@@ -59,7 +59,7 @@ class TrackRecipe(Section):
     title: Text
     history_days: Count
     seed: int
-    objects: dict[int, TrackedObject]
+    objects: dict[int, ObservedObject]
     digest: str = ""
 
 

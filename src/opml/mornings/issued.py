@@ -25,7 +25,7 @@ from opml.orbits.rsw_covariance import rates, rsw_covariances
 from opml.tables import SIGMA_STATE, SIZES, STATE, state_rows
 
 _GROUPS = {"constant": "xyz", "rate": "xyz", "drag": "xyz", "velocity": "xyz", "inflation": "01234"}
-_TIMES = ("days", "reach", "flat")
+_TIMES = ("days", "reach")
 
 
 @dataclass(frozen=True)

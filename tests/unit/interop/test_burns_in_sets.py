@@ -4,17 +4,13 @@ import logging
 import re
 
 import numpy as np
-import pandas as pd
 import pytest
 from element_histories import history
 from support import EPOCH
 
-from opml.base.constants import DAY, HOUR
-from opml.catalog.fit import fixes
+from opml.base.constants import DAY
 from opml.interop.element_sets import burns_in_sets
-from opml.interop.element_sets.measured_sets import Taking, measured
 from opml.orbits.manoeuvres import Manoeuvre
-from opml.tables import FIX_SIGMAS, STATE
 
 DAYS = np.arange(-20.0, 21.0)
 AXIS = 6.78e6
@@ -88,43 +84,11 @@ def test_a_gap_between_sets_a_few_hours_apart_hides_no_burn():
     assert burn.t == pytest.approx(4.9 * DAY)
 
 
-def test_burns_stand_in_order_and_windows_begin_anew_behind_them():
-    named = [Manoeuvre(8.0 * DAY)]
-    both = burns_in_sets.manoeuvres_of(sets_with({4.5: 60.0}), named, epoch=EPOCH, find=True)
-    assert both == [Manoeuvre(5.0 * DAY, 6.0 * DAY, restarts=True), Manoeuvre(8.0 * DAY, restarts=True)]
-    assert burns_in_sets.manoeuvres_of(sets_with({4.5: 60.0}), named, epoch=EPOCH, find=False) == both[1:]
-
-
 def test_sets_after_a_burn_may_settle():
     settling = 1.7 * burns_in_sets.OFF * np.sqrt(2.0) * NOISE
     assert len(found(sets_with({9.5: settling}))) == 1
     assert len(found(sets_with({4.5: 200.0, 9.5: settling}))) == 1
     assert len(found(sets_with({4.5: 200.0, 9.5: 200.0}))) == 2
-
-
-def test_a_burn_changes_nothing_before_it_was_found():
-    """What follows a set says nothing of it: not of its points, nor of its weight."""
-    quiet, burned = sets_with(), sets_with({4.5: 200.0})
-    known = {}
-    for name, sets in (("quiet", quiet), ("burned", burned)):
-        measured_sets = measured(
-            sets,
-            Taking(1200.0, 36 * HOUR),
-            epoch=EPOCH,
-            duration=20 * DAY,
-            manoeuvres=found(sets),
-        )
-        table = fixes.of_sets(measured_sets.epochs, measured_sets.points, known=measured_sets.known)
-        known[name] = table
-    before = [table[table["t_estimate"] < 4.5 * DAY] for table in known.values()]
-    pd.testing.assert_frame_equal(*before, check_exact=True)
-
-    # The first set after the burn may keep its points from before it: at its epoch nobody knew.
-    after = known["burned"].groupby("t_estimate")["t"].min()
-    assert 5.0 * DAY not in after.index or after[5.0 * DAY] == 3.5 * DAY
-    assert after[6.0 * DAY] == 5.0 * DAY
-    assert (after[7.0 * DAY], after[8.0 * DAY]) == (5.5 * DAY, 6.5 * DAY)
-    assert known["burned"][[*STATE, *FIX_SIGMAS[:3]]].notna().all(axis=None)
 
 
 @pytest.mark.parametrize("cut", [5.0, 6.0, 12.0])

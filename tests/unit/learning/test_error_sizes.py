@@ -9,7 +9,7 @@ from scipy import optimize
 from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.learning.judge import calibration, simplex_kernels
-from opml.learning.judge.error_sizes import INSIDE, Sizes, along_track, as_known, of_differences, widening
+from opml.learning.judge.error_sizes import INSIDE, Sizes, as_known, widening
 from opml.orbits import rsw_covariance
 from opml.tables import COMPONENTS, SIGMA_STATE, SPREAD
 
@@ -108,72 +108,6 @@ def test_the_doubt_of_later_estimates_is_no_part_of_a_size():
     )
     assert doubted == pytest.approx(plain, rel=0.3)
     assert trusted > 1.4 * plain
-
-
-def held_alike(past, *, off, seed=4):
-    """Rows against estimates that are so far off cross-track [m] as their predictions are, too."""
-    noise = off * np.random.default_rng(seed).normal(size=len(past))
-    true = past.assign(e_z=past["e_z"] + noise, e_vz=past["e_vz"] + RATE * noise)
-    return true, past.assign(doubt_z=off, correlated=True)
-
-
-def test_the_doubt_of_estimates_that_err_alike_is_a_part_of_a_size():
-    """A difference lacks what both are off by: against the truth ellipsoids hold nine tenths."""
-    true, differences = held_alike(replays(days=60), off=60.0)
-    sizes = Sizes.learned(differences, now=60.0 * DAY)
-    np.testing.assert_allclose(sizes.sigmas(AHEAD)[:, 2], np.hypot(SIZES["e_z"], 60.0), rtol=0.3)
-    stated = true.assign(**dict(zip(SIGMA_STATE, without_widening(sizes, true).T, strict=True)))
-    shares = calibration.of_replay(stated, days=[1.0, 3.0, 7.0]).query("level == 0.9")
-    for quantity in ("e_z", "ellipsoid", "state"):
-        inside = shares.loc[shares["quantity"] == quantity, "inside"]
-        np.testing.assert_allclose(inside, 0.92, atol=0.06)
-
-
-def held_within_days(past, *, off):
-    """Rows against the truth and against later fits, where planes of fits are `off` [m] for some days."""
-    rng, days = np.random.default_rng(6), np.arange(-1.0, 80.0, 0.05)
-    waves = [
-        off * np.cos(2.0 * np.pi * (days / period + rng.uniform(size=2)[:, None])) for period in (25.0, 31.0)
-    ]
-    at_i, at_j = (
-        np.array([np.interp(past[when] / DAY, days, part) for part in sum(waves)]) for when in ("t_i", "t_j")
-    )
-    true, differences = (
-        past.assign(e_z=past["e_z"] + z, e_vz=past["e_vz"] + RATE * turned, correlated=True)
-        for z, turned in (at_i, at_i - at_j)
-    )
-    return true, differences
-
-
-def test_what_fits_err_alike_for_days_shows_in_those_far_apart():
-    """One day ahead differences have a third of the error of the plane, and are stated as such."""
-    true, differences = held_within_days(replays(days=60), off=100.0)
-    # Sizes are learned every tenth day: the last ones known to a morning, or older.
-    stated = as_known(differences, 10.0 * DAY * np.floor(differences["morning"] / (10.0 * DAY)))
-    assert np.median(differences.query("duration < 9e4")["e_z"].abs()) < 50.0
-    told = stated[stated["t_i"] > 20.0 * DAY]
-    for table in (told, true.loc[told.index].assign(**{name: told[name] for name in SIGMA_STATE})):
-        shares = calibration.of_replay(table, days=[1.0, 3.0, 7.0]).query("level == 0.9")
-        for quantity in ("e_z", "ellipsoid"):
-            inside = shares.loc[shares["quantity"] == quantity, "inside"]
-            np.testing.assert_allclose(inside, 0.92, atol=0.08)
-
-
-def test_differences_from_estimates_that_err_alike_are_held_against_less():
-    _, rows = held_alike(replays(days=60), off=40.0)
-    along = 100.0 * rows["duration"] / DAY
-    sigma = {"sigma_x": 10.0, "sigma_y": along, "sigma_z": 50.0}
-    stated = rows.assign(**dict.fromkeys(SIGMA_STATE[3:], 0.1), **sigma)
-    shares = calibration.of_replay(stated, days=[1.0, 3.0, 7.0]).query("level == 0.9 & quantity == 'e_z'")
-    np.testing.assert_allclose(shares["inside"], 0.9, atol=0.06)
-    np.testing.assert_allclose(shares["stated"], INSIDE * 30.0)
-    # Half of a size is left where the doubt of one estimate is larger.
-    one = stated.assign(doubt_z=1e3, doubt_y=0.0)
-    np.testing.assert_allclose(of_differences(one)[0][:, 2], 25.0)
-    np.testing.assert_array_equal(along_track(one), one["sigma_y"])
-    np.testing.assert_allclose(
-        along_track(one.assign(correlated=False, doubt_y=50.0)), np.hypot(one["sigma_y"], 50.0)
-    )
 
 
 def test_the_newest_errors_weigh_most():

@@ -57,7 +57,7 @@ def contents(folder):
 
 
 MORNINGS = {
-    "first": finished("first", 1.0, models=("sgp4", "density"), correlated=True),
+    "first": finished("first", 1.0, models=("sgp4", "density")),
     "second": finished("second", 2.0, models=("fit96", "sgp4")),
 }
 
@@ -66,7 +66,6 @@ def test_each_object_has_its_own_rows_columns_and_models(tmp_path):
     write(tmp_path, MORNINGS)
     assert all(same(tmp_path, name, MORNINGS[name]) for name in NAMES)
     place = Store(tmp_path, "0", NAMES).places(DAY)["second"]
-    assert "correlated" not in place.rows("judged", "second")
     assert place.paths("second")[0].models == ["fit96", "sgp4"]
 
 

@@ -75,14 +75,6 @@ def test_intervals_of_an_object_that_was_lost_for_weeks_are_not_known():
     assert found == Verdict(UNPROVEN, "nothing was judged in the last 14 days")
 
 
-def test_intervals_are_held_against_what_differences_show():
-    """Of 100 m a later estimate hides 90: errors of 100 m are too many for what is left."""
-    past = judged(sigma=100.0)
-    alike = past.assign(doubt_y=past["sigma_y"] * 0.9, correlated=True)
-    assert verdict(alike, start(), now=NOW).word == WIDE
-    assert verdict(past, start(), now=NOW).word == GOOD
-
-
 def test_nothing_is_good_within_a_window_of_a_burn():
     past, burn = judged(sigma=100.0), [Manoeuvre(NOW - 0.4 * DAY)]
     found = verdict(past, start(), now=NOW, burns=burn, window=0.5 * DAY)
@@ -115,9 +107,8 @@ def test_a_few_errors_of_one_lead_time_are_chance():
     assert verdict(on_fifth_day(4), start(), now=NOW).word == GOOD
 
 
-@pytest.mark.parametrize("alike", [False, True])
-def test_the_sizes_of_a_morning_come_back_from_its_row(alike):
-    past = replays(days=20, a_morning=1).assign(model="fit96", correlated=alike)
+def test_the_sizes_of_a_morning_come_back_from_its_row():
+    past = replays(days=20, a_morning=1).assign(model="fit96")
     past = past[past["t_known"] <= NOW]
     row = issued.row(NOW, start(), issued.choose_model(past, ["fit96"], now=NOW), GOOD)
     later = past.head(5).assign(morning=NOW, **dict.fromkeys(SIGMA_STATE, np.nan))

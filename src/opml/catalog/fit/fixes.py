@@ -1,11 +1,8 @@
-"""Positions, with velocities or without, as measurements of an orbit: GPS fixes, orbits, mean elements.
+"""Positions, with velocities or without, as measurements of an orbit: GPS fixes, orbits.
 
 Each is a point: a time, a GCRF state and its standard deviations along the radial direction, along the track
-and across it (RSW). Points are gathered in tracks, as measurements of radars are:
-
-* an arc: the points of an hour, say. Its estimate is at its first point.
-* a set of mean elements, whose theory gives points before their epoch. Its estimate is at that epoch. The
-  points of a set reach behind the epoch of the set before it, and are known when the set is made.
+and across it (RSW). Points are grouped into arcs of an hour, say, as measurements of radars are into tracks.
+The estimate of an arc is at its first point.
 
 Residuals are measured less predicted, turned to RSW of the orbit tried. Their axes count as fixed while a fit
 takes a step: a residual of 10 km turns with them by a thousandth of the step. Neighbouring arcs part by a
@@ -56,7 +53,6 @@ class Fixes(Measurements):
         there = fixes.loc[fixes["t"] == fixes["t_estimate"], STATE].to_numpy()
         if len(there) == self.tracks and np.isfinite(there).all():
             self.states = there
-            self.of_theory = are_of_sets(fixes)
 
     def places(self, rows: Rows) -> np.ndarray:
         """Return positions (n, 3) in GCRF [m] of rows of points."""
@@ -117,11 +113,6 @@ def measurements(
     return measured.restart_after_burns(manoeuvres)
 
 
-def are_of_sets(table: pd.DataFrame) -> bool:
-    """Return whether points of a table `fixes` are of mean elements: before their set's epoch."""
-    return bool((table["t"] < table.get("t_estimate", -np.inf)).any())
-
-
 def arcs(points: pd.DataFrame, *, length: float = ARC) -> pd.DataFrame:
     """Return the `fixes` table of points along an orbit, grouped into arcs.
 
@@ -131,23 +122,3 @@ def arcs(points: pd.DataFrame, *, length: float = ARC) -> pd.DataFrame:
     numbers = pd.factorize(np.floor(points["t"].to_numpy() / length))[0]
     begins = points.groupby(numbers)["t"].transform("first")
     return points.assign(track=numbers, t_estimate=begins, t_known=points["t"])[SCHEMAS["fixes"].names]
-
-
-def of_sets(epochs: np.ndarray, points: pd.DataFrame, *, known: np.ndarray) -> pd.DataFrame:
-    """Return the `fixes` table of sets of mean elements.
-
-    epochs: (sets,) of the sets, ascending [s]
-    points: of all sets, `track` the number of each; t, state and sigmas of positions. The last point of a set
-        is at its epoch
-    known: (sets,) when the sets were made, NaN where not stated [s]
-
-    A set counts as known when it and all sets before it are made, as an estimate is made of several. Raises
-    InputError for epochs that do not ascend.
-    """
-    back = np.flatnonzero(np.diff(epochs) <= 0.0)
-    if back.size:
-        raise InputError(f"mean elements: expected ascending epochs, got {epochs[back[0] + 1]:.3f} s twice")
-    all_made = np.maximum.accumulate(np.fmax(epochs, known))
-    track = points["track"].to_numpy()
-    times = {"t_estimate": epochs[track], "t_known": all_made[track]}
-    return points.assign(**dict.fromkeys(FIX_SIGMAS[3:], np.nan), **times)[SCHEMAS["fixes"].names]

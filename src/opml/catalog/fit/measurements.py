@@ -8,11 +8,9 @@ from typing import Self
 
 import numpy as np
 
-from opml.base.constants import DAY
 from opml.catalog.fit.least_squares import Evaluation
 from opml.orbits.manoeuvres import Manoeuvre
 
-BEHIND = 1.25 * DAY  # time for which measurements of a window may lie before its oldest estimate [s]
 Rows = slice | np.ndarray  # rows of measurements: all between two of them, or those of an index
 
 
@@ -55,7 +53,6 @@ class Measurements(ABC):
     smooth_for: how long from its beginning a track may be laid through by one curve [s]
     restarts: (tracks,) time before which the window of an estimate holds nothing [s]
     states: (tracks, 6) GCRF at the epochs of the estimates, where the measurements themselves tell them
-    of_theory: whether these are good enough to fit from, as those of mean elements
     """
 
     sigmas: np.ndarray  # (rows, observables) standard deviations [rad, m, m/s]
@@ -79,7 +76,6 @@ class Measurements(ABC):
         self.row_at = np.array([begin + int(np.argmin(away[begin:end])) for begin, end in bounds])
         self.restarts = np.full(self.tracks, -np.inf)
         self.states: np.ndarray | None = None
-        self.of_theory = False
 
     def restart_after_burns(self, manoeuvres: Sequence[Manoeuvre]) -> Self:
         """Let the windows of estimates hold nothing from before manoeuvres that are known by then; return it.
@@ -97,13 +93,11 @@ class Measurements(ABC):
         """Return the window from `length` [s] before the estimate of a track to `after` [s] behind it.
 
         without: tracks that are left out
-
-        Other tracks begin at most BEHIND before it: those of long sets of mean elements end it sooner.
         """
         at = self.epochs[self.at]
         oldest = int(np.searchsorted(at, at[track] - length))
         newest = int(np.searchsorted(at, at[track] + after, side="right")) - 1
-        begins, since = self.epochs[self.begins], max(self.restarts[track], at[track] - length - BEHIND)
+        begins, since = self.epochs[self.begins], self.restarts[track]
         kept = [
             k for k in range(oldest, newest + 1) if k not in without and (k == track or begins[k] >= since)
         ]

@@ -32,7 +32,6 @@ import numpy as np
 import pandas as pd
 
 from opml.base.constants import DAY
-from opml.base.errors import InputError
 from opml.catalog.fit.apriori import SCALES, covariance_root, with_apriori_cd
 from opml.catalog.fit.least_squares import Evaluation
 from opml.catalog.fit.measurements import Measurements
@@ -282,13 +281,8 @@ def filter_all(
 
     Up to the first batch fit that they can begin at, and where an arc does not reach the next track, the row
     is that of the batch fit, as it is for tracks that are held back and those that show a burn, from which
-    filters restart. weighted_rms is that of the innovations of the track. Raises InputError for
-    tracks whose estimates are not at their beginnings, as filters go forwards.
+    filters restart. weighted_rms is that of the innovations of the track.
     """
-    if not np.array_equal(measured.at, measured.begins):
-        raise InputError(
-            "filter: expected tracks that begin with their estimates, got some that end with them"
-        )
     run = Filtering(propagator.without_progress(), measured, bank, light_time)
     rows: list[dict[str, Any]] = []
     filters: Filters | None = None

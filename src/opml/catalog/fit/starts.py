@@ -56,14 +56,12 @@ class Starts:
         usable: of the newest estimate whose Cd is known
         spare: of the newest estimate that has a state at least
 
-        First those of a theory where that was measured, then those of the newest usable estimate, carried
-        to each track's start; then the newer of the track's state and the spare estimate, then the older.
+        First those of the newest usable estimate, carried to each track's start; then the newer of the
+        track's state and the spare estimate, then the older.
         """
         at = np.array([window.at for window in windows])
         tracks = [window.track for window in windows]
         first = np.column_stack([self.states[tracks], np.full(len(tracks), self.propagator.rso.cd)])
-        if self.measured.of_theory:
-            yield first
         if usable is not None:
             yield self.propagate(*usable, at)
         if spare is None:

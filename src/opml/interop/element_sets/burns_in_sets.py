@@ -7,8 +7,8 @@ off: sets are made of tracks up to some hours after their epochs.
 """
 
 import logging
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
 
 import numpy as np
 import pandas as pd
@@ -74,18 +74,6 @@ class _Past:
         grown = (gap + _ALWAYS) / (float(np.median(gaps)) + _ALWAYS)
         growth = max(1.0, grown) * (2.0 if self.since < _SETTLING else 1.0)
         return OFF * growth * sigma
-
-
-def manoeuvres_of(
-    sets: pd.DataFrame, named: Sequence[Manoeuvre], *, epoch: str, find: bool
-) -> list[Manoeuvre]:
-    """Return the manoeuvres of an object, in order of time; windows of fits restart after each.
-
-    named: those that somebody named
-    find: whether those that its history shows are added
-    """
-    burns = [*named, *(find_burns(sets, epoch=epoch) if find else [])]
-    return sorted((replace(one, restarts=True) for one in burns), key=lambda one: one.t)
 
 
 def find_burns(sets: pd.DataFrame, *, epoch: str) -> list[Manoeuvre]:

@@ -8,7 +8,7 @@ adds an RSO to the sheet. Source: CCSDS 502.0-B-2, section 4 (OMM).
 
 import logging
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import fields, replace
 from functools import lru_cache, partial
 from typing import NamedTuple, cast
@@ -26,7 +26,7 @@ from opml.interop.element_sets.element_set import ElementSet, each, elements_epo
 from opml.interop.element_sets.teme import teme_to_gcrf
 from opml.interop.orbit_arcs import contents
 from opml.orbits import sheets
-from opml.orbits.elements import coe_from_cartesian, in_rsw, mean_from_true_anomaly
+from opml.orbits.elements import coe_from_cartesian, mean_from_true_anomaly
 from opml.orbits.sheets import Rso
 
 WARN_DAYS = 7.0
@@ -109,38 +109,11 @@ def state(satellite: Satrec, *, epoch: str) -> np.ndarray:
 
 def states(satellite: Satrec, *, epoch: str, t: np.ndarray) -> np.ndarray:
     """Return osculating GCRF states (n, 6) [m, m/s] by SGP4, NaN where it fails (decayed)."""
-    return states_of_each([satellite], epoch=epoch, t=[t])
-
-
-def states_of_each(satellites: Sequence[Satrec], *, epoch: str, t: Iterable[np.ndarray]) -> np.ndarray:
-    """Return what `states` does of several sets below each other, each at times (n,) of its own."""
-    times = [*t]
-    turns = teme_to_gcrf(epoch, np.concatenate(times))
-    turned = np.einsum("nij,nkj->nki", turns, _in_teme(satellites, epoch, times).reshape(-1, 2, 3))
+    days = satellite.jdsatepochF + (t - seconds_since(epoch, [satellite])[0]) / DAY
+    errors, *vectors = satellite.sgp4_array(np.full(len(t), satellite.jdsatepoch), days)
+    of_date = np.where(errors[:, None] == 0, 1e3 * np.concatenate(vectors, axis=1), np.nan)
+    turned = np.einsum("nij,nkj->nki", teme_to_gcrf(epoch, t), of_date.reshape(-1, 2, 3))
     return np.asarray(turned.reshape(-1, 6))
-
-
-def differences(
-    earlier: Sequence[Satrec], later: Sequence[Satrec], *, epoch: str, t: np.ndarray
-) -> np.ndarray:
-    """Return how far sets are off later ones (n, times, 6) in RSW of these, NaN where SGP4 fails.
-
-    t: (n, times) of each pair [s]
-    """
-    # RSW is the same in every frame that does not turn.
-    others, states = np.split(_in_teme([*earlier, *later], epoch, [*t, *t]), 2)
-    return in_rsw(others - states, states).reshape(*t.shape, 6)
-
-
-def _in_teme(satellites: Sequence[Satrec], epoch: str, times: Sequence[np.ndarray]) -> np.ndarray:
-    """Return SGP4's states (n, 6) after SI seconds, leap seconds among them, NaN where it fails."""
-    starts = seconds_since(epoch, satellites)
-    propagated = [
-        one.sgp4_array(np.full(len(at), one.jdsatepoch), one.jdsatepochF + (at - start) / DAY)
-        for one, at, start in zip(satellites, times, starts.tolist(), strict=True)
-    ]
-    errors, *vectors = map(np.concatenate, zip(*propagated, strict=True))
-    return np.where(errors[:, None] == 0, 1e3 * np.concatenate(vectors, axis=1), np.nan)
 
 
 def states_in_teme(satellites: Sequence[Satrec], *, epoch: str, t: np.ndarray) -> np.ndarray:

@@ -15,10 +15,10 @@ import pandas as pd
 from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.learning.data.error_components import POSITION
-from opml.learning.judge.error_sizes import covariances, of_differences
+from opml.learning.judge.error_sizes import covariances
 from opml.learning.judge.errors_by_duration import REACH_DAYS
 from opml.orbits.rsw_covariance import half_width, mahalanobis
-from opml.tables import COMPONENTS, ELLIPSOID, LEVELS, PLANE, SIGMA_STATE, WHOLE
+from opml.tables import COMPONENTS, DOUBT, ELLIPSOID, LEVELS, PLANE, SIGMA_STATE, WHOLE
 
 _MARKS = (1.0, 3.0, 5.0, 7.0)  # prediction durations that the shares are stated at [days]
 PASSES = 0.05  # least p-value at which a covariance counts as true
@@ -113,12 +113,11 @@ def of_replays(replays: Mapping[str, pd.DataFrame], *, days: Sequence[float]) ->
 def _stated(replay: pd.DataFrame) -> tuple[pd.DataFrame, np.ndarray]:
     """Return the rows of a `replay` table that have a covariance, and the covariances (n, 6, 6) of errors.
 
-    What the state that a prediction is compared with is off by stands in them as `of_differences` has it.
+    They include those of the states that predictions are compared with.
     """
     rows = replay[np.isfinite(replay[SIGMA_STATE].to_numpy()).all(axis=1)]
-    sigma, shown = of_differences(rows)
-    covariance = covariances(rows, sigma)
-    covariance[:, range(3), range(3)] += shown**2
+    covariance = covariances(rows, rows[SIGMA_STATE].to_numpy(float))
+    covariance[:, range(3), range(3)] += rows[DOUBT].to_numpy(float) ** 2
     return rows, covariance
 
 

@@ -14,14 +14,7 @@ past. The degrees of freedom are one and a half times the number of predictions 
 the past side by side: errors of predictions that overlap by a share are correlated by that share, and the sum
 of their squares then counts as that of so many independent errors.
 
-Errors are differences from later estimates, whose own variance s^2 adds to theirs. It is subtracted where the
-two errors are independent. Fits to element sets share errors: a later fit's error is in the prediction too,
-and does not show in their difference, so there s^2 is part of sigma^2.
-
-The plane and the eccentricity of such fits have errors that change within days: fits differ by them only
-after days, and then by twice their variance. So radially and cross-track D is at least D_max / sqrt(2),
-D_max the longest duration of the past. As sets have their epochs at one angle of the orbit, these errors are
-at least root mean squares over a revolution, from position and velocity.
+Errors are differences from later estimates, whose own variance s^2 adds to theirs. It is subtracted.
 
 A velocity error follows from the position's (opml.orbits.rsw_covariance); its remaining part is proportional
 to the radial or cross-track size. A factor that changes with the duration makes the ellipsoids of the past
@@ -45,7 +38,7 @@ from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
 from opml.learning.data.splits import are_over
 from opml.orbits.rsw_covariance import AXES, free_parts, half_width, rsw_covariances
-from opml.tables import COMPONENTS, DOUBT, SIGMA_STATE, UNSEEN
+from opml.tables import COMPONENTS, DOUBT, SIGMA_STATE
 
 LEVEL = 0.9  # share of the errors that intervals and ellipsoids are to hold, and the level that reports print
 INSIDE = half_width(LEVEL)  # half the width of that interval, in standard deviations
@@ -68,10 +61,6 @@ _NEARBY = 0.35  # width of the bell of ln(duration) whose ellipsoids a factor co
 
 _FIRST_GUESSES = ((-0.5, -1.0, -1.0), (-1.0, -1.0, 0.0))
 _SMALLEST = 1.0  # least size of an error that is stated for a position [m]
-_TURNING = np.array([True, False, True])  # axes whose errors go round with the orbit
-_LEAST_SHOWN = (
-    0.5  # least part of a size that differences from estimates are taken to show where errors are correlated
-)
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +74,6 @@ class Sizes:
     inflation: np.ndarray  # (5,) factors of the variances, at the durations `_FACTORS_AT`
     days: float  # length of the past that the sizes come from
     reach: float  # its longest prediction [s]
-    flat: float = 0.0  # least D in the radial and the cross-track size [s]: 0 without correlated errors
 
     def sigmas(self, rows: pd.DataFrame) -> np.ndarray:
         """Return standard deviations (n, 6) [m, m/s] of the parts for `rsw_covariance.rsw_covariances`.
@@ -94,20 +82,11 @@ class Sizes:
         """
         return self._factors(rows)[:, None] * self._shown(rows)
 
-    def systematic(self, rows: pd.DataFrame) -> np.ndarray:
-        """Return the part (n, 3) of these sizes that errors against later estimates do not show [m]."""
-        return self._factors(rows)[:, None] * self._systematic(rows["duration"].to_numpy())
-
     def _factors(self, rows: pd.DataFrame) -> np.ndarray:
         """Return by what (n,) sizes are larger than the past showed them: widening and inflation."""
         wide = widening(rows["duration"].to_numpy(), self.days)
         factor = np.interp(np.log(np.maximum(rows["duration"], HOUR)), np.log(_FACTORS_AT), self.inflation)
         return wide * np.sqrt(factor)
-
-    def _systematic(self, duration: np.ndarray) -> np.ndarray:
-        """Return that part as the past showed it."""
-        missing = np.sqrt(np.maximum(self.flat**2 - duration**2, 0.0))
-        return np.where(_TURNING, missing[:, None] * self.rate, 0.0)
 
     def _shown(self, rows: pd.DataFrame) -> np.ndarray:
         """Return standard deviations (n, 6) as the past showed them, without widening and inflation."""
@@ -118,7 +97,7 @@ class Sizes:
             [
                 np.sqrt(
                     self.constant[k] ** 2
-                    + (self.rate[k] * (np.maximum(grown, self.flat) if _TURNING[k] else grown)) ** 2
+                    + (self.rate[k] * grown) ** 2
                     + (self.drag[k] * rows[f"drag_{axis}"]) ** 2
                     + rows[f"weather_{axis}"] ** 2
                 )
@@ -145,16 +124,12 @@ class Sizes:
         past = past.iloc[:: -(-len(past) // _MOST_ROWS)]
         weight = np.exp((past["t_j"].to_numpy() - now) / (MEMORY_DAYS * DAY))
         parts = free_parts(past[list(COMPONENTS)].to_numpy(), past["rate"].to_numpy())
-        errors, (shown, hidden) = _error_sizes(past, parts), reference_sigmas(past)
-        whole = np.hypot(errors, INSIDE * hidden)
-        fitted = [_fit_axis(past, *axis, weight=weight) for axis in zip(AXES, whole.T, shown.T, strict=True)]
+        errors, reference = np.abs(parts[:, :3]), past[DOUBT].to_numpy(float)
+        axes = zip(AXES, errors.T, reference.T, strict=True)
+        fitted = [_fit_axis(past, *axis, weight=weight) for axis in axes]
         constant, rate, drag = np.array(fitted).T
-        flat = reach / np.sqrt(2.0) if _are_correlated(past).any() else 0.0
-        plain = cls(constant, rate, drag, np.ones(3), np.ones(len(_FACTORS_AT)), days, reach, flat)
-        hidden = np.hypot(hidden, plain._systematic(past["duration"].to_numpy()))
-        # An error that goes round with the orbit has a velocity in proportion.
-        turning = past["rate"].to_numpy()[:, None] * hidden[:, [0, 0, 2]]
-        sizes = np.hypot(parts[:, 3:], INSIDE * turning)
+        plain = cls(constant, rate, drag, np.ones(3), np.ones(len(_FACTORS_AT)), days, reach)
+        sizes = np.abs(parts[:, 3:])
         velocity = np.array(
             [
                 weighted_quantile(size / sigma, weight, LEVEL) / INSIDE
@@ -162,58 +137,14 @@ class Sizes:
             ]
         )
         stated = replace(plain, velocity=velocity)
-        square = stated._shown(past)[:, :3] ** 2 + shown**2
-        distance = np.sum((errors**2 + _within() / 3.0 * hidden**2) / square, axis=1)
+        square = stated._shown(past)[:, :3] ** 2 + reference**2
+        distance = np.sum(errors**2 / square, axis=1)
         return replace(stated, inflation=_inflation(distance, past["duration"].to_numpy(), weight))
-
-
-def reference_sigmas(rows: pd.DataFrame) -> tuple[np.ndarray, np.ndarray]:
-    """Return what errors against later states show of the deviations of these, and what not: (n, 3) [m].
-
-    rows: of a `replay` table
-    """
-    sigma, correlated = rows[DOUBT].to_numpy(float), _are_correlated(rows)[:, None]
-    return np.where(correlated, 0.0, sigma), np.where(correlated, sigma, 0.0)
-
-
-def _are_correlated(rows: pd.DataFrame) -> np.ndarray:
-    """Return whether (n,) errors of the reference are correlated with those of the predictions."""
-    return rows["correlated"].eq(True).to_numpy() if "correlated" in rows else np.zeros(len(rows), bool)
-
-
-def _error_sizes(rows: pd.DataFrame, parts: np.ndarray) -> np.ndarray:
-    """Return sizes (n, 3) of errors [m].
-
-    parts: (n, 6) their `free_parts`
-
-    Where errors are correlated, sizes radial and across the track are root mean squares over a turn at least.
-    """
-    sizes: np.ndarray = np.abs(parts[:, :3])
-    turned = np.hypot(parts[:, [0, 2]], parts[:, [3, 5]] / rows["rate"].to_numpy()[:, None])
-    correlated = _are_correlated(rows)
-    place = np.ix_(correlated, _TURNING)
-    sizes[place] = np.maximum(sizes[place], turned[correlated] / np.sqrt(2.0))
-    return sizes
-
-
-def of_differences(rows: pd.DataFrame) -> tuple[np.ndarray, np.ndarray]:
-    """Return the deviations in errors against later states: of predictions (n, 6), of these states (n, 3).
-
-    rows: of a `replay` table that have a sigma [m, m/s]
-    """
-    sigma = rows[SIGMA_STATE].to_numpy(float)
-    shown, hidden = reference_sigmas(rows)
-    if UNSEEN[0] in rows:
-        hidden[:, _TURNING] = np.hypot(hidden[:, _TURNING], rows[UNSEEN])
-    size = sigma[:, :3]
-    left = np.sqrt(np.maximum(size**2 - hidden**2, (_LEAST_SHOWN * size) ** 2))
-    return np.hstack([np.where(hidden > 0.0, left, size), sigma[:, 3:]]), shown
 
 
 def along_track(rows: pd.DataFrame) -> np.ndarray:
     """Return the standard deviations (n,) of e_y in such rows [m]."""
-    sigma, shown = of_differences(rows)
-    return np.hypot(sigma[:, 1], shown[:, 1])
+    return np.hypot(rows["sigma_y"].to_numpy(float), rows["doubt_y"].to_numpy(float))
 
 
 def widening(duration: np.ndarray, days: float) -> np.ndarray:
@@ -279,10 +210,9 @@ def as_known(replay: pd.DataFrame, mornings: Sequence[float]) -> pd.DataFrame:
 
     mornings: (n,) time of each row's morning [s]
 
-    They are not finite where the past was too short. Where errors are correlated, UNSEEN are added.
+    They are not finite where the past was too short.
     """
-    sigma, systematic = np.full((len(replay), 6), np.nan), np.full((len(replay), 3), np.nan)
-    when, correlated = np.asarray(mornings), _are_correlated(replay).any()
+    sigma, when = np.full((len(replay), 6), np.nan), np.asarray(mornings)
     for now in np.unique(when):
         rows = when == now
         try:
@@ -290,12 +220,7 @@ def as_known(replay: pd.DataFrame, mornings: Sequence[float]) -> pd.DataFrame:
         except InputError:
             continue
         sigma[rows] = sizes.sigmas(replay[rows])
-        if correlated:
-            systematic[rows] = sizes.systematic(replay[rows])
-    known = dict(zip(SIGMA_STATE, sigma.T, strict=True))
-    if correlated:
-        known |= dict(zip(UNSEEN, systematic[:, _TURNING].T, strict=True))
-    return replay.assign(**known)
+    return replay.assign(**dict(zip(SIGMA_STATE, sigma.T, strict=True)))
 
 
 def covariances(rows: pd.DataFrame, sigma: np.ndarray) -> np.ndarray:
