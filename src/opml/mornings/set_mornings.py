@@ -95,19 +95,19 @@ class ObjectOfSets:
         return self.plan.max_days + OLDEST
 
     @property
-    def known(self) -> list[float]:
-        """When its sets were known [s]."""
+    def times_known(self) -> list[float]:
+        """Times when its sets became known [s]."""
         return [one.made for one in known_sets.since(self.plan.epoch, self.history)]
 
     @property
     def first_known(self) -> float:
         """When the first of its sets of the run was known [s]."""
-        return min((known for known in self.known if known >= 0.0), default=0.0)
+        return min((known for known in self.times_known if known >= 0.0), default=0.0)
 
     @property
     def last_known(self) -> float:
         """When the last of its sets was known [s]."""
-        return max(self.known)
+        return max(self.times_known)
 
     def morning(self, records: Records, *, now: float) -> "SetMorning":
         """Return what the morning at a time [s] leaves; records: of earlier ones."""
