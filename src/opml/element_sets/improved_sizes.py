@@ -80,7 +80,7 @@ def of_object(
     is_alone = len(errors) < FEWEST and not _is_corrected(how)
     measured = _usual_where_learned(published, usual) if is_alone else _measured(errors, usual)
     sizes = _sizes(how, past, measured, storm)
-    basis = _unproven(measured) if is_alone else basis_of(past)
+    basis = _unproven(measured) if is_alone else _basis(past)
     return ImprovedSizes(across_burns(sizes, past) if is_burning else sizes, past, basis)
 
 
@@ -91,7 +91,7 @@ def _past_of(number: int, better: Improved) -> pd.DataFrame:
     return past[(past["number"] == number) & (past["morning"] >= first)].reset_index(drop=True)
 
 
-def basis_of(past: pd.DataFrame) -> str:
+def _basis(past: pd.DataFrame) -> str:
     """Return what sizes of errors rest on that a past tells, in words."""
     return (
         f"from {len(past)} predictions on {past['morning'].nunique()} mornings of the object, compared with "

@@ -36,7 +36,6 @@ from opml.orbits.density_error import DensityErrors
 BURNED = 20.0  # days before the date whose burns count: those of the mornings that tell sizes of errors
 
 _DAY = len("2016-09-28")
-_NEAR = 0.75  # of an error from a lead [d]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -99,29 +98,20 @@ class Prediction(PredictedOrbit):
 
     @property
     def past_in_words(self) -> str:
-        """What SGP4 and such predictions missed along the track on past mornings, at the longest lead."""
-        if isinstance(self.inside, OrbitInside):
-            return self._past_inside(self.inside.now.errors)
-        judged = self.past.dropna(subset=["sigma"])
+        """What SGP4 and such predictions missed along the track in the past, at the longest lead."""
+        judged = self.past[self.past["lead"] > 0]
         if judged.empty:
             return ""
         rows = judged[judged["lead"] == judged["lead"].max()]
-        sgp4, improved = (rows[name].abs().median() / 1e3 for name in ("error", "left"))
-        return (
-            f"its last {improved_sizes.ALONG_MORNINGS} mornings at {rows['lead'].iloc[0]:g} d: "
-            f"SGP4 {sgp4:.1f} km, improved set {improved:.1f} km (n = {len(rows)})"
+        sgp4, own = (rows[name].abs().median() / 1e3 for name in ("error", "left"))
+        is_inside = isinstance(self.inside, OrbitInside)
+        since = (
+            f"sets of {inside_now.PAST:g} days" if is_inside else f"{improved_sizes.ALONG_MORNINGS} mornings"
         )
-
-    def _past_inside(self, errors: pd.DataFrame) -> str:
-        """What SGP4 and the orbits inside past sets missed along the track, by those inside later sets."""
-        lead = next((lead for lead in LEADS[:0:-1] if (abs(errors["days"] - lead) <= _NEAR).any()), None)
-        if lead is None:
-            return ""
-        rows = errors[abs(errors["days"] - lead) <= _NEAR]
-        sgp4, own = (rows[name].abs().median() / 1e3 for name in ("sgp4_ahead", "ahead"))
+        name = "orbit inside" if is_inside else "improved set"
         return (
-            f"its sets of the last {inside_now.PAST:g} days at {lead:g} d: SGP4 {sgp4:.2f} km, "
-            f"orbit inside {own:.2f} km (n = {len(rows)})"
+            f"along the track after {rows['lead'].iloc[0]:g} d, by its last {since} (n = {len(rows)}): "
+            f"SGP4 {sgp4:.2f} km, {name} {own:.2f} km"
         )
 
     @property
@@ -266,13 +256,12 @@ class PublicMorning:
         inside = orbit_prediction.predict(
             public, newest.number, self.better, days=days, forces=lambda: self._forces
         )
-        is_inside = isinstance(inside, OrbitInside)
         prediction = Prediction(
             known_sets.identity(newest),
             date,
             days,
-            improved.past,
-            improved_sizes.basis_of(improved.past) if is_inside else improved.basis,
+            inside.past if isinstance(inside, OrbitInside) else improved.past,
+            inside.basis if isinstance(inside, OrbitInside) else improved.basis,
             changed(own.satellites[-1], how["motion"], how["bstar"]),
             own.satellites[-1],
             how,

@@ -7,6 +7,7 @@ import re
 from dataclasses import replace
 from datetime import UTC, date, datetime
 from functools import partial
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -307,7 +308,10 @@ def test_the_sun_shines_on_what_is_not_behind_the_earth(made):
 
 def test_a_prediction_is_shown_in_two_lines(made):
     assert repr(made) == f"<101, 7 days from {DATE} UTC\n {made.way}>"
-    assert re.fullmatch(r"its last 20 mornings at 7 d: SGP4 \d+\.\d km, .* \(n = \d+\)", made.past_in_words)
+    assert re.fullmatch(
+        r"along the track after 7 d, by its last 20 mornings \(n = \d+\): SGP4 \d+\.\d+ km, improved set .* km",
+        made.past_in_words,
+    )
 
 
 @pytest.mark.parametrize("text", ["52.2", "91,0,0", "a,b,c", "1,2,3,4"])
@@ -390,6 +394,14 @@ def test_one_set_has_the_usual_errors(file, tmp_path):
     few = "fits over 120 h on both sides of its sets are too few to tell; first sets"
     assert made.reason == f"{few}; {made.hindsight}"
     assert np.isfinite(made.sizes.to_numpy(float)).all()
+
+
+def test_the_past_of_an_orbit_inside_is_that_of_orbits_inside():
+    """Pairs of sets count for the lead that they are near to, by how far theirs and SGP4's orbits were off."""
+    columns = {"days": [1.2, 2.0, 6.5], "ahead": [10.0, 20.0, -70.0], "sgp4_ahead": [500.0, 1e3, 2e3]}
+    inside = OrbitInside(None, SimpleNamespace(errors=pd.DataFrame(columns)), False)
+    assert inside.past.to_numpy().tolist() == [[1.0, 500.0, 10.0], [7.0, 2e3, -70.0]]
+    assert inside.basis.startswith("by 3 pairs of its sets of the last 21 days")
 
 
 def test_what_no_drag_tells_is_as_wide_as_sgp4_is_usually(file, tmp_path):

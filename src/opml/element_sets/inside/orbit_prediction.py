@@ -26,6 +26,9 @@ Chosen on 150 objects below 600 km in spring 2026, with a corrector trained on o
 """
 
 
+NEAR = 0.75  # days by which an error of the past may be off a lead
+
+
 @dataclass(frozen=True, eq=False)
 class OrbitInside:
     """The orbit inside an object's sets from a date on.
@@ -47,6 +50,27 @@ class OrbitInside:
             f"agree to {told.r:.0f} m outwards and {told.w:.0f} m across" if told else "are too few to tell"
         )
         return f"fits over {span.before / HOUR:g} h {side} its sets {agreed}"
+
+    @property
+    def past(self) -> pd.DataFrame:
+        """By lead what SGP4 (`error`) and the orbits of past sets (`left`) were off along the track [m].
+
+        By the orbits of later sets, means of a revolution.
+        """
+        errors = self.now.errors
+        leads = np.array(LEADS[1:])
+        nearest = np.abs(errors["days"].to_numpy()[:, None] - leads).argmin(axis=1)
+        rows = errors.assign(lead=leads[nearest], error=errors["sgp4_ahead"], left=errors["ahead"])
+        return rows.loc[np.abs(rows["days"] - rows["lead"]) <= NEAR, ["lead", "error", "left"]].dropna()
+
+    @property
+    def basis(self) -> str:
+        """What its sizes of errors rest on, in words."""
+        return (
+            f"by {len(self.now.errors)} pairs of its sets of the last {inside_now.PAST:g} days, against "
+            "typical errors of that decay, and what all sets have in common; along the track the corrector's "
+            "sigma where it is smaller"
+        )
 
     def sizes(self, improved: pd.DataFrame, after_storm: float) -> pd.DataFrame:
         """Return standard deviations by lead [m]: r, s, w of its errors, sgp4 of SGP4 along the track.
