@@ -16,7 +16,7 @@ from opml.base.errors import InputError
 from opml.base.files import check_distinct_files, check_folder, suffix_of
 from opml.base.progress import clear, counted, on_stderr
 from opml.commands import benchmark, orbit
-from opml.commands.command import UTC_TEXT, WEATHER, Command, instant
+from opml.commands.command import LATENCY, UTC_TEXT, WEATHER, Command, instant, latency
 
 if TYPE_CHECKING:
     from opml.base.progress import Progress
@@ -203,7 +203,7 @@ def _add_improve(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("-o", "--output", required=True, help="better sets: .tle, .json, .csv, .xml or .kvn")
     parser.add_argument("--table", help="what was done, and the errors expected: .csv, .json or .parquet")
     parser.add_argument("--date", type=instant, help=f"{UTC_TEXT}: only what was public then counts (now)")
-    parser.add_argument("--latency", type=float, help="hours from epoch to publication (6; 0 without --date)")
+    parser.add_argument("--latency", type=float, help=LATENCY)
     parser.add_argument("--weather", default="NEWEST", help=WEATHER)
     parser.add_argument("--model", help="a model of `opml train` (that of the package)")
 
@@ -217,11 +217,8 @@ def _improve(options: argparse.Namespace) -> None:
         options.output, options.table, [*sets, *filter(None, (options.weather, options.model))]
     )
     now = datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%S")
-    date, usual = (now, 0.0) if options.date is None else (options.date, 6.0)
-    latency = usual if options.latency is None else options.latency
-    if not latency >= 0.0:
-        raise InputError(f"--latency: expected 0 hours or more, got {latency:g}")
-    known = improve.read(sets, date=date, weather=options.weather, latency=latency / 24.0)
+    date = now if options.date is None else options.date
+    known = improve.read(sets, date=date, weather=options.weather, latency=latency(options))
     with on_stderr() as progress:
         better = improve.improve(known, trained_model.read(options.model), progress=progress)
     missing = better.write(options.output)
@@ -249,6 +246,7 @@ def _add_predict(parser: argparse.ArgumentParser) -> None:
     sets = parser.add_argument_group("of element sets")
     sets.add_argument("--catalogue", nargs="+", default=[], help="sets of other objects, to compare with")
     sets.add_argument("--model", help="a model of `opml train` (that of the package)")
+    sets.add_argument("--latency", type=float, help=LATENCY)
     measured = parser.add_argument_group("of points and tracks")
     measured.add_argument("--area-to-mass", type=float, help="area over mass [m2/kg] (a guess, or by light)")
     measured.add_argument("--radars", default="config/stations.tsv", help="sheet of the stations of tracks")
@@ -313,7 +311,8 @@ def _propagate_sets(options: argparse.Namespace, progress: "Progress") -> "Predi
     if options.area_to_mass is not None:
         raise InputError("--area-to-mass: expected points or tracks to fit, got element sets")
     asked = {name: getattr(options, name) for name in ("days", "object", "date", "weather", "catalogue")}
-    return prediction.predict(options.files, **asked, trained=options.model, progress=progress)
+    asked |= {"trained": options.model, "latency": latency(options)}
+    return prediction.predict(options.files, **asked, progress=progress)
 
 
 def _fit(options: argparse.Namespace, progress: "Progress") -> "PredictedOrbit":
@@ -324,8 +323,8 @@ def _fit(options: argparse.Namespace, progress: "Progress") -> "PredictedOrbit":
     from opml.workflow import prediction_files
 
     prediction_files.check_fitted(options.output)
-    if options.catalogue or options.model:
-        raise InputError("--catalogue, --model: expected element sets, got points or tracks")
+    if options.catalogue or options.model or options.latency is not None:
+        raise InputError("--catalogue, --model, --latency: expected element sets, got points or tracks")
     asked = {name: getattr(options, name) for name in ("days", "object", "date", "weather", "area_to_mass")}
     stations = list(read_stations(project_file(options.radars)).values())
     request = Request(options.files, **asked, stations=stations)

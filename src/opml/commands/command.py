@@ -4,6 +4,8 @@ import argparse
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from opml.base.errors import InputError
+
 WEATHER = "space weather, CSSI (that of `opml fetch`, else that of the package)"
 UTC_TEXT = "UTC, as 2026-07-15 or 2026-07-15T06:00:00Z"
 
@@ -13,6 +15,20 @@ def instant(text: str) -> str:
     from opml.base import epochs
 
     return epochs.instant(text)
+
+
+LATENCY = "hours from epoch to publication of sets that do not say it (6; 0 without --date)"
+
+
+def latency(options: argparse.Namespace) -> float:
+    """Return days from epoch to publication by --latency and --date. Raises InputError for less than 0."""
+    from opml.element_sets import catalogue
+
+    if options.latency is None:
+        return 0.0 if options.date is None else catalogue.LATENCY
+    if not options.latency >= 0.0:
+        raise InputError(f"--latency: expected 0 hours or more, got {options.latency:g}")
+    return float(options.latency / 24.0)
 
 
 @dataclass(frozen=True)

@@ -172,6 +172,7 @@ def predict(
     weather: FilePath = "OBSERVED",
     catalogue: Iterable[FilePath] = (),
     trained: FilePath | None = None,
+    latency: float | None = None,
     progress: Progress = lambda line: None,
 ) -> Prediction:
     """Predict an object from its public element sets.
@@ -183,6 +184,7 @@ def predict(
     weather: OBSERVED, the packaged weather, or a CSSI file
     catalogue: files and folders of other objects' sets, with which the corrector compares
     trained: a model of `opml train`; None: that of the package
+    latency: days from epoch to publication of sets that do not say it; None: the usual ones with a date
 
     Raises InputError for unreadable files, an object that is not there, or decays before the end, days out of
     range and weather that ends too early.
@@ -190,7 +192,8 @@ def predict(
     check_days(days)
     paths = [sets] if isinstance(sets, (str, os.PathLike)) else list(sets)
     history = known_sets.of_object(paths, None if object is None else str(object))
-    latency = 0.0 if date is None else catalogues.LATENCY
+    if latency is None:
+        latency = 0.0 if date is None else catalogues.LATENCY
     date = known_since(history[-1]) if date is None else date
     morning = PublicMorning.read(
         [*paths, *catalogue], date=date, weather=weather, trained=trained, latency=latency, progress=progress

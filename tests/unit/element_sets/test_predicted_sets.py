@@ -87,6 +87,16 @@ def test_without_a_date_it_begins_with_the_newest_set(file):
     assert prediction.predict(file, days=1.0).date == "2026-01-07T02:00:00"
 
 
+def test_its_date_given_back_without_latency_gives_the_same(file, capsys):
+    assert cli.main(["predict", str(file)]) == 0
+    told = capsys.readouterr().out
+    begin = told.partition(" from ")[2].partition(" UTC")[0]
+    assert cli.main(["predict", str(file), "--date", begin, "--latency", "0"]) == 0
+    assert capsys.readouterr().out == told
+    assert cli.main(["predict", str(file), "--latency", "-1"]) == 1
+    assert "--latency: expected 0 hours or more, got -1" in capsys.readouterr().err
+
+
 def test_times_are_text_or_clocks_and_lie_within(made):
     clock = datetime(2026, 1, 10, 6, tzinfo=UTC)
     np.testing.assert_array_equal(made.state(clock), made.states(np.array([2 * DAY]))[0])
