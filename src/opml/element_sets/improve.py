@@ -186,7 +186,7 @@ def improve(known: PublicData, model: CatalogueModel, *, progress: Progress = _l
         Better(one.file, one.place, one.line, one.motion, one.bstar) for one in table.itertuples(index=False)
     ]
     counts = table["applied"].value_counts().items()
-    progress(f"sets improved by {', '.join(f'{name}: {count}' for name, count in counts)}")
+    progress("best option: " + ", ".join(f"{name} for {counted(count, 'set')}" for name, count in counts))
     judged = rows.loc[np.isfinite(rows["error"]), ["morning", "error"]].join(combined, how="inner")
     past = judged.assign(left=judged["error"] - judged["correction"])[_PAST_COLUMNS].reset_index(drop=True)
     corrections = now[["number", "lead", "correction", "sigma"]].dropna().reset_index(drop=True)
