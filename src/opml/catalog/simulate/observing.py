@@ -177,15 +177,15 @@ def predicted(
     seen = observe(positions, stands.position, stands.to_horizon)
     if travel is None and list(names) == QUANTITIES:
         return seen
-    values = dict(zip(QUANTITIES, np.moveaxis(seen, -1, 0), strict=True))
-    values["range_rate"] = _rate(positions, velocities, stands.position, stands.velocity)
+    observables = dict(zip(QUANTITIES, np.moveaxis(seen, -1, 0), strict=True))
+    observables["range_rate"] = _rate(positions, velocities, stands.position, stands.velocity)
     if travel is not None and stands.two_way.any():
-        _go_there_and_back(values, positions, velocities, stands, travel)
+        _go_there_and_back(observables, positions, velocities, stands, travel)
     if "declination" in names or "right_ascension" in names:
         away = np.einsum("...nij,...ni->...nj", stands.from_gcrf, positions - stands.position)
-        values["right_ascension"] = wrap_turn(np.arctan2(away[..., 1], away[..., 0]))
-        values["declination"] = np.arctan2(away[..., 2], np.hypot(away[..., 0], away[..., 1]))
-    return np.stack([values[name] for name in names], axis=-1)
+        observables["right_ascension"] = wrap_turn(np.arctan2(away[..., 1], away[..., 0]))
+        observables["declination"] = np.arctan2(away[..., 2], np.hypot(away[..., 0], away[..., 1]))
+    return np.stack([observables[name] for name in names], axis=-1)
 
 
 def _go_there_and_back(
