@@ -41,8 +41,8 @@ def test_errors_by_the_age_of_a_set_are_those_of_the_notes():
         cells[0]: cells for cells in rows("notes/element_sets", "## Errors by the age of the newest set")
     }
     young, old = table["0.25 to 0.5"], table["1 to 1.5"]
-    said = f"half a day old {young[1]} after one day and {young[4]} after seven; one to 1.5 days old {old[1]} and"
-    assert f"{said} {old[4]}" in sentences("docs/learning")
+    said = f"half a day old {young[1]} after one day and {young[4]} after seven; one to 1.5 days old "
+    assert f"{said}{old[1]} and {old[4]}" in sentences("docs/learning")
 
 
 def test_the_picture_by_height_has_every_row_of_its_table():
