@@ -432,20 +432,17 @@ def test_laser_ranges_bring_stations_of_their_own(tmp_path):
 
 
 def test_mean_elements_are_fitted_over_days(tmp_path):
-    lines = ["histories: {mine: {number: 25544, sigma_m: [50, 150, 20]}}"]
+    lines = ["histories: {mine: {number: 25544}}"]
     settings = checked(measured(tmp_path, "elements", *lines))
-    assert settings.options(kinds.ELEMENTS, "mine").sigma_m == (50.0, 150.0, 20.0)
-    assert settings.options(kinds.ELEMENTS, "iss").reach_hours is None
+    assert settings.options(kinds.ELEMENTS, "mine").number == 25544
+    assert settings.options(kinds.ELEMENTS, "iss").number is None
     assert settings.values["estimation"]["window_hours"] == 96
 
 
-def test_manoeuvres_may_stand_in_a_file_and_be_found(tmp_path):
-    lines = "manoeuvres: {mine: burns.yaml}", "histories: {mine: {find_manoeuvres: true}}"
-    settings = checked(measured(tmp_path, "elements", *lines))
+def test_manoeuvres_may_stand_in_a_file(tmp_path):
+    settings = checked(measured(tmp_path, "elements", "manoeuvres: {mine: burns.yaml}"))
     assert settings.manoeuvres("mine") == ["2016-09-29T01:00:00"]
     assert settings.manoeuvre_files == {"mine": f"{tmp_path}/burns.yaml"}
-    assert settings.options(kinds.ELEMENTS, "mine").find_manoeuvres
-    assert not settings.options(kinds.ELEMENTS, "iss").find_manoeuvres
     assert settings.manoeuvres("iss") == []
 
 

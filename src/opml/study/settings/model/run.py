@@ -129,25 +129,6 @@ class HistorySettings(TakingSettings):
     number: Absent[Annotated[int, Ge(1), Expected("a catalogue number from 1")]] = absent(
         "catalogue number of the RSO, needed where the files hold several objects"
     )
-    reach_hours: Absent[Positive] = absent(
-        "time before the epoch of each set over which SGP4 gives points; by default that which it was fitted"
-        " to, where earlier sets reveal it, else 24",
-        unit="h",
-    )
-    every_s: Positive = setting("time between these points", unit="s", default=600.0)
-    sigma_m: Absent[Sigmas] = absent(
-        "standard deviations of a set: radial, along and across the track; by default learned from the sets"
-        " before it",
-        unit="m",
-    )
-    leave_out_damaged: bool = setting(
-        "whether any number of damaged sets is skipped and logged, not one in twenty at most", default=False
-    )
-    find_manoeuvres: bool = setting(
-        "whether burns are also detected from sets that do not follow from those before them",
-        see="elements.md#burns",
-        default=False,
-    )
 
 
 class PredictionSettings(Section):
