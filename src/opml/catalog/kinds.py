@@ -45,7 +45,6 @@ class MeasurementRequest:
     stations: Mapping[str, Station]  # all that there are, by name
     epoch: str  # UTC text
     duration: float  # of the run [s]
-    window_hours: float  # that an estimate is made of
 
 
 TRACKS = Kind("tracks", "tracking")

@@ -247,7 +247,6 @@ def _check_measured(source: Source, settings: Settings, kind: Kind) -> None:
                 settings.stations,
                 settings.run.epoch,
                 DAY * settings.run.duration_days,
-                settings.run.estimation.window_hours,
             )
             kind.module.check(asked)
         if not kind.tells_orbit and name not in settings.starts and not math.isfinite(rso.a):
