@@ -5,7 +5,7 @@ class InputError(Exception):
     """A wrong input, reported in one line: ``<file>: <key or row>: what was expected and found``."""
 
     def __init__(self, message: str) -> None:
-        super().__init__(" ".join(str(message).split()))
+        super().__init__(" ".join(line.strip() for line in str(message).splitlines()))
 
 
 class OtherContentError(InputError):

@@ -193,9 +193,9 @@ def of(orbit: KnownOrbit | PredictedOrbit) -> KnownOrbit:
 
 def _of_files(files: OrbitFiles) -> States:
     arcs = [_in_one_unit(arc) for arc in arcs_of_files(files)]
-    stretches = [
-        one for segment in orbit_segments.of_arcs(arcs, epoch=EPOCH) for one in stretches_of(segment)
-    ]
+    segments = orbit_segments.of_arcs(arcs, epoch=EPOCH)
+    by_file = [replace(one, name=str(arc.path)) for arc, one in zip(arcs, segments, strict=True)]
+    stretches = [one for segment in by_file for one in stretches_of(segment)]
     return States(str(files.paths[0]), stretches, identity=arcs[0].identity)
 
 

@@ -141,6 +141,14 @@ def test_every_format_is_the_same_orbit(truth, tmp_path, kind):
         assert table["distance"].max() < 0.02
 
 
+def test_a_stray_state_is_told_by_its_file(truth, tmp_path):
+    stray = truth.copy()
+    stray[60, 0] += 1e5
+    ours = known_orbits.read([written(tmp_path / "ours.oem", stray)])
+    said = refusal(comparison.compare, ours, known_orbits.read([written(tmp_path / "truth.oem", truth)]))
+    assert "ours.oem: expected velocities that lead from position to position, got 100 km off at" in said
+
+
 def test_a_file_given_twice_counts_once(truth, tmp_path):
     for path in (written(tmp_path / "ours.oem", truth), in_formats(truth, tmp_path)["CSV"]):
         np.testing.assert_array_equal(known_orbits.read([path, path]).t, known_orbits.read([path]).t)

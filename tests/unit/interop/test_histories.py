@@ -513,6 +513,15 @@ def test_columns_that_were_collapsed_are_shown_as_they_are(tmp_path):
     )
 
 
+def test_columns_that_are_shifted_are_shown_with_all_their_blanks(tmp_path):
+    first, second = tle()
+    shifted = f"{first[:20]} {first[20:].replace('  ', ' ', 1)}"
+    (tmp_path / "sets.tle").write_text(f"{shifted}\n{second}\n")
+    said = refusal(mean_elements.read_sets, tmp_path / "sets.tle")
+    assert said.endswith(f"line 1 of a TLE, got {shifted!r}")
+    assert "  " in shifted
+
+
 @pytest.mark.parametrize(
     ("key", "value"), [("NORAD_CAT_ID", "+12345"), ("REV_AT_EPOCH", "+0"), ("EPHEMERIS_TYPE", "+00")]
 )
