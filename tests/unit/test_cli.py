@@ -146,7 +146,7 @@ def test_a_page_that_is_not_there_is_told_in_one_line(capsys):
 
 def test_the_page_of_a_command_is_told_by_its_name(capsys):
     assert cli.main(["docs", "predict"]) == 1
-    assert capsys.readouterr().err == "opml: docs: expected a page such as improve, got predict\n"
+    assert capsys.readouterr().err == "opml: docs: expected a page such as improve or elements, got predict\n"
 
 
 @pytest.fixture
