@@ -29,6 +29,7 @@ from opml.environment.weather import Weather
 from opml.ephemerides.along_track_shift import LEAST_EPOCHS
 from opml.interop import ccsds
 from opml.interop.element_sets import mean_elements, sgp4_errors
+from opml.interop.element_sets.burns_in_sets import burns_among
 from opml.interop.element_sets.element_set import ElementSet, seconds_since
 from opml.mornings import outcomes, verdicts
 from opml.mornings.candidates import STEP
@@ -37,10 +38,12 @@ from opml.mornings.records import Paths, Records, below
 from opml.mornings.verdicts import SGP4, Verdict
 from opml.mornings.watched_object import MorningPlan
 from opml.orbits.elements import in_rsw
+from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import DOUBT, SCHEMAS, SIGMA_STATE, SPREAD, STATE
 
 REACH = 90.0  # days before the first morning of a job from which on sets count
 
+_MINUTES = len("2016-09-28T12:09")
 _SIZES = SIGMA_STATE[:3]  # standard deviations of positions
 
 
@@ -118,10 +121,15 @@ class ObjectOfSets:
         except InputError as reason:
             return SetMorning(_left(row, Verdict(DO_NOT_USE, str(reason))), Verdict(DO_NOT_USE, str(reason)))
         later = _later(prediction, self.plan.epoch, now)
-        judged = _judged(later, records)
-        past = below([records.judged, judged], "judged")
+        public = known_sets.since(date, self.history, latency=catalogues.LATENCY, until=0.0)
+        burns = burns_among(public, epoch=date)
+        judged = _without_burns(_judged(later, records), burns, now)
+        past = _without_burns(below([records.judged, judged], "judged"), burns, now)
         start = pd.DataFrame({"track": [later["j"]], "t": [later["t_set"]]})
         verdict = verdicts.verdict(past, start, now=now)
+        if prediction.burns:
+            shown = f"its sets show a burn, the last about {prediction.burns[-1][:_MINUTES]}Z"
+            verdict = replace(verdict, reason=f"{verdict.reason}; {shown}")
         row |= {"i": later["j"], "t_i": later["t_set"], "model": prediction.model}
         paths = _paths(prediction, later["j"], now, days=self.plan.max_days)
         return SetMorning(_left(row, verdict, judged, [paths]), verdict, prediction)
@@ -232,6 +240,18 @@ def _judged(later: Mapping[str, Any], records: Records) -> pd.DataFrame:
         rows.loc[0, _SIZES] = [*sizes.values()]
         parts.append(rows)
     return below(parts, "judged")[SCHEMAS["judged"].names]
+
+
+def _without_burns(judged: pd.DataFrame, burns: Sequence[Manoeuvre], now: float) -> pd.DataFrame:
+    """Return rows without those of times after a burn that was not known when they were predicted.
+
+    burns: times from `now`, the morning [s]
+    """
+    crossed = np.zeros(len(judged), dtype=bool)
+    for one in burns:
+        was_unknown = judged["morning"] < now + one.counts_from
+        crossed |= (was_unknown & (judged["t_j"] >= now + one.t)).to_numpy()
+    return judged[~crossed]
 
 
 def _paths(prediction: Prediction, set_number: int, now: float, *, days: float) -> Paths:

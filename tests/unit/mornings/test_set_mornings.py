@@ -4,6 +4,7 @@ from datetime import date, timedelta
 from functools import partial
 
 import numpy as np
+import pandas as pd
 import pytest
 import sinking_histories
 from support import refusal
@@ -21,6 +22,7 @@ from opml.mornings.kept.store import Store
 from opml.mornings.outcomes import UNPROVEN
 from opml.mornings.set_mornings import ObjectOfSets, RunSets
 from opml.mornings.watched_object import MorningPlan
+from opml.orbits.manoeuvres import Manoeuvre
 
 EPOCH = "2026-01-03T00:00:00"
 LAST = date(2026, 1, 6)
@@ -108,6 +110,15 @@ def test_what_was_predicted_is_judged_by_the_newest_set(sets, whole):
     error = np.linalg.norm(row[["e_x", "e_y", "e_z"]].astype(float))
     assert error == pytest.approx(np.linalg.norm(off), rel=1e-3, abs=0.5)
     assert later["t_set"] == pytest.approx(epochs.seconds_between(EPOCH, "2026-01-05T02:00:00"), abs=1e-3)
+
+
+def test_what_was_predicted_before_a_burn_was_known_is_not_judged_after_it():
+    """It was at 100 s, and known at 200 s."""
+    t = [50.0, 150.0, 150.0, 250.0, 250.0]
+    judged = pd.DataFrame({"morning": [0.0, 0.0, 120.0, 190.0, 210.0], "t_j": t})
+    burns = [Manoeuvre(100.0 - 300.0, 200.0 - 300.0)]
+    left = set_mornings._without_burns(judged, burns, now=300.0)
+    assert left["morning"].tolist() == [0.0, 210.0]
 
 
 def test_an_object_is_told_by_its_number_where_there_are_several(tmp_path):
