@@ -97,13 +97,17 @@ def _add_init(parser: argparse.ArgumentParser) -> None:
     kinds = parser.add_mutually_exclusive_group()
     kinds.add_argument("--elements", metavar="FILE", help="element sets of an object, for its mornings")
     kinds.add_argument("--orbit", nargs="+", metavar="FILE", help="its positions: {orbit}")
+    kinds.add_argument("--upgrade", action="store_true", help="bring a project to this version")
 
 
 def _init(options: argparse.Namespace) -> None:
     from opml.workflow import new_project
     from opml.workflow.first_project import FirstProject
 
-    if options.elements or options.orbit:
+    if options.upgrade:
+        new_project.upgrade(options.folder)
+        print(f"{options.folder}: of opml {__version__}; what it replaced is in *{new_project.BEFORE}")
+    elif options.elements or options.orbit:
         by_sets = bool(options.elements)
         project = FirstProject.of_sets(options.elements) if by_sets else FirstProject.of_points(options.orbit)
         new_project.write(options.folder, project.text, project.copied)

@@ -66,6 +66,32 @@ def write(folder: FilePath, study: str = SIMULATED, others: Sequence[Path] = ())
                 os.replace(Path(temporary, name), folder / name)
 
 
+BEFORE = ".before"  # added to the names of a project's own files when an upgrade replaces them
+
+
+def upgrade(folder: FilePath) -> None:
+    """Give a project the workflow and the settings of this version, and keep its sheets, studies and results.
+
+    What it had stays beside under names that end in BEFORE. Raises InputError for a folder without a project,
+    and where an earlier upgrade left such names; nothing is written then.
+    """
+    parts = [(part, Path(folder, part.name)) for part in sorted(PROJECT.iterdir())]
+    for _, own in parts:
+        if not own.exists():
+            raise InputError(f"{own}: expected a project of `opml init`, got none")
+        if (former := own.with_name(own.name + BEFORE)).exists():
+            raise InputError(f"{former}: expected none: remove what an earlier upgrade replaced")
+    with writable(folder), tempfile.TemporaryDirectory(prefix=".new.", dir=folder) as temporary:
+        for part, own in parts:
+            _copy(part, Path(temporary, own.name))
+        editor_schema.write(temporary)
+        for sheet in Path(folder, "config").glob("*.tsv"):
+            shutil.copyfile(sheet, Path(temporary, "config", sheet.name))
+        for _, own in parts:
+            os.replace(own, own.with_name(own.name + BEFORE))
+            os.replace(Path(temporary, own.name), own)
+
+
 def next_steps(folder: str, command: str = STUDY_COMMAND) -> str:
     """Return the commands that run a new project, and the one that prints how to go on."""
     install = [] if find_spec("snakemake") else ["pip install 'opml-orbits[workflow]'"]
