@@ -358,6 +358,30 @@ def test_frames_of_date_are_turned_to_ours(message, orbit):
     np.testing.assert_allclose(turned["TEME"], given @ mean.T, rtol=0, atol=2.0)
 
 
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        (r"STOP_TIME.*\n", ""),
+        (r"ORIGINATOR.*\n", ""),
+        (" = ", "\t=\t"),
+        ("GCRF", "gcrf"),
+        ("= UTC", "= utc"),
+        ("= EARTH", "= Earth"),
+        ("META_STOP", "MANEUVERABLE = NO\nREF_FRAME_EPOCH = 2000-01-01T12:00:00\nMETA_STOP"),
+        ("META_STOP", "INTERPOLATION = LAGRANGE\nINTERPOLATION_DEGREE = 9\nMETA_STOP"),
+        ("\n", "\n\n"),
+        ("\n", "\r\n"),
+        (r"(?m)^(2016\S+)", r"\1Z"),
+        ("OBJECT_NAME = .*", "OBJECT_NAME = ČIBIS 中"),
+    ],
+    ids=str,
+)
+def test_what_a_message_may_have_otherwise_changes_no_state(message, orbit, old, new):
+    message.write_text(re.sub(old, new, message.read_text()), newline="")
+    (arc,) = arcs(message)
+    np.testing.assert_array_equal(arc.positions, orbit[list(STATE[:3])].to_numpy())
+
+
 @pytest.mark.parametrize("frame", ["TEME", "TOD"])
 def test_a_frame_of_date_may_be_of_another_epoch(message, frame):
     """Twenty years of precession are a third of a degree."""
