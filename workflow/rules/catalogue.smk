@@ -67,7 +67,7 @@ if PLAN.settings.catalogue:
                 population=PLAN.catalogue_test(wildcards.test).population,
                 test=wildcards.test,
             ),
-            teachers=lambda wildcards: path_of(
+            others=lambda wildcards: path_of(
                 rules.catalogue_rows.output[0],
                 population=PLAN.catalogue_test(wildcards.test).teachers,
                 test=wildcards.test,

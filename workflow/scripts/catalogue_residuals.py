@@ -18,7 +18,7 @@ if __name__ == "__main__":
         settings = Settings(**snakemake.params.settings)
         residuals = corrector_trial.residuals(
             read_table(snakemake.input.rows, corrector_trial.ROWS),
-            read_table(snakemake.input.teachers, corrector_trial.ROWS),
+            read_table(snakemake.input.others, corrector_trial.ROWS),
             corrector_trial.Seasons.of_dates(**settings.seasons),
             settings.learner,
             seed=settings.seed,

@@ -30,7 +30,7 @@ from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day
 from opml.element_sets.features import FEATURES
 from opml.element_sets.prediction import PublicMorning
 from opml.element_sets.trained_model import CatalogueModel
-from opml.element_sets.weighting import DENSITY, UNCHANGED, Ways
+from opml.element_sets.weighting import DENSITY, UNCHANGED, Candidates
 from opml.interop.element_sets import element_fits, mean_elements, sgp4_errors
 from opml.interop.element_sets.element_set import changed, elements_epoch, propagate, seconds_since
 from opml.interop.predicted_orbit import LEADS
@@ -80,11 +80,11 @@ def _pretrained(morning: Morning) -> pd.DataFrame:
     return _by_weight(morning, {name: one for name, one in tried if name not in _UNLEARNED})
 
 
-def _candidates(morning: Morning) -> Ways:
+def _candidates(morning: Morning) -> Candidates:
     return weighting.candidates(morning.rows, morning.model.correctors, corrector.jumps(morning.rows))
 
 
-def _by_weight(morning: Morning, tried: Ways) -> pd.DataFrame:
+def _by_weight(morning: Morning, tried: Candidates) -> pd.DataFrame:
     """Correct by the candidates, weighted by objects' pasts, where nothing speaks against it."""
     rows, catalogue = morning.rows, morning.known.catalogue
     newest = improve.newest_sets(catalogue)

@@ -1,7 +1,7 @@
-"""What a corrector is worth: how much of SGP4's errors predictions leave, by band of height and lead.
+"""Scores of a corrector: the share of SGP4's errors that predictions leave, by band of height and lead.
 
 Predictions of one week share its weather, and those of one object its drag. Intervals therefore come from
-drawing whole weeks and whole objects, each with replacement and apart from each other; a prediction counts as
+drawing whole weeks and whole objects, each with replacement and independently; a prediction counts as
 often as its week and its object were drawn together (Owen 2007, 'The pigeonhole bootstrap').
 """
 
@@ -21,7 +21,7 @@ DRAWS = 400  # draws of weeks and objects
 
 _WEEK = 7
 _INTERVAL = (2.5, 97.5)
-_WAYS = ("scaled", "learned", "improved")
+_MODELS = ("scaled", "learned", "improved")
 
 
 def scores(residuals: pd.DataFrame, *, seed: int) -> pd.DataFrame:
@@ -47,7 +47,7 @@ def _cells(residuals: pd.DataFrame) -> Iterator[tuple[tuple[int, int], pd.DataFr
 def _score(part: pd.DataFrame) -> dict[str, float]:
     """Return the numbers of one band and lead but for their intervals."""
     sgp4 = part["error"].abs()
-    found = {
+    scores = {
         "predictions": len(part),
         "objects": part["number"].nunique(),
         "weeks": len(np.unique(_week(part))),
@@ -60,14 +60,14 @@ def _score(part: pd.DataFrame) -> dict[str, float]:
         "log_score": log_score(part["improved"], part["improved_sigma"]),
         "unchanged": 100.0 * (part["applied"] == UNCHANGED).mean(),
     }
-    for way in _WAYS:
-        left = part[way].abs()
-        found |= {
-            f"{way}_median": 100.0 * left.median() / sgp4.median(),
-            f"{way}_p95": 100.0 * left.quantile(0.95) / sgp4.quantile(0.95),
-            f"{way}_p_ml": p_ml(part["error"].to_numpy(), part[way].to_numpy()),
+    for model in _MODELS:
+        left = part[model].abs()
+        scores |= {
+            f"{model}_median": 100.0 * left.median() / sgp4.median(),
+            f"{model}_p95": 100.0 * left.quantile(0.95) / sgp4.quantile(0.95),
+            f"{model}_p_ml": p_ml(part["error"].to_numpy(), part[model].to_numpy()),
         }
-    return found
+    return scores
 
 
 def p_ml(error: np.ndarray, left: np.ndarray) -> float:
@@ -106,7 +106,7 @@ def intervals(part: pd.DataFrame, rng: np.random.Generator) -> dict[str, float]:
     """
     draws = np.array(list(_drawn_shares(part, rng)))
     low, high = np.percentile(draws, _INTERVAL, axis=0)
-    names = (*_WAYS, "gain")
+    names = (*_MODELS, "gain")
     return {f"{name}_low": low[k] for k, name in enumerate(names)} | {
         f"{name}_high": high[k] for k, name in enumerate(names)
     }
@@ -114,7 +114,7 @@ def intervals(part: pd.DataFrame, rng: np.random.Generator) -> dict[str, float]:
 
 def _drawn_shares(part: pd.DataFrame, rng: np.random.Generator) -> Iterator[tuple[float, ...]]:
     """Yield the shares [%] of draws of weeks and objects."""
-    sizes = [np.abs(part[name].to_numpy()) for name in ("error", *_WAYS)]
+    sizes = [np.abs(part[name].to_numpy()) for name in ("error", *_MODELS)]
     orders = [np.argsort(size, kind="stable") for size in sizes]
     for weights in drawn_weights(part, rng):
         sgp4, scaled, learned, improved = (
@@ -129,11 +129,11 @@ def drawn_weights(part: pd.DataFrame, rng: np.random.Generator) -> Iterator[np.n
     part: with columns number and morning (modified Julian day)
     """
     places = [np.unique(of, return_inverse=True)[1] for of in (_week(part), part["number"].to_numpy())]
-    found = 0
-    while found < DRAWS:
+    drawn = 0
+    while drawn < DRAWS:
         weights = np.prod([_times_drawn(place, rng) for place in places], axis=0)
         if weights.any():
-            found += 1
+            drawn += 1
             yield weights
 
 

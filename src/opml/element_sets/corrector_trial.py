@@ -49,8 +49,8 @@ class Seasons:
         return np.union1d(*days) + HOUR_OF_MORNING
 
     @property
-    def asked(self) -> tuple[float, float]:
-        """First and last day whose predictions judge, or weigh the ways of one that does."""
+    def needed(self) -> tuple[float, float]:
+        """First and last day whose predictions judge, or weight the candidates of one that does."""
         return self.test[0] - PAST, self.test[1]
 
 
@@ -60,9 +60,9 @@ def densities(weather: str | Path) -> pd.DataFrame:
     Raises InputError where the weather is unreadable.
     """
     known = density.clean(known_weather.read(weather))
-    found = density.measured(known, max(FIRST_DAY, known.first + density.RUN_UP), density.end_of(known))
-    t = found.first + np.arange(len(found.log)) / density.QUARTERS
-    return pd.DataFrame(found.log, columns=_HEIGHTS).assign(t=t)
+    air = density.measured(known, max(FIRST_DAY, known.first + density.RUN_UP), density.end_of(known))
+    t = air.first + np.arange(len(air.log)) / density.QUARTERS
+    return pd.DataFrame(air.log, columns=_HEIGHTS).assign(t=t)
 
 
 def rows(
@@ -87,12 +87,14 @@ def rows(
     if density.end_of(known) < last:
         expected = f"expected measured weather up to {epochs.calendar(last)}"
         raise InputError(f"{weather}: {expected}, got it up to {epochs.calendar(density.end_of(known))}")
-    found = Densities(int(table["t"].iloc[0]), table[_HEIGHTS].to_numpy())
-    air = LearnedAir(known, found, density.fit(found, known, end=min(seasons.train[0], seasons.test[0])))
+    measured = Densities(int(table["t"].iloc[0]), table[_HEIGHTS].to_numpy())
+    air = LearnedAir(
+        known, measured, density.fit(measured, known, end=min(seasons.train[0], seasons.test[0]))
+    )
     sets = _about(catalogues.read(files, latency=latency).daily(), seasons.mornings)
-    made = features.build(sets, set_errors.build(sets, seasons.mornings), air)
-    made["bstar"] = sets.table["bstar"].to_numpy()[made["newest"]]
-    own = made[made["is_fit"] & (_within(made, seasons.train) | _within(made, seasons.asked))]
+    rows = features.build(sets, set_errors.build(sets, seasons.mornings), air)
+    rows["bstar"] = sets.table["bstar"].to_numpy()[rows["newest"]]
+    own = rows[rows["is_fit"] & (_within(rows, seasons.train) | _within(rows, seasons.needed))]
     if own["error"].isna().all():
         raise InputError("element sets: expected sets of the seasons that judge each other, got none")
     return own[ROWS.names]
@@ -111,48 +113,49 @@ def _within(table: pd.DataFrame, season: tuple[float, float]) -> np.ndarray:
 
 
 def residuals(
-    table: pd.DataFrame, teachers: pd.DataFrame, seasons: Seasons, learner: str, *, seed: int
+    table: pd.DataFrame, others: pd.DataFrame, seasons: Seasons, learner: str, *, seed: int
 ) -> pd.DataFrame:
     """Return the table `catalogue_residuals`: what is left of the errors of objects not learned from.
 
     table: ROWS of the objects that judge
-    teachers: ROWS of those that are learned from, the same or others
+    others: ROWS of the objects of the training, the same or others
     learner: one of corrector.LEARNERS
 
-    One half of the teachers is learned from, and no object of that judges. What is learned from was public
+    One half of the objects is trained on, and none of these judges. Training rows were public
     before the first morning that judges, or predicted after the last. Where nothing could be learned for a
     band, the density-scaled prediction stands. Raises InputError where there is too little to learn from.
     """
-    teach = teachers[half_of(teachers["number"].to_numpy(), seed=seed) == 0]
-    trained = _train(teach, seasons, learner, seed=seed)
-    is_own = ~table["number"].isin(teach["number"].unique()) & _within(table, seasons.asked)
-    asked = table[is_own].reset_index(drop=True).assign(is_fit=True)
-    made = _residuals(asked, weighting.candidates(asked, {learner: trained}, corrector.jumps(asked)), learner)
-    return made[_within(made, seasons.test) & np.isfinite(made["error"])]
+    training = others[half_of(others["number"].to_numpy(), seed=seed) == 0]
+    trained = _train(training, seasons, learner, seed=seed)
+    is_own = ~table["number"].isin(training["number"].unique()) & _within(table, seasons.needed)
+    judged = table[is_own].reset_index(drop=True).assign(is_fit=True)
+    tried = weighting.candidates(judged, {learner: trained}, corrector.jumps(judged))
+    left = _residuals(judged, tried, learner)
+    return left[_within(left, seasons.test) & np.isfinite(left["error"])]
 
 
-def _train(teach: pd.DataFrame, seasons: Seasons, learner: str, *, seed: int) -> corrector.Corrector:
+def _train(rows: pd.DataFrame, seasons: Seasons, learner: str, *, seed: int) -> corrector.Corrector:
     """Return what is learned from rows that were public before the season of the test, or predicted after."""
-    is_apart = (teach["judged"] <= seasons.test[0]) | (teach["morning"] > seasons.test[1])
-    taught = teach[_within(teach, seasons.train) & is_apart]
-    return corrector.fit(taught.assign(is_fit=True), learner, seed=seed)
+    is_outside = (rows["judged"] <= seasons.test[0]) | (rows["morning"] > seasons.test[1])
+    training = rows[_within(rows, seasons.train) & is_outside]
+    return corrector.fit(training.assign(is_fit=True), learner, seed=seed)
 
 
-def _residuals(asked: pd.DataFrame, tried: weighting.Ways, learner: str) -> pd.DataFrame:
-    """Return what each way leaves of the errors, and the improved set by all ways, weighed by the past."""
-    learned, weights = tried[f"{weighting.LEARNED}: {learner}"], weighting.weights_of_rows(asked, tried)
-    combined = weighting.combined(asked, tried, weights)
+def _residuals(judged: pd.DataFrame, tried: weighting.Candidates, learner: str) -> pd.DataFrame:
+    """Return the errors that each candidate leaves, and those of the improved set, weighted by the past."""
+    learned, weights = tried[f"{weighting.LEARNED}: {learner}"], weighting.weights_of_rows(judged, tried)
+    combined = weighting.combined(judged, tried, weights)
     # A set takes two numbers alone, speed and B*, so that it follows the corrections of all leads in part.
-    sets = asked.groupby(["number", "morning"]).ngroup()
-    displacement = weighting.displacement(combined, sets, asked["bstar"].groupby(sets).first())
-    scaled = asked["error"] - asked["density"]
-    return asked[["number", "morning", "lead", "band", "error"]].assign(
+    sets = judged.groupby(["number", "morning"]).ngroup()
+    displacement = weighting.displacement(combined, sets, judged["bstar"].groupby(sets).first())
+    scaled = judged["error"] - judged["density"]
+    return judged[["number", "morning", "lead", "band", "error"]].assign(
         scaled=scaled,
-        learned=(asked["error"] - learned["correction"]).fillna(scaled),
+        learned=(judged["error"] - learned["correction"]).fillna(scaled),
         sigma=learned["sigma"],
-        improved=asked["error"] - displacement,
+        improved=judged["error"] - displacement,
         improved_sigma=combined["sigma"],
-        applied=weighting.main_ways(weights).str.partition(":")[0],
+        applied=weighting.main_candidates(weights).str.partition(":")[0],
     )
 
 

@@ -1,4 +1,4 @@
-"""What the corrector sees of a row: how drag, density and the object's past speak of the error to come.
+"""Features of the corrector: drag, density and the object's past errors.
 
 Notation, of the newest set: epoch T, b its B*, tau the time from T to what is predicted, kappa = 2 g / tau^2
 with g the response of the along-track position to B*, y(tau) the density integrated twice from T on. A fit
@@ -25,7 +25,7 @@ MOST_ECCENTRICITY = 0.02
 """Largest eccentricity of an orbit that is corrected: its drag is that of its mean height."""
 
 FLOOR = 30.0  # what a prediction is off by without any drag [m/d]
-OWN = (3, 12)  # numbers of the object's own mornings whose misses count
+OWN = (3, 12)  # numbers of the object's own mornings whose errors count
 _RECENT = (1, 2, 3)  # days since the mornings whose common miss a day ahead still counts
 
 LASTING = dict(zip(LEADS, (0.3, 0.25, 0.2, 0.15), strict=True))
@@ -60,7 +60,7 @@ DISTANCES = (
     *(f"window_{_name(window)}" for window in _WINDOWS),
     *(f"miss_{k + 1}_{power}" for k in range(BACK) for power in (1, 2)),
 )
-"""Distances by which ways to see the drag are apart, in scales.
+"""Differences between estimates of the drag, in scales.
 
 As features they are less their medians of the band, lead and morning, as the target is.
 """
@@ -89,7 +89,7 @@ def build(catalogue: ElementCatalogue, pairs: Pairs, air: Callable[[float], Morn
 
     The target is what the density-scaled prediction leaves, in scales, less its median over the band that
     morning: what all objects of a band share is the weather of the days ahead, and learning it would be
-    learning the days. Own misses are those whose judge was known on the morning.
+    learning the days. Own errors are those whose judge was known on the morning.
     """
     rows = pairs.rows
     table = np.full((len(rows), 2 + len(DISTANCES)), np.nan)
@@ -99,7 +99,7 @@ def build(catalogue: ElementCatalogue, pairs: Pairs, air: Callable[[float], Morn
         scale = table[:, 0]
         distances = np.divide(table[:, 2:], scale[:, None], out=table[:, 2:])
     np.clip(distances, -_CLIP, _CLIP, out=distances)
-    found = pd.DataFrame(distances, columns=list(DISTANCES), copy=False)
+    differences = pd.DataFrame(distances, columns=list(DISTANCES), copy=False)
     sets = catalogue.table.iloc[rows["newest"]]
     height = sets["height"].to_numpy()
     made = rows.reset_index(drop=True).assign(
@@ -113,9 +113,9 @@ def build(catalogue: ElementCatalogue, pairs: Pairs, air: Callable[[float], Morn
         drag=np.log(np.maximum(scale - FLOOR * rows["tau"].to_numpy(), 1e-3)),
     )
     groups = made.groupby(["is_fit", "morning", "band", "lead"]).ngroup()
-    made["missed"] = found[list(_MISSES)].abs().max(axis=1)
+    made["missed"] = differences[list(_MISSES)].abs().max(axis=1)
     for k, name in enumerate(DISTANCES):  # one by one: all at once would take a quarter more memory
-        distances[:, k] -= found[name].groupby(groups).transform("median").to_numpy()
+        distances[:, k] -= differences[name].groupby(groups).transform("median").to_numpy()
     # A set that is not there says nothing: as if it agreed with the others.
     apart = pd.DataFrame(np.nan_to_num(distances, copy=False), columns=list(APART), copy=False)
     miss = ((made["error"] - made["density"]) / made["scale"]).where(made["is_fit"])
@@ -165,7 +165,7 @@ def _of_morning(
     gaps = np.where(before[:, 1 : BACK + 1] >= 0, epochs[:, None] - t[before[:, 1 : BACK + 1]], np.nan)
     for k in range(BACK):
         reach = tau / gaps[row_of, k]
-        miss = pairs.misses[newest, k][row_of]
+        miss = pairs.distances[newest, k][row_of]
         columns += [miss * reach, miss * reach**2]
     return np.column_stack(columns)
 
@@ -211,7 +211,7 @@ def _medians(values: np.ndarray) -> np.ndarray:
 
 
 def common_misses(rows: pd.DataFrame) -> np.ndarray:
-    """Return the mean (n,) of the medians that a band missed a day ahead on the last mornings, in scales.
+    """Return the mean (n,) of the median errors of a band a day ahead on the last mornings, in scales.
 
     rows: with `miss` of the prediction with Q alone
 
@@ -237,7 +237,7 @@ def _days(rows: pd.DataFrame) -> np.ndarray:
 def own_misses(rows: pd.DataFrame) -> pd.DataFrame:
     """Return OWN_FEATURES: mean and mean size of an object's targets of the last mornings that are judged.
 
-    Mornings are a day apart. A target counts a day after what was predicted, if its judge was known by then.
+    Mornings are daily. A target counts a day after what was predicted, if its judge was known by then.
     """
     found = np.full((len(rows), len(OWN_FEATURES)), np.nan)
     day = _days(rows)

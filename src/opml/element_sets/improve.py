@@ -214,7 +214,7 @@ def _table(
     age: of the newest sets [d]
     rows: those of the date, with jumps and corrections, of the objects that have a set that is new enough
     """
-    way = weighting.main_ways(weights)
+    way = weighting.main_candidates(weights)
     corrected = rows.dropna(subset="correction")
     improved = numbers(newest, corrected)
     table = pd.DataFrame(
@@ -281,7 +281,7 @@ def where_usable(weights: pd.DataFrame, why: pd.Series) -> pd.DataFrame:
 
     weights: of `weighting.weights`
     """
-    others = weighting.one_way(why.eq(FEW).map({True: DENSITY, False: UNCHANGED}))
+    others = weighting.sole(why.eq(FEW).map({True: DENSITY, False: UNCHANGED}))
     return weighting.replaced(weights.reindex(why.index), others, why.ne(""))
 
 

@@ -1,4 +1,4 @@
-"""What SGP4 makes of the newest sets of mornings: errors at later sets, misses of those before.
+"""Errors of SGP4 from the newest sets of mornings, at later sets and at those before.
 
 A row is an object, a morning and a lead. SGP4 propagates the newest set that was known on the morning; the
 state of the later set nearest to morning plus lead, at its own epoch, judges it. Where no later set is at
@@ -13,7 +13,7 @@ import pandas as pd
 from opml.base import epochs
 from opml.base.constants import DAY
 from opml.element_sets.catalogue import ElementCatalogue
-from opml.interop.element_sets.element_set import kick, propagate
+from opml.interop.element_sets.element_set import perturb_drag, propagate
 from opml.tables import IMPROVED_LEADS
 
 LEADS = IMPROVED_LEADS  # days from the morning to what is predicted
@@ -33,12 +33,12 @@ class Pairs:
         from the epoch of the newest set to what is predicted), judged (when the judge was known, NaN without
         one), error (SGP4 less the judge, along the track [m], NaN without one), response (of the along-track
         position to B* [m earth radii])
-    misses: (sets, BACK), along-track distance [m] of a set that SGP4 carries back from each of the sets
+    distances: (sets, BACK), along-track distance [m] of a set that SGP4 carries back from each of the sets
         before it, the one before it first; NaN where there is none
     """
 
     rows: pd.DataFrame
-    misses: np.ndarray
+    distances: np.ndarray
 
 
 def build(catalogue: ElementCatalogue, mornings: np.ndarray) -> Pairs:
@@ -47,14 +47,14 @@ def build(catalogue: ElementCatalogue, mornings: np.ndarray) -> Pairs:
     propagated = _propagate(catalogue, rows)
     own = _own_states(catalogue)
     error = np.where(judges >= 0, along_track(propagated.positions, *own.take(judges)), np.nan)
-    moved = along_track(propagated.kicked, propagated.positions, propagated.velocities)
+    moved = along_track(propagated.perturbed, propagated.positions, propagated.velocities)
     bstar = catalogue.table["bstar"].to_numpy()[rows["newest"]]
     with np.errstate(divide="ignore", invalid="ignore"):
         rows = rows.assign(error=error, response=moved / (_STEP * bstar))
     earlier = np.arange(len(own.positions))[:, None] - np.arange(1, BACK + 1)
     at = own.take(earlier.ravel())
-    misses = along_track(propagated.back.reshape(-1, 3), *at).reshape(-1, BACK)
-    return Pairs(rows, misses)
+    distances = along_track(propagated.back.reshape(-1, 3), *at).reshape(-1, BACK)
+    return Pairs(rows, distances)
 
 
 def along_track(positions: np.ndarray, reference: np.ndarray, velocities: np.ndarray) -> np.ndarray:
@@ -81,14 +81,14 @@ class _States:
 
 @dataclass(frozen=True, eq=False)
 class _Propagated:
-    """What SGP4 makes of the newest sets, NaN where it fails.
+    """The newest sets, propagated by SGP4, NaN where it fails.
 
     positions, velocities: (rows, 3) at what is predicted
     """
 
     positions: np.ndarray
     velocities: np.ndarray
-    kicked: np.ndarray  # (rows, 3) positions there with a larger B*
+    perturbed: np.ndarray  # (rows, 3) positions there with a larger B*
     back: np.ndarray  # (sets, BACK, 3) positions at the epochs of the sets before
 
 
@@ -153,7 +153,7 @@ def _propagate(catalogue: ElementCatalogue, rows: pd.DataFrame) -> _Propagated:
     newest, tau = rows["newest"].to_numpy(), rows["tau"].to_numpy()
     order = np.argsort(newest, kind="stable")
     sets, begins = np.unique(newest[order], return_index=True)
-    positions, velocities, kicked = (np.full((len(rows), 3), np.nan) for _ in range(3))
+    positions, velocities, perturbed = (np.full((len(rows), 3), np.nan) for _ in range(3))
     back = np.full((len(t), BACK, 3), np.nan)
     for one, members in zip(sets, np.split(order, begins)[1:], strict=True):
         earlier = np.arange(one - 1, max(one - BACK, 0) - 1, -1)
@@ -163,5 +163,5 @@ def _propagate(catalogue: ElementCatalogue, rows: pd.DataFrame) -> _Propagated:
         places, speeds = propagate(satellite, minutes)
         back[one, :known] = places[:known]
         positions[members], velocities[members] = places[known:], speeds[known:]
-        kicked[members] = propagate(kick(satellite, _STEP), minutes[known:])[0]
-    return _Propagated(positions, velocities, kicked, back)
+        perturbed[members] = propagate(perturb_drag(satellite, _STEP), minutes[known:])[0]
+    return _Propagated(positions, velocities, perturbed, back)

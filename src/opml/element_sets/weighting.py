@@ -12,72 +12,72 @@ from opml.element_sets import corrector
 from opml.element_sets.corrector import Corrector
 from opml.element_sets.set_errors import LEADS
 
-PAST = 40  # mornings before the date whose predictions tell how much each way counts
-BURN = 25.0  # scales by which a set misses those before it where the object has burned
+PAST = 40  # mornings before the date whose predictions weight each candidate
+BURN = 25.0  # distance of a set from those before it, in scales, that shows a burn
 
 UNCHANGED, DENSITY, LEARNED = "unchanged", "density", "learned"
 
 _BORROWED = 30.0  # rows of its band that count in an object's own past, so that a short one decides little
 _GROSS = 4.0  # scales that a miss counts at most in the weights
 _MOST_DRAG = 0.9  # largest part of its B* that is taken off a set
-Ways = Mapping[str, pd.DataFrame]  # by the name of the way, correction and sigma [m] of rows
+Candidates = Mapping[str, pd.DataFrame]  # correction and sigma [m] of rows, by the name of the candidate
 
 
 def candidates(
     rows: pd.DataFrame, correctors: Mapping[str, Corrector], jump: pd.Series
 ) -> dict[str, pd.DataFrame]:
-    """Return correction and sigma [m] of rows by each way: not, by the density, as each population taught.
+    """Return correction and sigma [m] of rows: none, by the density, by the corrector of each population.
 
     jump: of `corrector.jumps`
 
-    A prediction apart from the learned one is as unsure as that, and as they are apart; after a jump of the
-    sets all are unsurer.
+    The variance of an unlearned candidate is that of the learned one plus their squared difference; all are
+    inflated after a jump of the sets.
     """
     learned = {
         f"{LEARNED}: {name}": corrector.widen(rows, one.apply(rows)) for name, one in correctors.items()
     }
     surest = pd.concat(learned.values()).groupby(level=0).mean()
-    ways = {UNCHANGED: 0.0 * rows["density"], DENSITY: rows["density"]}
+    unlearned = {UNCHANGED: 0.0 * rows["density"], DENSITY: rows["density"]}
     plain = {
         name: pd.DataFrame(
             {"correction": one, "sigma": np.hypot(surest["sigma"], surest["correction"] - one)}
         )
-        for name, one in ways.items()
+        for name, one in unlearned.items()
     }
     return {name: corrector.widen_jumps(one, jump) for name, one in (plain | learned).items()}
 
 
-def weights(rows: pd.DataFrame, ways: Ways) -> pd.DataFrame:
-    """Return the weight of each way, a column, by the number of the object: how likely its past makes it.
+def weights(rows: pd.DataFrame, tried: Candidates) -> pd.DataFrame:
+    """Return the weight of each candidate, a column, by the number of the object.
 
     rows: of mornings up to the date; those that are judged have an error
 
-    What a way leaves, in scales, counts as Laplace's errors do, as wide as what the best one leaves, and the
-    predictions of a morning as one. Rows of the whole band stand in where an object has few of its own;
-    without any the density counts alone.
+    Weights are exp(-n (l / l_min - 1) / 4), l the mean of min(|error left| / scale, 4) over n rows, l_min
+    that of the best candidate; 30 rows of the band are added to the object's own. Without any the density
+    counts alone.
     """
     judged = rows["is_fit"] & np.isfinite(rows["error"])
     own = rows[judged]
-    left = {name: np.abs(own["error"] - one.loc[judged, "correction"]) for name, one in ways.items()}
-    # A way that corrects nothing of a row loses as much there as the grossest miss: it is not spared by gaps.
+    left = {name: np.abs(own["error"] - one.loc[judged, "correction"]) for name, one in tried.items()}
+    # A candidate without a correction of a row has the largest loss there.
     losses = pd.DataFrame(left).div(own["scale"], axis=0).clip(upper=_GROSS).fillna(_GROSS)
     of_band = losses.groupby(own["band"]).mean()
     band = rows.groupby("number")["band"].last()
     usual = of_band.reindex(band).set_axis(band.index)
     sums = losses.groupby(own["number"]).sum().reindex(band.index, fill_value=0.0)
     counts = own.groupby("number").size().reindex(band.index, fill_value=0) + _BORROWED
-    # The mean loss, as if each object had some rows of its band beside its own.
+    # The mean loss, with rows of the band added to those of the object.
     means = (sums + _BORROWED * usual).div(counts, axis=0)
     best = means.min(axis=1)
     more = means.sub(best, axis=0).div(best, axis=0).fillna(0.0)
     likely = np.exp(-more.mul(counts / len(LEADS), axis=0))
-    found = likely.div(likely.sum(axis=1), axis=0)
-    return replaced(found, one_way(pd.Series(DENSITY, band.index)), ~np.isfinite(means).all(axis=1))
+    share = likely.div(likely.sum(axis=1), axis=0)
+    return replaced(share, sole(pd.Series(DENSITY, band.index)), ~np.isfinite(means).all(axis=1))
 
 
-def one_way(way: pd.Series) -> pd.DataFrame:
-    """Return weights, a column a way, where one way counts alone."""
-    return pd.get_dummies(way, dtype=float)
+def sole(candidate: pd.Series) -> pd.DataFrame:
+    """Return weights, a column a candidate, where one counts alone."""
+    return pd.get_dummies(candidate, dtype=float)
 
 
 def replaced(weights: pd.DataFrame, others: pd.DataFrame, where: pd.Series) -> pd.DataFrame:
@@ -91,42 +91,42 @@ def of_objects(weights: pd.DataFrame, rows: pd.DataFrame) -> pd.DataFrame:
     return weights.reindex(rows["number"]).set_axis(rows.index)
 
 
-def main_ways(weights: pd.DataFrame) -> pd.Series:
-    """Return the way that counts most."""
+def main_candidates(weights: pd.DataFrame) -> pd.Series:
+    """Return the candidate with the largest weight."""
     return weights.idxmax(axis=1)
 
 
-def weights_of_rows(rows: pd.DataFrame, ways: Ways) -> pd.DataFrame:
+def weights_of_rows(rows: pd.DataFrame, tried: Candidates) -> pd.DataFrame:
     """Return the weights of each row, as `weights` has them on the row's morning of what was judged by then.
 
-    rows: of objects that can be corrected, on mornings a day apart
+    rows: of objects that can be corrected, on daily mornings
     """
     parts = []
     for morning in np.unique(rows["morning"]):
         past = rows[rows["morning"].between(morning - PAST, morning)]
         known = past.assign(error=past["error"].where(past["judged"] <= morning))
-        found = weights(known, {name: one.loc[past.index] for name, one in ways.items()})
-        parts.append(of_objects(found, past[past["morning"] == morning]))
+        weighted = weights(known, {name: one.loc[past.index] for name, one in tried.items()})
+        parts.append(of_objects(weighted, past[past["morning"] == morning]))
     burned = rows.groupby(["number", "morning"])["missed"].transform("max") > BURN
     of_row = pd.concat(parts).reindex(rows.index)
-    return replaced(of_row, one_way(pd.Series(UNCHANGED, rows.index)), burned)
+    return replaced(of_row, sole(pd.Series(UNCHANGED, rows.index)), burned)
 
 
-def combined(rows: pd.DataFrame, ways: Ways, weights: pd.DataFrame) -> pd.DataFrame:
-    """Return rows that can be corrected with the means of correction and sigma of their ways.
+def combined(rows: pd.DataFrame, tried: Candidates, weights: pd.DataFrame) -> pd.DataFrame:
+    """Return rows that can be corrected with the means of correction and sigma of their candidates.
 
-    weights: of each row; a way that cannot correct a row has none there
+    weights: of each row; a candidate that cannot correct a row has none there
 
     The deviation of a mean is at most the mean of the deviations.
     """
     fit = rows.loc[rows["is_fit"], ["number", "lead", "tau", "response"]]
     corrections, sigmas = (
-        np.column_stack([one.loc[fit.index, name] for one in ways.values()])
+        np.column_stack([one.loc[fit.index, name] for one in tried.values()])
         for name in ("correction", "sigma")
     )
-    weight = weights.reindex(index=fit.index, columns=[*ways]).to_numpy()
+    weight = weights.reindex(index=fit.index, columns=[*tried]).to_numpy()
     weight = np.where(np.isfinite(corrections), np.nan_to_num(weight), 0.0)
-    with np.errstate(invalid="ignore"):  # of rows that no way corrects
+    with np.errstate(invalid="ignore"):  # of rows without a candidate
         weight /= weight.sum(axis=1, keepdims=True)
     means = [np.where(weight == 0.0, 0.0, weight * part).sum(axis=1) for part in (corrections, sigmas)]
     return fit.assign(correction=means[0], sigma=means[1])
@@ -136,7 +136,7 @@ def changes(rows: pd.DataFrame, set_of_row: pd.Series, bstar: pd.Series) -> pd.D
     """Return speed [m/d] and B*, by set, whose displacement along the track is nearest to the corrections.
 
     rows: of `combined`
-    set_of_row: what tells the sets apart
+    set_of_row: a label of its set
     bstar: B* of each set
 
     Distances count by the inverse of the time to them to the power of 1.5, as errors grow. Along the track a

@@ -1,4 +1,4 @@
-"""Downloads with manners: a file is asked for once in some hours, one try, and what is no data is not kept.
+"""Downloads with manners: a file is requested once in some hours, one try, and only data are kept.
 
 CelesTrak's usage policy (2026-05): data change every two hours at most, who asks for the same again before
 gets 403, and a program stops at any answer but 200 and shows it to its user.
@@ -22,14 +22,14 @@ _NOT_MODIFIED, _FINE = 304, 200
 
 
 class NoAnswerError(InputError):
-    """A server that gave no data: it cannot be reached, it refused, or it was asked too lately."""
+    """A server that gave no data: it cannot be reached, it refused, or was requested too recently."""
 
 
 @dataclass(frozen=True)
 class Download:
     """A file that a server has.
 
-    name: of the file here; url: with its query; hours: during which it is asked for once
+    name: of the file here; url: with its query; hours: during which it is requested once
     check: raises InputError for bytes that are none of it
     """
 
@@ -45,13 +45,13 @@ def now() -> datetime:
 
 
 class Downloads:
-    """A folder of files as servers gave them last, with a record of when each was asked for."""
+    """A folder of files as servers gave them last, with a record of the request of each."""
 
     def __init__(self, folder: Path) -> None:
         self.folder, self._record = folder, folder / "asked.json"
 
-    def asked(self) -> Mapping[str, Mapping[str, str]]:
-        """Return by name when each file was asked for (`at`), what was answered, and `last_modified`."""
+    def requests(self) -> Mapping[str, Mapping[str, str]]:
+        """Return by name when each file was requested (`at`), the answer, and `last_modified`."""
         if not self._record.exists():
             return {}
         return dict(json.loads(self._record.read_text(encoding="utf-8")))
@@ -68,11 +68,11 @@ class Downloads:
         return now() - datetime.fromtimestamp(path.stat().st_mtime, UTC)
 
     def renew(self, file: Download) -> bool:
-        """Ask for a file unless it was asked for lately; return whether its content is new.
+        """Request a file unless it was requested recently; return whether its content is new.
 
         Raises NoAnswerError, with the server's words, where it gives no data: the last good file stays.
         """
-        record = self.asked().get(file.name, {})
+        record = self.requests().get(file.name, {})
         if record and now() - datetime.fromisoformat(record["at"]) < timedelta(hours=file.hours):
             if record["answer"]:
                 raise NoAnswerError(
@@ -96,9 +96,9 @@ class Downloads:
             self._note(file, "", last_modified)
             os.utime(path, (now().timestamp(),) * 2)
             return False
-        if told := _refusal(answer.status_code, answer.content, file):
-            self._note(file, told, last_modified)
-            raise NoAnswerError(told)
+        if refusal := _refusal(answer.status_code, answer.content, file):
+            self._note(file, refusal, last_modified)
+            raise NoAnswerError(refusal)
         is_new = not path.exists() or path.read_bytes() != answer.content
         with replacing(path) as temporary:
             temporary.write_bytes(answer.content)
@@ -109,7 +109,9 @@ class Downloads:
     def _note(self, file: Download, answer: str, last_modified: str) -> None:
         entry = {"at": now().isoformat(), "url": file.url, "answer": answer, "last_modified": last_modified}
         with replacing(self._record) as temporary:
-            temporary.write_text(json.dumps({**self.asked(), file.name: entry}, indent=1), encoding="utf-8")
+            temporary.write_text(
+                json.dumps({**self.requests(), file.name: entry}, indent=1), encoding="utf-8"
+            )
 
 
 def _refusal(status: int, content: bytes, file: Download) -> str:

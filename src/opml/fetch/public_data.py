@@ -5,7 +5,7 @@
 
 Of a download of element sets those that the one before did not have become a file in `gp/<query>/`, under the
 time of its arrival: these files are the history. The weather is that of five years, joined to what was there
-before, so that its 60 years are asked for at most once.
+before, so that its 60 years are requested at most once.
 """
 
 import io
@@ -24,7 +24,7 @@ from opml.environment import earth_orientation, solar_activity, space_weather
 from opml.fetch.downloads import Download, Downloads, NoAnswerError, now
 from opml.interop import formats
 
-SETS_HOURS, WEATHER_HOURS, EARTH_HOURS = 2.0, 6.0, 24.0  # during which a file is asked for once
+SETS_HOURS, WEATHER_HOURS, EARTH_HOURS = 2.0, 6.0, 24.0  # during which a file is requested once
 
 _SERVERS = {"OPML_CELESTRAK": "https://celestrak.org", "OPML_IERS": astropy_iers_data.IERS_A_URL}
 """Addresses by the variables of the environment that name others."""
@@ -33,12 +33,12 @@ _KINDS = {"number": "CATNR", "name": "NAME", "group": "GROUP"}  # of queries, wi
 _SHORT, _LONG = "SW-Last5Years.csv", "SW-All.csv"
 _COLUMNS = ["DATE", *space_weather.KP, "F10.7_OBS", "F10.7_DATA_TYPE", "F10.7_OBS_CENTER81"]
 
-Say = Callable[[str], None]  # told a line of each product
+Say = Callable[[str], None]  # takes a line for each product
 
 
 @dataclass(frozen=True)
 class Query:
-    """Element sets that are asked for: by number, name (or a part of it) or group, and its value."""
+    """A request of element sets: by number, name (or a part of it) or group, and its value."""
 
     kind: str
     value: str
@@ -72,9 +72,9 @@ def sets_folder() -> Path:
 
 
 def renew(queries: Iterable[Query], *, say: Say) -> None:
-    """Fetch element sets, weather and Earth orientation, each unless it was asked for lately.
+    """Fetch element sets, weather and Earth orientation, each unless it was requested recently.
 
-    Raises NoAnswerError at the first answer without data; nothing else is asked for then.
+    Raises NoAnswerError at the first answer without data; nothing else is requested then.
     """
     renew_object_data(queries, say=say)
     bulletin = earth_orientation.fetched_bulletin()
@@ -92,7 +92,7 @@ def renew_object_data(queries: Iterable[Query], *, say: Say) -> None:
 
 def queries() -> list[Query]:
     """Return all queries of element sets that there were so far."""
-    names = (name.removesuffix(".csv").partition("-") for name in _downloads().asked())
+    names = (name.removesuffix(".csv").partition("-") for name in _downloads().requests())
     return [Query(kind, unquote(value)) for kind, _, value in names if kind in _KINDS]
 
 
@@ -109,12 +109,12 @@ def sets_of(query: Query) -> list[Path]:
 
 
 def at_hand(text: str, say: Say) -> list[Path]:
-    """Return the folders with an object's sets, after sets and weather were asked for.
+    """Return the folders with an object's sets, after a request of sets and weather.
 
     text: number or name of the object
 
-    Where a server gives no data, the newest files serve, and their age is told. Raises NoAnswerError where
-    there is none of the object.
+    Where a server gives no data, the newest files serve, and their age is reported. Raises NoAnswerError
+    where there is none of the object.
     """
     query = Query.of(text)
     try:

@@ -36,7 +36,7 @@ _WEATHER = (
     (200.0, 340.0, "a temperature [K]"),
     (0.0, 100.0, "a humidity [%]"),
 )
-"""What the weather of a station can be."""
+"""Limits of the weather of a station."""
 
 _LIGHT = (300.0, 2000.0)  # wavelengths of lasers [nm]
 _LONGEST_FLIGHT = 3.0  # to the Moon and back [s]

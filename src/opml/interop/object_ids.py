@@ -1,4 +1,4 @@
-"""What identifies an object in space: international designator and catalogue number before the name.
+"""Identifiers of an object in space: international designator and catalogue number before the name.
 
 Fragments of a break-up share their name, and a designator is written with or without the century and dashes.
 """
@@ -83,12 +83,12 @@ class ObjectId:
         return [one == another for one, another in pairs if one and another]
 
     def __str__(self) -> str:
-        """Name, and what tells objects of that name apart."""
+        """Name, with an identifier that distinguishes objects of that name."""
         known = [str(one) for one in (self.number, self.designator) if one and str(one) != self.name]
         return f"{self.name} ({', '.join(known)})" if known else self.name
 
 
-UNKNOWN = ObjectId("")  # an object of which no file tells anything
+UNKNOWN = ObjectId("")  # an object of which nothing is known
 
 
 def facts(identity: ObjectId) -> dict[str, Any]:
@@ -96,15 +96,15 @@ def facts(identity: ObjectId) -> dict[str, Any]:
     return {"object": asdict(identity)}
 
 
-def most_specific(told: Sequence[ObjectId]) -> ObjectId:
-    """Return the first object of which more than the name is told, else the last, UNKNOWN of none."""
-    return next((one for one in told if one.identifier), [UNKNOWN, *told][-1])
+def most_specific(identities: Sequence[ObjectId]) -> ObjectId:
+    """Return the first object of which more than the name is known, else the last, UNKNOWN of none."""
+    return next((one for one in identities if one.identifier), [UNKNOWN, *identities][-1])
 
 
 def of_tables(paths: Sequence[FilePath], *, name: str) -> ObjectId:
     """Return the object that the metadata of some tables name, the first that do, under another name."""
-    told = [ObjectId(**read_metadata(path).get("object", {"name": ""})) for path in paths]
-    return replace(most_specific(told), name=name)
+    identities = [ObjectId(**read_metadata(path).get("object", {"name": ""})) for path in paths]
+    return replace(most_specific(identities), name=name)
 
 
 def _normal(text: str) -> str:

@@ -31,7 +31,7 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class Sampling:
-    """How points are taken from files.
+    """Options of reading points.
 
     sigmas: (3,) or (6,) standard deviations in RSW [m, m/s] of points whose file has none; velocities count
         where theirs are known
@@ -43,7 +43,7 @@ class Sampling:
 
 
 class FixTaking(JobSettings):
-    """How a job takes the fixes of an object; satellite: which one, where files have several."""
+    """Options of a job for the fixes of an object; satellite: which one, where files have several."""
 
     sigmas: tuple[float, ...]
     every_s: float
@@ -52,7 +52,7 @@ class FixTaking(JobSettings):
 
     @property
     def sampling(self) -> Sampling:
-        """How points are taken."""
+        """The options of reading points."""
         return Sampling(self.sigmas, self.every_s)
 
 
@@ -86,7 +86,7 @@ def reach(files: OrbitFiles) -> tuple[float, float]:
 
 
 def identity_and_burns(files: OrbitFiles) -> tuple[ObjectId, list[Manoeuvre]]:
-    """Return what files tell beside points: the object, and when it manoeuvred."""
+    """Return the object of files, and its manoeuvres."""
     arcs = arcs_of_files(files)
     return arcs[0].owner, [Manoeuvre(t, known=t) for t in sorted({t for arc in arcs for t in arc.burns})]
 
@@ -128,8 +128,8 @@ def _tell_outside(arcs: Sequence[Arc], files: OrbitFiles) -> None:
         one, count = left_out[0], len({arc.path for arc in left_out})
         begin, end = ccsds.utc_texts(files.epoch, one.t[[0, -1]])
         run = ccsds.utc_texts(files.epoch, np.array([0.0, files.duration]))
-        told = "files without a point from %s to %s: %d, as %s, of %s to %s"
-        _log.warning(told, *run, count, one.path, begin, end)
+        text = "files without a point from %s to %s: %d, as %s, of %s to %s"
+        _log.warning(text, *run, count, one.path, begin, end)
 
 
 def _sigmas(arc: Arc, sampling: Sampling) -> np.ndarray:

@@ -28,7 +28,7 @@ from opml.tables import STATE
 LIMIT = 3.0
 """Largest accepted error of the interpolation [m], a tenth of the noise of the paper's ranges.
 
-The error is the root mean square distance by which the curve through every second node misses the others.
+The error is the root mean square distance of the other nodes from the curve through every second one.
 """
 
 LARGEST_STEP = 20e3
@@ -100,10 +100,10 @@ def _sample(curves: Sequence[OrbitCurve], grid: np.ndarray) -> tuple[np.ndarray,
 
 
 def _interpolation_error(curves: Sequence[OrbitCurve]) -> dict[str, float | None]:
-    misses = np.concatenate([curve.misses for curve in curves])
-    if not misses.size:
+    distances = np.concatenate([curve.distances for curve in curves])
+    if not distances.size:
         return {"rms": None, "max": None}
-    return {"rms": float(np.sqrt(np.mean(misses**2))), "max": float(misses.max())}
+    return {"rms": float(np.sqrt(np.mean(distances**2))), "max": float(distances.max())}
 
 
 def _gaps(grid: np.ndarray, known: np.ndarray, duration: float) -> list[list[float]]:
@@ -183,5 +183,5 @@ def _check_error(arcs: Sequence[Arc], error: dict[str, float | None], limit: flo
     if error["rms"] is not None and error["rms"] > limit:
         expected = f"nodes that predict each other to {limit:g} m"
         raise InputError(
-            f"{arcs[0].path}: expected {expected}, got {error['rms']:.3g} m: noisy, or too far apart"
+            f"{arcs[0].path}: expected {expected}, got {error['rms']:.3g} m: noisy, or too sparse"
         )

@@ -103,7 +103,7 @@ def test_sets_flown_by_plain_sgp4_carry_the_correction(
     way: str, folder: Path, model: models.CatalogueModel, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Two numbers come as near to what four leads ask for as least squares does, and the epoch stays."""
-    weights = weighting.one_way(pd.Series(way, index=[*NUMBERS]))
+    weights = weighting.sole(pd.Series(way, index=[*NUMBERS]))
     monkeypatch.setattr(weighting, "weights", lambda rows, tried: weights)
     known = improve.read([folder], date=DATE, weather="OBSERVED")
     improve.improve(known, model).write(tmp_path / "better.tle")

@@ -40,7 +40,7 @@ def test_sgp4_does_not_err_by_a_second_of_its_way(sets):
 
 
 def test_no_set_of_them_misses_those_before_it(sets):
-    misses = set_errors.build(sets, np.array([57755.0])).misses
+    misses = set_errors.build(sets, np.array([57755.0])).distances
     assert np.nanmax(np.abs(misses)) < 200.0
 
 

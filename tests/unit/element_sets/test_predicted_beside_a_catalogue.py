@@ -26,7 +26,7 @@ def learned():
     """Every object gets what the package's model of payloads learned."""
     with pytest.MonkeyPatch.context() as patch:
         numbers = range(NUMBER, NUMBER + 12)
-        weights = weighting.one_way(pd.Series("learned: payloads", index=numbers))
+        weights = weighting.sole(pd.Series("learned: payloads", index=numbers))
         patch.setattr(weighting, "weights", lambda rows, tried: weights)
         yield
 

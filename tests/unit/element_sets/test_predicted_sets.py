@@ -63,7 +63,7 @@ def made(file):
 
 
 def test_it_is_the_better_set_flown_by_sgp4(file, tmp_path, monkeypatch):
-    weights = weighting.one_way(pd.Series(weighting.DENSITY, index=[NUMBER]))
+    weights = weighting.sole(pd.Series(weighting.DENSITY, index=[NUMBER]))
     monkeypatch.setattr(weighting, "weights", lambda rows, tried: weights)
     made = prediction.predict(file, date=DATE)
     assert made.way == "set improved by forecast density"

@@ -1,11 +1,11 @@
-"""Where an object was over the span of its public sets: the orbits inside them, joined.
+"""The orbit of an object over the span of its public sets: the orbits inside them, joined.
 
     history = orbit_history.find(["sets.tle"], begin="2018-12-01T00:00:00")
     history.write("past.oem")
 
 The last set of each day has its orbit, under the weather as it was measured before its epoch and after it: of
 the past all is known. Between the epochs of two sets their orbits are joined smoothly. Burns, gaps, and weeks
-whose sets have no orbit inside part them into stretches.
+whose sets have no orbit inside separate them into segments.
 """
 
 import os
@@ -101,9 +101,9 @@ def _segments(
 
 @dataclass(frozen=True, eq=False)
 class OrbitHistory:
-    """Where an object was, and when its sets have no orbit inside, with the reason, in words.
+    """The orbit of an object, and when its sets have no orbit inside, with the reason, in words.
 
-    segments: by stretch between burns, gaps and doubts, times since `epoch` (UTC text)
+    segments: between burns, gaps and doubtful sets, times since `epoch` (UTC text)
     """
 
     epoch: str
@@ -115,7 +115,7 @@ class OrbitHistory:
         oem.write(path, self.segments, epoch=self.epoch)
 
     def summary(self) -> str:
-        """Return a line a stretch, with the medians of its sigmas, and one for each reason."""
+        """Return a line a segment, with the medians of its sigmas, and one for each reason."""
         return "\n".join(
             [*map(self._line, self.segments), *(f"as published: {one}" for one in self.published)]
         )

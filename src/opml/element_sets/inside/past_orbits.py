@@ -2,8 +2,8 @@
 erred.
 
 No truth is needed to find the span over which a publisher fits. Taken over the right one, the orbits of two
-sets some days apart agree across the track to metres; over another they are off by what SGP4 lacks. The same
-orbits tell how far each was off where a later set has the object: the errors that its next one will have.
+sets of different days agree across the track to metres; over another they are off by what SGP4 lacks. The
+same orbits give the error of each at later sets: the errors that its next one will have.
 """
 
 from collections.abc import Iterator, Sequence
@@ -57,7 +57,7 @@ _AROUND = np.arange(-3, 4)  # points about the epoch of a later set: nearly two 
 
 @dataclass(frozen=True, eq=False)
 class PastOrbits:
-    """Orbits beside the sets of an object, a set a day at most, in the order of their epochs.
+    """Orbits inside the sets of an object, a set a day at most, in the order of their epochs.
 
     t: (n,) epochs of the sets [s]
     """
@@ -149,7 +149,7 @@ def _sizes(off: np.ndarray) -> tuple[float, ...]:
 
 @dataclass(frozen=True)
 class Agreement:
-    """How well the orbits of sets some days apart agree over the best span.
+    """Agreement of the orbits of sets of different days over the best span.
 
     r, w: medians of their distances outwards and across the track [m]
     """
@@ -171,9 +171,9 @@ def agreement(
     tried = []
     for span in spans:
         pairs = past.errors(past.numbers(span))
-        told = pairs.loc[pairs["days"] >= _APART / DAY, ["r", "w"]].dropna()
-        if len(told) >= _FEWEST:
-            r, w = np.sqrt((told**2).median())
+        distant = pairs.loc[pairs["days"] >= _APART / DAY, ["r", "w"]].dropna()
+        if len(distant) >= _FEWEST:
+            r, w = np.sqrt((distant**2).median())
             tried.append(Agreement(span, float(r), float(w)))
 
     def square(one: Agreement) -> float:

@@ -1,6 +1,6 @@
 """Interpolation of an orbit between its nodes by polynomials that obey the Earth's gravity.
 
-A polynomial in time alone cannot follow an orbit between nodes minutes apart, as the harmonics of the field
+A polynomial in time alone cannot follow an orbit between nodes of some minutes, as the harmonics of the field
 change faster. So each interval has its own polynomial through the positions at both ends. Its second
 derivative equals the acceleration of gravity at as many times as it has free coefficients (collocation).
 Other forces are small and smooth: they show in the velocities at the nodes, which a cubic adds.
@@ -70,7 +70,7 @@ class Bridges:
     def mean_velocities(self) -> np.ndarray:
         """Return the velocities (n, 3) [m/s] at the nodes, from both sides or from the bridged one.
 
-        A constant force beside gravity shifts the velocities of the two sides apart, in proportion to the
+        A constant force besides gravity separates the velocities of the two sides, in proportion to the
         lengths of the two intervals. Where one side alone is bridged, the shift of the next node is used.
         """
         width, none = np.diff(self.t), np.full((1, 3), np.nan)
@@ -125,7 +125,7 @@ def bridge(t: np.ndarray, positions: np.ndarray, attraction: Attraction, *, want
     positions: (n, 3) in GCRF [m]
     wanted: (n - 1,) intervals to bridge
 
-    An interval whose ends are too far apart for any orbit is left open.
+    An interval whose ends are too distant for any orbit is left open.
     """
     index = np.flatnonzero(wanted)
     width = np.diff(t)

@@ -34,7 +34,7 @@ class OrbitCurve:
     states: np.ndarray  # (n, 6) of the nodes [m, m/s], not finite at a wrong node
     bridges: Bridges  # the orbit between the nodes
     breaks: list[orbit_breaks.Break]  # of the orbit
-    misses: np.ndarray  # (m,) distances by which the curve through every second node misses the others [m]
+    distances: np.ndarray  # (m,) distances of the other nodes from the curve through every second one [m]
     left_out: tuple[int, int]  # numbers of positions and of velocities that do not fit
 
     def interpolate(self, t: np.ndarray) -> np.ndarray:
@@ -63,10 +63,10 @@ def fit_curve(arcs: Sequence[Arc], orientation: pd.DataFrame, attraction: Attrac
     breaks, jumping, broken = orbit_breaks.find(t, bridges.jumps)
     broken |= near & ~bridges.bridged
     bridges = bridges.drop(broken)
-    # Velocities that the positions contradict give way to those of the bridges.
+    # Velocities that the positions contradict are replaced by those of the bridges.
     strange = _strange_velocities(arcs, states[:, 3:], bridges)
     states[strange, 3:] = np.nan
-    misses = _misses(t, states, attraction, smooth=bridges.bridged & ~jumping[:-1] & ~jumping[1:])
+    distances = _misses(t, states, attraction, smooth=bridges.bridged & ~jumping[:-1] & ~jumping[1:])
     has_velocity = np.isfinite(states[:, 3:])
     states[:, 3:] = np.where(has_velocity, states[:, 3:], bridges.mean_velocities())
     bridges = bridges.match_velocities(states[:, 3:], free=jumping & ~has_velocity[:, 0])
@@ -74,7 +74,7 @@ def fit_curve(arcs: Sequence[Arc], orientation: pd.DataFrame, attraction: Attrac
     wrong = ~np.append(False, bridges.bridged) & ~np.append(bridges.bridged, False)
     states[wrong] = np.nan
     _log_wrong_nodes(arcs, wrong)
-    return OrbitCurve(t, states, bridges, breaks, misses, (int(wrong.sum()), int(strange.sum())))
+    return OrbitCurve(t, states, bridges, breaks, distances, (int(wrong.sum()), int(strange.sum())))
 
 
 def rotate_to_gcrf(arc: Arc, orientation: pd.DataFrame) -> np.ndarray:
@@ -94,16 +94,16 @@ def _strange_velocities(arcs: Sequence[Arc], velocities: np.ndarray, bridges: Br
     """
     none = np.full((1, 3), np.nan)
     sides = np.stack([np.vstack([bridges.departures, none]), np.vstack([none, bridges.arrivals])])
-    apart = np.fmin(*np.linalg.norm(velocities - sides, axis=2))
+    difference = np.fmin(*np.linalg.norm(velocities - sides, axis=2))
     strange: np.ndarray = np.isfinite(velocities[:, 0])
-    usual = _median(apart)
+    usual = _median(difference)
     if usual > ALIEN:
         raise InputError(
             f"{arcs[0].path}: expected velocities that fit the positions, got {usual:.3g} m/s more or less "
             "(another unit or frame?)"
         )
     if usual <= max(_EXACT, _median(np.linalg.norm(bridges.jumps, axis=1))):
-        strange &= apart > max(STRAYING, _TIMES_USUAL * usual)
+        strange &= difference > max(STRAYING, _TIMES_USUAL * usual)
     return strange
 
 
@@ -126,8 +126,8 @@ def _misses(t: np.ndarray, states: np.ndarray, attraction: Attraction, smooth: n
     bridges = bridge(t[: 2 * pairs + 1 : 2], kept[:, :3], attraction, wanted=both)
     velocities = np.where(np.isfinite(kept[:, 3:]), kept[:, 3:], bridges.mean_velocities())
     bridges = bridges.match_velocities(velocities, free=np.zeros(len(kept), bool))
-    misses = np.linalg.norm(bridges.states(t[1 : 2 * pairs : 2])[:, :3] - omitted[:, :3], axis=1)
-    return np.asarray(misses[np.isfinite(misses)])
+    distances = np.linalg.norm(bridges.states(t[1 : 2 * pairs : 2])[:, :3] - omitted[:, :3], axis=1)
+    return np.asarray(distances[np.isfinite(distances)])
 
 
 def _log_wrong_nodes(arcs: Sequence[Arc], wrong: np.ndarray) -> None:

@@ -139,7 +139,7 @@ def propagate(satellite: Satrec, minutes: np.ndarray) -> tuple[np.ndarray, np.nd
     return positions, velocities
 
 
-def kick(satellite: Satrec, part: float) -> Satrec:
+def perturb_drag(satellite: Satrec, part: float) -> Satrec:
     """Return a set with its B* larger by a part of it."""
     return with_drag(satellite, (1.0 + part) * satellite.bstar)
 

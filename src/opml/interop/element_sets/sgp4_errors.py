@@ -1,4 +1,4 @@
-"""How far SGP4 from one element set is usually off, for who knows nothing of the object but that set.
+"""Typical errors of SGP4 from an element set, without other knowledge of the object.
 
 Along each axis of RSW the variance is a^2 + (b t)^2 + (c d)^2: t is the time from the epoch, d how far the
 set's own drag has carried the object by then. By quantile regression on sets of half of some 2 300 objects,
@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 from sgp4.api import Satrec
 
-from opml.interop.element_sets.element_set import kick, mean_height, propagate
+from opml.interop.element_sets.element_set import mean_height, perturb_drag, propagate
 from opml.orbits.density_error import DensityErrors, drag_sensitivities
 from opml.orbits.elements import bent_rsw
 from opml.orbits.rsw_covariance import rates, rsw_covariances
@@ -28,7 +28,7 @@ LONGEST = 10.0
 """Time from the epoch [d] beyond which nothing is stated: seven days and a half were learned from."""
 
 UNSEEN = np.array([100.0, 500.0, 160.0])
-"""What sets err alike [m] in RSW, so that none shows it in another: by orbits of Sentinel-3A and Jason-3."""
+"""Systematic errors of sets [m] in RSW, common to all: by orbits of Sentinel-3A and Jason-3."""
 
 COMMON = 0.75
 """Share of the variance by drag that objects have in common, by pairs of objects on the same days."""
@@ -63,8 +63,8 @@ def expected(satellite: Satrec, days: np.ndarray) -> np.ndarray:
 
 def drag_displacement(satellite: Satrec, days: np.ndarray) -> np.ndarray:
     """Return how far a set's drag carries an object along its track by SGP4 (n,) [m]; 0 where that fails."""
-    propagated, kicked = (sgp4_states(one, days) for one in (satellite, kick(satellite, _STEP)))
-    return np.asarray(np.nan_to_num(bent_rsw(kicked[:, :3], propagated)[:, 1] / _STEP))
+    propagated, perturbed = (sgp4_states(one, days) for one in (satellite, perturb_drag(satellite, _STEP)))
+    return np.asarray(np.nan_to_num(bent_rsw(perturbed[:, :3], propagated)[:, 1] / _STEP))
 
 
 def covariances(sigmas: np.ndarray, states: np.ndarray) -> np.ndarray:
