@@ -12,8 +12,9 @@ from opml.tables.parquet import read_metadata, read_schema, read_table
 FIRST_ROWS = 3
 _LONGEST = 1000  # characters of an entry of the metadata that are shown
 
-_FORMULA = re.compile(r"[=@\t]|[+-](?!(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?$)")
-"""Beginning of a text that a spreadsheet evaluates; a number is none."""
+_NUMBER = r"(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
+_FORMULA = re.compile(rf"[=@\t]|[+-](?!{_NUMBER}(?:,[+-]?{_NUMBER})*$)")
+"""Beginning of a text that a spreadsheet evaluates; a number is none, nor the coordinates of a place."""
 
 HOW_TO_CSV = "Any table as CSV: `opml table FILE --csv`"  # what every page of results ends with
 

@@ -182,8 +182,8 @@ def test_model_schema_follows_the_variables(tmp_path):
     pd.testing.assert_frame_equal(read_table(tmp_path / "t", schema), frame, check_column_type=False)
 
 
-FORMULAS = ["=1+1", "+cmd|' /C calc'!A1", "-2+3", "@SUM(A1)", "\t=1"]
-PLAIN = ["", "-5", "+1.5e-3", "-.5", "ISS (ZARYA)", "a=b", "2 - 1", "'quoted"]
+FORMULAS = ["=1+1", "+cmd|' /C calc'!A1", "-2+3", "-2,3+1", "@SUM(A1)", "\t=1"]
+PLAIN = ["", "-5", "-33.4,-70.6,500", "+1.5e-3", "-.5", "ISS (ZARYA)", "a=b", "2 - 1", "'quoted"]
 
 
 def test_no_cell_of_a_csv_is_a_formula():
