@@ -293,7 +293,7 @@ def test_passes_of_southern_stations_above_a_mask_are_a_table(file, tmp_path, ca
     assert cli.main([*call, "--station", "-33.4,-70.6,500", "--station", "52.2,21.0,110"]) == 0
     rows = pd.read_csv(path)
     # A cell of CSV begins with no sign that a spreadsheet would compute.
-    assert {*rows["station"]} == {"'-33.4,-70.6,500", "52.2,21.0,110"}
+    assert {*rows["station"]} == {"-33.4,-70.6,500", "52.2,21.0,110"}
     assert rows["rise"].is_monotonic_increasing
     assert (rows["elevation"] > 30.0).all()
     assert f"passes, the first of {len(rows)}," in capsys.readouterr().out
