@@ -73,8 +73,8 @@ def test_what_is_taken_from_a_facade_is_its_own(facade):
 
 
 MOST = {
-    "lines of the package": 47_600,
-    "lines of tests": 35_850,
+    "lines of the package": 47_560,
+    "lines of tests": 35_820,
     "classes": 390,
     "docstrings that begin with what, which, how, where, of": 68,
     "variables called found, one, made, told": 74,

@@ -21,12 +21,11 @@ class Kind:
     """One kind of measurement."""
 
     name: str  # of the setting of its files
-    table: str  # name of the schema of its measurements
+    table: str = ""  # name of the schema of its measurements; '' where no orbit is fitted to it
     stations: str = ""  # name in the place of a station set; '' where stations of the sheet measure
     options: str = ""  # the setting with the options of reading; '' without any
     needs_options: bool = False  # whether there is no default of it
     beneath: str = ""  # file of the settings beneath a user's; '' without any
-    beneath_alone: str = ""  # the same where no object has another kind
     tells_orbit: bool = True  # whether a first orbit can be determined from the measurements alone
     for_mornings: bool = True  # whether mornings read it
 
@@ -59,15 +58,14 @@ RANGES = Kind(
     tells_orbit=False,
     for_mornings=False,
 )
-ELEMENTS = Kind(
-    "elements",
-    "fixes",
-    options="histories",
-    beneath="config/elements.yaml",
-    beneath_alone="config/elements_alone.yaml",
-)
+ELEMENTS = Kind("elements", options="histories")
 
 KINDS = [TRACKS, FIXES, RANGES, ELEMENTS]
+
+
+def of_fits() -> list[Kind]:
+    """Return the kinds that orbits are fitted to."""
+    return [kind for kind in KINDS if kind.table]
 
 
 def in_place_of_stations() -> list[str]:
@@ -75,19 +73,19 @@ def in_place_of_stations() -> list[str]:
     return list(dict.fromkeys(kind.stations for kind in KINDS if kind.stations))
 
 
-def names() -> str:
-    """Return the names of all kinds, in words."""
-    *most, last = (kind.name for kind in KINDS)
+def names(kinds: Sequence[Kind] = KINDS) -> str:
+    """Return the names of kinds, in words."""
+    *most, last = (kind.name for kind in kinds)
     return f"{', '.join(most)} or {last}"
 
 
 def of_table(table: pd.DataFrame) -> Kind:
-    """Return the first kind whose schema has columns of a table that schemas of other kinds have not.
+    """Return the kind whose schema has columns of a table that schemas of other kinds have not.
 
     Raises InputError for a table of no kind.
     """
-    columns = {kind.table: {*SCHEMAS[kind.table].names} for kind in KINDS}
-    for kind in KINDS:
+    columns = {kind.table: {*SCHEMAS[kind.table].names} for kind in of_fits()}
+    for kind in of_fits():
         others = set().union(*(names for name, names in columns.items() if name != kind.table))
         if columns[kind.table] & set(table.columns) - others:
             return kind
@@ -95,10 +93,8 @@ def of_table(table: pd.DataFrame) -> Kind:
 
 
 def track_times(tracking: pd.DataFrame) -> pd.DataFrame:
-    """Return by track when its estimate is, `at`, and since when its measurements are known, `known` [s].
+    """Return by track when its estimate is, `at`, and since when it is known, `known`: its ends [s].
 
-    tracking: of any kind; without either, they are a track's first and last time
+    tracking: of any kind
     """
-    t = tracking["t"]
-    times = pd.DataFrame({"at": tracking.get("t_estimate", t), "known": tracking.get("t_known", t)})
-    return times.groupby(tracking["track"]).agg({"at": "min", "known": "max"})
+    return tracking.groupby("track")["t"].agg(at="min", known="max")

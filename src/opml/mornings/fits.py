@@ -60,8 +60,7 @@ def recent_tracks(tracking: pd.DataFrame, kept: pd.DataFrame, *, now: float, rea
     kept: track and t of the estimates of earlier mornings
     """
     by_track = tracking.groupby("track", sort=True)
-    at = by_track["t_estimate" if "t_estimate" in tracking else "t"].min()
-    ends = by_track["t_known" if "t_known" in tracking else "t"].max()
+    at, ends = by_track["t"].min(), by_track["t"].max()
     is_kept = at.isin(kept["t"])
     is_recent = (ends <= now) & (at > now - reach)
     rows = tracking[tracking["track"].isin(at.index[is_recent])]

@@ -85,13 +85,12 @@ class TrackedObject:
     def first_known(self) -> float:
         """When the first track was over [s]."""
         tracking = self.watched.tracking
-        return float(tracking.groupby("track")[_known(tracking)].max().min())
+        return float(tracking.groupby("track")["t"].max().min())
 
     @property
     def last_known(self) -> float:
         """When the last of what was measured was known [s]."""
-        tracking = self.watched.tracking
-        return float(tracking[_known(tracking)].max())
+        return float(self.watched.tracking["t"].max())
 
     @property
     def stations(self) -> dict[str, str]:
@@ -102,11 +101,6 @@ class TrackedObject:
     def morning(self, records: Records, *, now: float) -> MorningResult:
         """Return what the morning at a time [s] leaves; records: of earlier ones."""
         return morning(self.watched, records, now=now)
-
-
-def _known(tracking: pd.DataFrame) -> str:
-    """Return the column of when measurements were known."""
-    return "t_known" if "t_known" in tracking else "t"
 
 
 def morning(watched: Watched, records: Records, *, now: float) -> MorningResult:

@@ -259,8 +259,8 @@ def _check_starts(source: Source, settings: Settings) -> None:
     for kind in ("starts", "manoeuvres"):
         for name in source.values.get(kind, {}):
             with source.naming((kind, name)):
-                if name not in settings.measured:
-                    raise InputError(f"expected an RSO that has {kinds.names()}")
+                if settings.kind_of(name) not in kinds.of_fits():
+                    raise InputError(f"expected an RSO that has {kinds.names(kinds.of_fits())}")
                 if kind == "starts":
                     first_state.identity(settings.starts[name])
                 else:

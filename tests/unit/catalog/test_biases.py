@@ -87,7 +87,7 @@ def test_a_table_keeps_what_residuals_tell(tmp_path):
 
 
 def test_positions_have_an_instrument_for_each_axis():
-    points = pd.DataFrame({name: [0.0, 60.0] for name in ("t", "t_estimate")} | {"track": [0, 0]})
+    points = pd.DataFrame({"t": [0.0, 60.0], "track": [0, 0]})
     points = points.assign(**dict.fromkeys(STATE, 7e6), **dict.fromkeys(FIX_SIGMAS[:3], 5.0))
     measured = Fixes(points.assign(**dict.fromkeys(FIX_SIGMAS[3:], np.nan)))
     assert measured.instruments(slice(0, 2)).tolist() == [0, 1, 2, 0, 1, 2]

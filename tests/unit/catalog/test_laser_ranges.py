@@ -184,7 +184,7 @@ def test_a_fit_finds_the_orbit_behind_ranges(tmp_path, points, sites, orbit, pro
     assert set(measured.stations[estimate.window.rows]) == set(MARKS)
     assert measured.names == ["range"]
     assert SIGMA * np.abs(left).max() < 3e-3
-    np.testing.assert_allclose(measured.distances(measured.row_at, states[:, :3]), 0.0, atol=200.0)
+    np.testing.assert_allclose(measured.distances(measured.first_row[:-1], states[:, :3]), 0.0, atol=200.0)
 
 
 def test_a_point_weighs_no_more_than_its_own_ranges_do(points, sites):

@@ -21,24 +21,6 @@ def test_real_satellites_fly_under_what_a_catalogue_has(tmp_path, kind):
     assert model["forces"] == ["solid_tides", "relativity"]
 
 
-def test_mean_elements_alone_fly_under_as_much_of_the_field_as_they_tell(tmp_path):
-    sets = {"elements": {"mine": "a.file"}}
-    alone = assumed(tmp_path, **sets, orbits={"mine": "a.file"})
-    assert (alone["degree"], alone["order"], len(alone["third_bodies"])) == (48, 48, 10)
-    assert alone["forces"] == ["solid_tides", "relativity"]
-    for kind in ("tracks", "fixes", "ranges"):
-        assert assumed(tmp_path, **sets, **{kind: {"other": "a.file"}})["degree"] == 70
-
-
-def test_mean_elements_are_fitted_over_days_where_the_user_says_nothing_else(tmp_path):
-    path = tmp_path / "mine.yaml"
-    path.write_text("elements: {mine: sets.tle}\nlearners: {held144: {memory_days: 10}}")
-    values = merged(["config/config.yaml", path]).values
-    assert values["estimation"]["window_hours"] == 96
-    assert values["learners"]["held144"] == {"kind": "held", "window_hours": 144, "memory_days": 10}
-    assert merged(["config/config.yaml"]).values["estimation"]["window_hours"] == 12
-
-
 def test_laser_ranges_are_flown_to_a_tenth_of_a_millimetre_and_fitted_over_days(tmp_path):
     path = tmp_path / "mine.yaml"
     path.write_text("ranges: {mine: a.crd}\nestimation: {max_iterations: 7}")

@@ -431,16 +431,14 @@ def test_laser_ranges_bring_stations_of_their_own(tmp_path):
     checked(source)
 
 
-def test_mean_elements_are_fitted_over_days(tmp_path):
-    lines = ["histories: {mine: {number: 25544}}"]
-    settings = checked(measured(tmp_path, "elements", *lines))
+def test_sets_are_of_the_object_that_the_settings_say(tmp_path):
+    settings = checked(measured(tmp_path, "elements", "histories: {mine: {number: 25544}}"))
     assert settings.options(kinds.ELEMENTS, "mine").number == 25544
     assert settings.options(kinds.ELEMENTS, "iss").number is None
-    assert settings.values["estimation"]["window_hours"] == 96
 
 
 def test_manoeuvres_may_stand_in_a_file(tmp_path):
-    settings = checked(measured(tmp_path, "elements", "manoeuvres: {mine: burns.yaml}"))
+    settings = checked(measured(tmp_path, "fixes", "manoeuvres: {mine: burns.yaml}"))
     assert settings.manoeuvres("mine") == ["2016-09-29T01:00:00"]
     assert settings.manoeuvre_files == {"mine": f"{tmp_path}/burns.yaml"}
     assert settings.manoeuvres("iss") == []

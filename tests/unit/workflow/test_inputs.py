@@ -8,11 +8,10 @@ from types import SimpleNamespace
 import pytest
 from laser_files import RANGING
 from snakemake.io import IOFile, flag
-from support import REPOSITORY, paper_values, refusals
+from support import paper_values, refusals
 
 from opml import tables
 from opml.base.errors import InputError
-from opml.base.yaml_files import read_yaml
 from opml.catalog import kinds
 from opml.learning.data.dataset import MEASUREMENT
 from opml.learning.models.learners import paths_of_each
@@ -619,9 +618,6 @@ def test_jobs_that_run_here_have_no_limit(queue, limit):
     assert workflow.scheduler.job_rate_limiter == limit
 
 
-SETS = read_yaml(REPOSITORY / "config" / "elements.yaml")
-
-
 OF_TRACKS = ["fit48", "fit96", "running24m3", "running24", "running", "running96"]
 
 
@@ -640,5 +636,5 @@ OF_TRACKS = ["fit48", "fit96", "running24m3", "running24", "running", "running96
 )
 def test_mornings_choose_from_models_that_suit_what_was_measured(files, expected):
     objects = {name: BODY for kind in ("tracks", "elements") for name in files.get(kind, ())}
-    told = params(**SETS | {"day": {"hour": 6}, "rsos": objects} | files)
+    told = params(**{"day": {"hour": 6}, "rsos": objects} | files)
     assert list(told.mornings_of(wildcards(batch="0", date="2016-10-05"))["models"]) == expected

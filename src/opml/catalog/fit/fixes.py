@@ -38,7 +38,7 @@ class Fixes(Measurements):
 
     def __init__(self, fixes: pd.DataFrame) -> None:
         """Take the table. Raises InputError where velocities count in some rows and not in others."""
-        super().__init__(*(fixes[name].to_numpy() for name in ("track", "t", "t_estimate")))
+        super().__init__(fixes["track"].to_numpy(), fixes["t"].to_numpy())
         counting = np.isfinite(fixes[FIX_SIGMAS[3:]].to_numpy()).all(axis=1)
         if counting.any() and not counting.all():
             t = fixes["t"].to_numpy()[~counting][0]
@@ -50,8 +50,8 @@ class Fixes(Measurements):
         self.sigmas = fixes[FIX_SIGMAS[: self.numbers]].to_numpy()
         if not (np.isfinite(self.values).all() and np.all(self.sigmas > 0.0)):
             raise InputError("fixes: expected numbers, and sigmas above 0, of all that counts, got others")
-        there = fixes.loc[fixes["t"] == fixes["t_estimate"], STATE].to_numpy()
-        if len(there) == self.tracks and np.isfinite(there).all():
+        there = fixes[STATE].to_numpy()[self.first_row[:-1]]
+        if np.isfinite(there).all():
             self.states = there
 
     def places(self, rows: Rows) -> np.ndarray:
@@ -116,9 +116,8 @@ def measurements(
 def arcs(points: pd.DataFrame, *, length: float = ARC) -> pd.DataFrame:
     """Return the `fixes` table of points along an orbit, grouped into arcs.
 
-    points: that table without its columns `track`, `t_estimate` and `t_known`, in ascending order of t
+    points: that table without its column `track`, in ascending order of t
     length: of an arc [s], counted from the epoch, so that more points change no other arc
     """
     numbers = pd.factorize(np.floor(points["t"].to_numpy() / length))[0]
-    begins = points.groupby(numbers)["t"].transform("first")
-    return points.assign(track=numbers, t_estimate=begins, t_known=points["t"])[SCHEMAS["fixes"].names]
+    return points.assign(track=numbers)[SCHEMAS["fixes"].names]

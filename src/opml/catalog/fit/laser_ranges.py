@@ -103,7 +103,7 @@ class LaserRanges(Measured):
 
     def __init__(self, ranges: pd.DataFrame, earth_orientation: pd.DataFrame) -> None:
         track, t = ranges["track"].to_numpy(), ranges["t"].to_numpy()
-        Measurements.__init__(self, track, t, t[np.searchsorted(track, track)])
+        Measurements.__init__(self, track, t)
         position, there_and_back = ranges[_STATION].to_numpy(), np.ones(len(t), bool)
         longitude, latitude, height = erfa.gc2gd(_WGS84, position)
         axes = np.array([horizon(lon, lat) for lon, lat in zip(longitude, latitude, strict=True)])

@@ -43,12 +43,11 @@ def _size(rows: Rows) -> int:
 class Measurements(ABC):
     """Measurements of a run by row, their epochs, and where each track begins and ends.
 
-    epochs: (n,) of measurements and estimates [s], ascending
+    epochs: (n,) of measurements [s], ascending
     epoch_of_row: (rows,) index of each row's epoch
     first_row: (tracks + 1,) where the rows of each track begin
-    begins, ends, at: (tracks,) index of the epochs of each track's oldest and newest measurement, and of its
-        estimate; only those of the estimates have to ascend
-    row_at: (tracks,) row of each track that is nearest to its estimate
+    at, ends: (tracks,) index of the epochs of each track's oldest measurement, where its estimate is, and of
+        its newest one; the former ascend
     numbers: in a measurement at most
     smooth_for: how long from its beginning a track may be laid through by one curve [s]
     restarts: (tracks,) time before which the window of an estimate holds nothing [s]
@@ -59,21 +58,13 @@ class Measurements(ABC):
     numbers = 3
     smooth_for = math.inf
 
-    def __init__(self, track: np.ndarray, t: np.ndarray, at: np.ndarray) -> None:
-        """Take number, epoch and epoch of the estimate of each row (rows,), in the order of the tracks."""
-        self.epochs, indices = np.unique(np.concatenate([t, at]), return_inverse=True)
-        self.epoch_of_row, at_of_row = indices[: len(t)], indices[len(t) :]
+    def __init__(self, track: np.ndarray, t: np.ndarray) -> None:
+        """Take number and epoch of each row (rows,), in the order of the tracks."""
+        self.epochs, self.epoch_of_row = np.unique(t, return_inverse=True)
         self.first_row = np.searchsorted(track, np.arange(track[-1] + 2))
         self.tracks = len(self.first_row) - 1
-        starts = self.first_row[:-1]
-        self.begins = np.minimum.reduceat(self.epoch_of_row, starts)
-        self.ends = np.maximum.reduceat(self.epoch_of_row, starts)
-        self.at = at_of_row[starts]
-        away, bounds = (
-            np.abs(self.epochs[self.epoch_of_row] - at),
-            zip(starts, self.first_row[1:], strict=True),
-        )
-        self.row_at = np.array([begin + int(np.argmin(away[begin:end])) for begin, end in bounds])
+        self.at = self.epoch_of_row[self.first_row[:-1]]
+        self.ends = np.maximum.reduceat(self.epoch_of_row, self.first_row[:-1])
         self.restarts = np.full(self.tracks, -np.inf)
         self.states: np.ndarray | None = None
 
@@ -97,10 +88,8 @@ class Measurements(ABC):
         at = self.epochs[self.at]
         oldest = int(np.searchsorted(at, at[track] - length))
         newest = int(np.searchsorted(at, at[track] + after, side="right")) - 1
-        begins, since = self.epochs[self.begins], self.restarts[track]
-        kept = [
-            k for k in range(oldest, newest + 1) if k not in without and (k == track or begins[k] >= since)
-        ]
+        since = self.restarts[track]
+        kept = [k for k in range(oldest, newest + 1) if k not in without and (k == track or at[k] >= since)]
         return self.of_tracks(track, kept)
 
     def track(self, track: int) -> Window:
@@ -117,7 +106,7 @@ class Measurements(ABC):
             track=track,
             tracks=len(tracks),
             rows=rows,
-            first=min(at, int(self.begins[tracks].min())),
+            first=min(at, int(self.at[oldest])),
             at=at,
             last=max(at, int(self.ends[tracks].max())),
         )

@@ -28,7 +28,7 @@ class Measured(Measurements):
         self, tracking: pd.DataFrame, earth_orientation: pd.DataFrame, stations: Sequence[Station]
     ) -> None:
         track, t = tracking["track"].to_numpy(), tracking["t"].to_numpy()
-        super().__init__(track, t, t[np.searchsorted(track, track)])
+        super().__init__(track, t)
         order = {station.name: k for k, station in enumerate(stations)}
         self.stations = tracking["station"].to_numpy()
         station_of_row = np.array([order[name] for name in self.stations])

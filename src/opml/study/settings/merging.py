@@ -11,7 +11,7 @@ from typing import Any
 from opml import naming
 from opml.base.errors import InputError
 from opml.base.files import FilePath, project_file
-from opml.catalog.kinds import ELEMENTS, KINDS, Kind, in_place_of_stations
+from opml.catalog.kinds import KINDS, Kind, in_place_of_stations, of_fits
 from opml.orbits.manoeuvres import read_times
 from opml.orbits.sheets import (
     Rso,
@@ -88,7 +88,7 @@ class Settings:
         """Models that a morning chooses from: those that are named, or what suits the measurements."""
         if self.day.models is not None:
             return self.day.models
-        is_fitted = any(self.files_of(kind) for kind in KINDS if kind is not ELEMENTS)
+        is_fitted = any(map(self.files_of, of_fits()))
         return list(MORNING_MODELS) if is_fitted else []
 
     @cached_property
@@ -151,8 +151,7 @@ def merged(files: Sequence[FilePath], on_top: Layer | None = None) -> Source:
     """Return settings merged from files, later ones on top, and from a layer above them; the study in full.
 
     The settings for real satellites lie between the first file and the others, where these name any, and
-    above them those for kinds of measurements, and for one alone. Raises InputError for a file that is
-    missing or not YAML.
+    above them those for kinds of measurements. Raises InputError for a file that is missing or not YAML.
     """
     first, *rest = [*map(read_layer, files), *([on_top] if on_top else [])]
     layers = [first, *(read_layer(project_file(path)) for path in _beneath(rest) if path), *rest]
@@ -167,9 +166,7 @@ def merged(files: Sequence[FilePath], on_top: Layer | None = None) -> Source:
 def _beneath(layers: Sequence[Layer]) -> list[str]:
     """Return the files of the settings beneath layers, by what these name files of; '' for none."""
     named = {name for name in _FROM_FILES if any(layer.values.get(name) for layer in layers)}
-    asked = [kind for kind in KINDS if kind.name in named]
-    alone = [kind.beneath_alone for kind in asked] if len(asked) == 1 else []
-    return [*([REAL_SATELLITES] if named else []), *(kind.beneath for kind in asked), *alone]
+    return [*([REAL_SATELLITES] if named else []), *(kind.beneath for kind in KINDS if kind.name in named)]
 
 
 def with_sheets(values: Mapping[str, Any], source: Source | None = None) -> Settings:

@@ -74,7 +74,7 @@ def starts_from_state(propagator: Propagator, measured: Measurements, known: Tim
     """
     rso, times, (t, start) = propagator.rso, _times(measured), known
     states = everywhere(propagator, times.to_numpy(), t, np.append(start, rso.cd))
-    residuals = measured.distances(measured.row_at, states[:, :3])
+    residuals = measured.distances(measured.first_row[:-1], states[:, :3])
     miss = float(
         np.median(np.where(np.isfinite(residuals), residuals, np.inf)[is_of_first_day(times.to_numpy())])
     )

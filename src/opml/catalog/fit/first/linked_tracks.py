@@ -151,7 +151,7 @@ def _starts(run: Run, last: Estimate, window: Window) -> np.ndarray:
     wide = np.nan_to_num(_WIDTH * np.linalg.norm(other - one) / _SPACING, nan=_MOST)
     parts = np.linspace(-_WIDTH, _WIDTH, 2 * int(min(wide, _MOST) / 2) + 1) if wide >= 2.0 else np.zeros(1)
     ends = _propagated(run, last.window, last.fit.best + parts[:, None] * line, window)
-    row = np.full(len(ends), run.measured.row_at[window.track])
+    row = np.full(len(ends), run.measured.first_row[window.track])
     distances = run.measured.distances(row, ends[:, :3])
     padded = np.pad(np.where(np.isfinite(distances), distances, np.inf), 1, constant_values=np.inf)
     nearest = np.flatnonzero((distances <= padded[:-2]) & (distances <= padded[2:]))

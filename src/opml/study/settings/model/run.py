@@ -305,9 +305,7 @@ class RunAlone(Section):
         "histories of mean elements (TLE, OMM), for mornings (`day`)", see="elements.md", default={}
     )
     histories: dict[RsoName, HistorySettings] = setting(
-        "which object these are of, and how SGP4 propagates them, if not by default",
-        see="elements.md",
-        default={},
+        "which object these are of, where the files hold several", see="elements.md", default={}
     )
     starts: dict[RsoName, Text] = setting(
         "where the first orbit of an RSO that was measured starts: a TLE, OMM, OEM, SP3 or CPF; by default"
@@ -317,7 +315,7 @@ class RunAlone(Section):
         default={},
     )
     manoeuvres: dict[RsoName, Times] = setting(
-        "known manoeuvres of an RSO that was measured", see="elements.md#burns", default={}
+        "known manoeuvres of an RSO with tracks, fixes or ranges", see="tracks.md#burns", default={}
     )
 
 
