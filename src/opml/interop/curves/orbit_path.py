@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.interpolate import make_interp_spline
 
 from opml.base.constants import EARTH_GM
 from opml.base.errors import InputError
@@ -35,6 +34,8 @@ _DEGREE = 7  # of the polynomials that give velocities to positions
 
 def velocities_of(t: np.ndarray, positions: np.ndarray) -> np.ndarray:
     """Return velocities (n, 3) [m/s] that lead from position to position (n, 3) [m] at times (n,) [s]."""
+    from scipy.interpolate import make_interp_spline  # a third of a second
+
     curve = make_interp_spline(t - t[0], positions, k=min(_DEGREE, len(t) - 1 - len(t) % 2))
     return np.asarray(curve.derivative()(t - t[0]))
 
