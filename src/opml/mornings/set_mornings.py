@@ -17,7 +17,7 @@ from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.element_sets import catalogue as catalogues
-from opml.element_sets import density, improve, known_sets, trained_model
+from opml.element_sets import improve, known_sets, trained_model
 from opml.element_sets.catalogue import ElementCatalogue
 from opml.element_sets.inside import inside_sizes
 from opml.element_sets.inside.orbit_prediction import OrbitInside
@@ -76,11 +76,6 @@ class RunSets:
             better = improve.improve(known, self.model, progress=lambda line: None)
             self._mornings[date] = PublicMorning(known, better, self.source, catalogues.LATENCY)
         return self._mornings[date]
-
-    @property
-    def weather_until(self) -> float:
-        """When the last weather was measured (modified Julian day, UTC)."""
-        return density.end_of(self.weather)
 
 
 @dataclass(frozen=True, eq=False)
