@@ -176,7 +176,8 @@ def improve(known: PublicData, model: CatalogueModel, *, progress: Progress = _l
     now = rows[rows["morning"] == today].assign(jump=jump)
     newest = newest_sets(known.catalogue)
     why = reasons(known.catalogue, newest, rows, date=today)
-    unseen = now.loc[now["is_fit"] & tried[UNCHANGED]["sigma"].reindex(now.index).isna(), "number"]
+    some = next(iter(tried.values()))["sigma"].reindex(now.index)  # of any way: the sizes are of the model
+    unseen = now.loc[now["is_fit"] & some.isna(), "number"]
     why = why.mask(why.eq("") & why.index.isin(unseen), UNSEEN)
     weights = where_usable(weighting.weights(rows, tried), why)
     combined = weighting.combined(rows, tried, weighting.of_objects(weights, rows))

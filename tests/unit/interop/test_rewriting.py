@@ -193,6 +193,33 @@ def test_a_number_beyond_those_of_tles_is_counted_and_kept_in_other_notations(tm
     assert mean_elements.read_sets(tmp_path / "better.csv")[0].number == 800123
 
 
+@pytest.mark.parametrize(
+    ("key", "value", "name", "launch", "node"),
+    [
+        ("RA_OF_ASC_NODE", -80.0, "SAT", "98067A", 280.0),
+        ("OBJECT_ID", "UNKNOWN", "SAT", "", 10.0),
+        ("OBJECT_ID", "1998-067ABCDE", "SAT", "", 10.0),
+        ("OBJECT_ID", "1998-067a", "SAT", "98067A", 10.0),
+        ("OBJECT_NAME", "A\nB", "A B", "98067A", 10.0),
+        ("OBJECT_NAME", "1 25544U", "1 25544U", "98067A", 10.0),
+        ("OBJECT_NAME", "# 1", "# 1", "98067A", 10.0),
+        ("OBJECT_NAME", 80 * "N", 66 * "N", "98067A", 10.0),
+        ("CLASSIFICATION_TYPE", "UNCLASSIFIED", "SAT", "98067A", 10.0),
+    ],
+    ids=str,
+)
+def test_whatever_a_message_says_its_tle_is_read(key, value, name, launch, node, tmp_path):
+    path = tmp_path / "sets.json"
+    angles = dict(zip(("INCLINATION", "RA_OF_ASC_NODE", "ARG_OF_PERICENTER"), (53, 10, 20), strict=True))
+    said = {"OBJECT_NAME": "SAT", "OBJECT_ID": "1998-067A", "EPOCH": "2026-07-15T06:00:00", **angles}
+    orbit = {"MEAN_MOTION": 15.1, "ECCENTRICITY": 1e-3, "MEAN_ANOMALY": 30, "BSTAR": 3e-4}
+    path.write_text(json.dumps(said | orbit | {"NORAD_CAT_ID": 5, key: value}))
+    assert rewriting.write(tmp_path / "better.tle", [better(path)]) == 0
+    (one,) = mean_elements.read_sets(tmp_path / "better.tle")
+    assert (one.name, one.designator) == (name, launch)
+    assert np.degrees(one.satellite.nodeo) == pytest.approx(node)
+
+
 def test_another_suffix_and_a_changed_file_are_refused(source: Path, tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"better\.oem: expected a suffix \.tle, .*, got \.oem"):
         rewriting.write(tmp_path / "better.oem", [better(source)])

@@ -118,8 +118,11 @@ def satellite(values: Mapping[str, str]) -> Satrec:
     """Return what SGP4 propagates of a message's values, with all that a TLE has beside its orbit."""
     made, fields = Satrec(), {**_UNUSED, **values}
     kind = fields["CLASSIFICATION_TYPE"][:1]
-    omm.initialize(made, {**fields, "CLASSIFICATION_TYPE": kind})
+    angles = {key: fields[key] for key, unit in _UNITS.items() if unit == "deg"}
+    turned = {key: repr(float(text) % 360.0) for key, text in angles.items() if float(text) < 0.0}
+    omm.initialize(made, {**fields, **turned, "CLASSIFICATION_TYPE": kind})
     made.classification = kind  # which sgp4 forgets
+    made.intldesg = ObjectId.of("", fields["OBJECT_ID"]).launch  # of UNKNOWN it would make KNOWN
     return made
 
 
@@ -286,7 +289,11 @@ def _wrapped(value: Any) -> list[Any]:
 def _pairs(line: int, value: Any) -> list[Pair]:
     if not isinstance(value, _Members):
         return [Pair(line, None, str(value))]
-    return [Pair(line, key, "" if member is None else str(member).strip()) for key, member in value]
+    return [Pair(line, key, "" if member is None else _in_one_line(str(member))) for key, member in value]
+
+
+def _in_one_line(text: str) -> str:
+    return " ".join(text.splitlines()).strip()
 
 
 def is_csv(content: bytes) -> bool:
@@ -301,7 +308,7 @@ def read_csv(path: FilePath, text: str) -> Iterator[Record]:
     columns: list[str] = []
     try:
         for row in reader:
-            cells = [cell.strip() for cell in row]
+            cells = list(map(_in_one_line, row))
             if not any(cells) or cells == columns:  # lists that are joined repeat their columns
                 continue
             if columns:

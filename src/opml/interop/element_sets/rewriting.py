@@ -165,7 +165,7 @@ def _as_tle(sets: Sequence[_Tle | Fields], _: Fields) -> tuple[str, int]:
                 missing += 1
                 continue
             one = _Tle(one.get("OBJECT_NAME", ""), *pair, {})
-        lines += [*([one.name] if one.name else []), one.first, one.second]
+        lines += [*([tle.name_line(one.name)] if one.name else []), one.first, one.second]
     return "".join(f"{line}\n" for line in lines), missing
 
 

@@ -174,6 +174,12 @@ def lines(satellite: Satrec, number: int, launch: str = "") -> tuple[str, str]:
     )
 
 
+def name_line(name: str) -> str:
+    """Return the line of a name above its set, that is read as one."""
+    text = name[: _LONGEST_NAME - 2]
+    return f"0 {text}" if _kind(text) != "0" or text.startswith("#") else text
+
+
 def exported(satellite: Satrec, number: int) -> tuple[str, str]:
     """Return the two lines of a set with all that a TLE has beside its orbit, as sgp4 writes them.
 
