@@ -23,9 +23,9 @@ with job(snakemake) as metadata:
     predictions = read_table(files.predictions, "predictions")
     later = read_table(files.later, "estimates") if files.later else None
     spread = read_table(files.spread, "spread")
-    series, paths = [], paths_of_each(files.beside, settings.learners)
-    for learner, beside in zip(settings.learners, paths, strict=True):
-        rows = known.marked(dataset.read(files.dataset, beside))
+    series, paths = [], paths_of_each(files.others, settings.learners)
+    for learner, others in zip(settings.learners, paths, strict=True):
+        rows = known.marked(dataset.read(files.dataset, others))
         daily = DailyLearner(rows, learner, settings.seed, settings.train_days[0])
         first_day = replays.first_day(daily, known, train_days=settings.train_days)
         starts = replays.morning_departures(known, every_hours=settings.every_hours, first_day=first_day)
