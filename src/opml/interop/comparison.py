@@ -1,4 +1,4 @@
-"""Two orbits compared with each other: how far apart in RSW, time by time, and how much a covariance holds.
+"""Two orbits compared: their difference in RSW, time by time, and the share inside the covariance.
 
     table = comparison.compare(known_orbits.read(["mine.oem"]), known_orbits.read(["truth.sp3"]))
     print(comparison.summary(table))
@@ -52,12 +52,12 @@ def compare(ours: KnownOrbit, other: KnownOrbit) -> pd.DataFrame:
         spans = " and ".join(_span(one) for one in (ours, other))
         raise InputError(f"compare: expected two orbits of the same time, got {spans}")
     t, mine, theirs = t[both], mine[both], theirs[both]
-    apart = bent_rsw(mine[:, :3], theirs)
+    difference = bent_rsw(mine[:, :3], theirs)
     covariances = ours.covariances(t)[:, :3, :3]
     known = np.isfinite(covariances).all(axis=(1, 2))
     share = np.full(len(t), np.nan)
     known[known] = least_variances(covariances[known]) > _FLAT
-    share[known] = chi2.cdf(mahalanobis(apart[known], covariances[known]), 3)
+    share[known] = chi2.cdf(mahalanobis(difference[known], covariances[known]), 3)
     if flat := int(np.count_nonzero(np.isfinite(covariances).all(axis=(1, 2)) & ~known)):
         _log.warning("compare: covariances not positive definite, without an ellipsoid: %d", flat)
     sigma = np.sqrt(np.diagonal(covariances, axis1=1, axis2=2))
@@ -65,7 +65,7 @@ def compare(ours: KnownOrbit, other: KnownOrbit) -> pd.DataFrame:
         {
             "utc": ccsds.utc_texts(EPOCH, t),
             "hours": (t - t[0]) / HOUR,
-            **dict(zip(("r", "s", "w"), apart.T, strict=True)),
+            **dict(zip(("r", "s", "w"), difference.T, strict=True)),
             "distance": np.linalg.norm(mine[:, :3] - theirs[:, :3], axis=1),
             **dict(zip(("sigma_r", "sigma_s", "sigma_w"), sigma.T, strict=True)),
             "ellipsoid": share,
@@ -107,7 +107,7 @@ def side_by_side(tables: Mapping[str, pd.DataFrame], other: str) -> str:
 
 
 def _begins(hours: pd.Series, end: float) -> pd.Series:
-    """Return where the stretch of time begins [h] that each time is of, of MOST_ROWS stretches at most."""
+    """Return the beginning [h] of the interval of each time, of MOST_ROWS intervals at most."""
     spacing = next((one for one in _SPACINGS if end < MOST_ROWS * one), _SPACINGS[-1])
     last = max(np.ceil(end / spacing) - 1.0, 0.0)
     return spacing * np.minimum(np.floor(hours / spacing), last)

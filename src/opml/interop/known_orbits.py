@@ -34,13 +34,13 @@ from opml.tables import STATE, read_kind, read_metadata, read_table
 
 _SAME = 1e-5  # [s]
 _SHOWN = 5  # objects in an error
-_OTHER_UNIT = 0.5  # of most ways between positions that velocities miss by more
+_OTHER_UNIT = 0.5  # of most chords between positions by which velocities are off
 
 _log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, eq=False)
-class Stretch:
+class ContinuousStates:
     """States of an orbit without a gap.
 
     covariance_t, covariances: (m,) [s] and (m, 6, 6) in RSW [m, m/s]
@@ -116,33 +116,33 @@ class KnownOrbit(ABC):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class States(KnownOrbit):
-    """An orbit of states, interpolated between those that are at most five minutes apart.
+    """An orbit of states, interpolated between those that are at most five minutes from each other.
 
-    stretches: in the order of time; where they overlap the later one counts
+    parts: in the order of time; where they overlap the later one counts
     """
 
-    stretches: Sequence[Stretch]
+    parts: Sequence[ContinuousStates]
 
     @cached_property
     def t(self) -> np.ndarray:
         """Times (n,) of all states [s since EPOCH]."""
-        return read_only(np.unique(np.concatenate([one.t for one in self.stretches])))
+        return read_only(np.unique(np.concatenate([one.t for one in self.parts])))
 
     def at(self, t: np.ndarray) -> np.ndarray:
         """Return states as `KnownOrbit.at`."""
         states = np.full((len(t), 6), np.nan)
-        for one in self.stretches:
+        for one in self.parts:
             held = one.holds(t)
             states[held] = one.at(t[held])
         return states
 
     def covariances(self, t: np.ndarray) -> np.ndarray:
         """Return covariances as `KnownOrbit.covariances`, linear between those that are known."""
-        found = super().covariances(t)
-        for one in self.stretches:
+        matrices = super().covariances(t)
+        for one in self.parts:
             held = one.holds(t)
-            found[held] = covariances_at(one.covariance_t, one.covariances, t[held])
-        return found
+            matrices[held] = covariances_at(one.covariance_t, one.covariances, t[held])
+        return matrices
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -185,7 +185,7 @@ def of(orbit: KnownOrbit | PredictedOrbit) -> KnownOrbit:
     """Return an orbit that was read, or a prediction as one. Raises InputError for what is neither."""
     if isinstance(orbit, PredictedOrbit):
         since = epochs.seconds_between(EPOCH, orbit.date)
-        return States(orbit.way, stretches_of(orbit.segment(), since), identity=orbit.identity)
+        return States(orbit.way, parts_of(orbit.segment(), since), identity=orbit.identity)
     if not isinstance(orbit, KnownOrbit):
         raise InputError(f"compare: expected orbits or predictions, got {type(orbit).__name__}")
     return orbit
@@ -195,20 +195,20 @@ def _of_files(files: OrbitFiles) -> States:
     arcs = [_in_one_unit(arc) for arc in arcs_of_files(files)]
     segments = orbit_segments.of_arcs(arcs, epoch=EPOCH)
     by_file = [replace(one, name=str(arc.path)) for arc, one in zip(arcs, segments, strict=True)]
-    stretches = [one for segment in by_file for one in stretches_of(segment)]
-    return States(str(files.paths[0]), stretches, identity=arcs[0].identity)
+    parts = [one for segment in by_file for one in parts_of(segment)]
+    return States(str(files.paths[0]), parts, identity=arcs[0].identity)
 
 
 def _of_tables(paths: Sequence[FilePath]) -> States:
     """Return the orbit of tables with states; raise InputError for another table."""
-    stretches, identity = [], object_ids.of_tables(paths, name="")
+    parts, identity = [], object_ids.of_tables(paths, name="")
     for path in paths:
         if (kind := read_kind(path)) not in oem.SEGMENTS:
             raise InputError(f"{path}: expected a table of {', '.join(oem.SEGMENTS)}, got one of {kind}")
         since = epochs.seconds_between(EPOCH, read_metadata(path)["epoch"])
         for one in oem.segments_of(read_table(path, kind), kind, identity):
-            stretches += stretches_of(one, since)
-    return States(str(paths[0]), stretches, identity=identity)
+            parts += parts_of(one, since)
+    return States(str(paths[0]), parts, identity=identity)
 
 
 def _in_one_unit(arc: Arc) -> Arc:
@@ -217,28 +217,28 @@ def _in_one_unit(arc: Arc) -> Arc:
     near = steps <= LONGEST_STEP
     moved = np.diff(arc.positions, axis=0)[near]
     by_velocity = (0.5 * steps[:, None] * (arc.velocities[1:] + arc.velocities[:-1]))[near]
-    ways, misses = (np.linalg.norm(one, axis=1) for one in (moved, moved - by_velocity))
-    if np.count_nonzero(misses > _OTHER_UNIT * ways) <= len(ways) / 2:
+    chords, errors = (np.linalg.norm(one, axis=1) for one in (moved, moved - by_velocity))
+    if np.count_nonzero(errors > _OTHER_UNIT * chords) <= len(chords) / 2:
         return arc
     _log.warning("%s: velocities are not those of its positions: passed over", arc.path)
     return arc.without_velocities()
 
 
-def stretches_of(segment: oem.Segment, since: float = 0.0) -> list[Stretch]:
-    """Return the stretches of a segment, times since EPOCH, with covariances in RSW.
+def parts_of(segment: oem.Segment, since: float = 0.0) -> list[ContinuousStates]:
+    """Return the parts of a segment, times since EPOCH, with covariances in RSW.
 
     since: when the segment's times begin to count [s since EPOCH]
     """
     segment = replace(segment, t=segment.t + since, covariance_t=segment.covariance_t + since)
-    stretches = _stretches(segment.name, segment.t, segment.states)
-    t, covariances = covariances_in_rsw(segment, States(segment.name, stretches).at)
-    return [replace(one, covariance_t=t, covariances=covariances) for one in stretches]
+    parts = _parts(segment.name, segment.t, segment.states)
+    t, covariances = covariances_in_rsw(segment, States(segment.name, parts).at)
+    return [replace(one, covariance_t=t, covariances=covariances) for one in parts]
 
 
-def _stretches(name: str, t: np.ndarray, states: np.ndarray) -> list[Stretch]:
-    """Return stretches of ascending times (n,); positions without velocities get them where they are many."""
+def _parts(name: str, t: np.ndarray, states: np.ndarray) -> list[ContinuousStates]:
+    """Return parts of ascending times (n,); positions without velocities get them where they are many."""
     parts = np.split(np.arange(len(t)), np.flatnonzero(np.diff(t) > LONGEST_STEP + _SAME) + 1)
-    return [Stretch(name, t[part], with_velocities(t[part], states[part])) for part in parts]
+    return [ContinuousStates(name, t[part], with_velocities(t[part], states[part])) for part in parts]
 
 
 def _of_sets(paths: Sequence[FilePath], wanted: str | None) -> Sets:

@@ -375,7 +375,7 @@ DAMAGES = {
     ),
     "three states": (lambda lines: [*lines[: FIRST + 3], *lines[FIRST + 21 :]], "at least 4 states, got 3"),
     "cut": (lambda lines: lines[: FIRST + 12], "line 26: expected states up to STOP_TIME = 2023-05-01T00:20"),
-    "a gap": (lambda lines: [*lines[:20], *lines[30:]], "short: expected states at most 300 s apart"),
+    "a gap": (lambda lines: [*lines[:20], *lines[30:]], "short: expected states at steps of at most 300 s"),
 }
 
 

@@ -22,12 +22,12 @@ LONGEST_STEP = 300.0
 COVARIANCE_HELD = 600.0
 """Time for which a covariance holds before the first and beyond the last that is known [s]."""
 
-_VELOCITY_MISS = 1e3  # of a way by the states at its ends [m]
+_VELOCITY_MISS = 1e3  # of the chord by the states at its ends [m]
 _STRAYING = 300.0  # the same of a single one [m]: a burn of 10 m/s within a minute
 _TIMES_USUAL = 10.0  # least ratio to the usual miss of a single one that is wrong
 _NEAREST, _FARTHEST = 6e6, 1e9  # from the Earth's centre [m]
 _CLOCK = 1e-5  # to which times are known [s]
-_ROUGH = 0.1  # of a way that the states at its ends may be off
+_ROUGH = 0.1  # of a chord that the states at its ends may be off
 _SMOOTH = 1e-3  # the same of a single one: twenty times what SGP4 is off
 _DEGREE = 7  # of the polynomials that give velocities to positions
 
@@ -49,19 +49,19 @@ def with_velocities(t: np.ndarray, states: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True, eq=False)
 class Path:
-    """States of an object, a minute or so apart."""
+    """States of an object, every minute or so."""
 
     name: str
     t: np.ndarray  # (n,) ascending [s]
     states: np.ndarray  # (n, 6) GCRF [m, m/s]
 
     def __post_init__(self) -> None:
-        """Raise InputError for fewer than four states, ones too far apart, and ones that make no orbit."""
+        """Raise InputError for fewer than four states, too sparse ones, and ones of no orbit."""
         if len(self.t) < FEWEST:
             raise InputError(f"{self.name}: expected at least {FEWEST} states, got {len(self.t)}")
         if not (longest := float(np.diff(self.t).max())) <= LONGEST_STEP + _CLOCK:
             raise InputError(
-                f"{self.name}: expected states at most {LONGEST_STEP:g} s apart, got {longest:g}"
+                f"{self.name}: expected states at steps of at most {LONGEST_STEP:g} s, got {longest:g}"
             )
 
         distance = np.linalg.norm(self.states[:, :3], axis=1)
@@ -71,11 +71,11 @@ class Path:
                 f"{self.name}: expected positions {_NEAREST / 1e3:g} to {_FARTHEST / 1e3:g} km from the "
                 f"Earth's centre, got {low / 1e3:g} to {high / 1e3:g}"
             )
-        off, ways = self._misses()
-        strays = (off > _STRAYING + _SMOOTH * ways) & (off > _TIMES_USUAL * np.median(off))
-        # A state that is wrong is off what is before and after it, a burn is in one way alone.
+        off, chords = self._misses()
+        strays = (off > _STRAYING + _SMOOTH * chords) & (off > _TIMES_USUAL * np.median(off))
+        # A wrong state is off both neighbours, a burn shows on one side.
         spikes = np.flatnonzero(strays[1:] & strays[:-1]) + 1
-        wrong = np.append(spikes, np.flatnonzero(off > _VELOCITY_MISS + _ROUGH * ways))
+        wrong = np.append(spikes, np.flatnonzero(off > _VELOCITY_MISS + _ROUGH * chords))
         if len(wrong):
             worst = wrong[0]
             raise InputError(
@@ -84,9 +84,9 @@ class Path:
             )
 
     def _misses(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return how far velocities lead past each next position, and the ways to them (n - 1,) [m].
+        """Return how far velocities lead past each next position, and the chords to them (n - 1,) [m].
 
-        The Earth's attraction at both ends bends the way: what is left is that of other forces.
+        The Earth's attraction at both ends is accounted for: the rest is that of other forces.
         """
         positions, velocities = self.states[:, :3], self.states[:, 3:]
         pull = -EARTH_GM * positions / np.linalg.norm(positions, axis=1)[:, None] ** 3
