@@ -16,7 +16,7 @@ from opml.base.errors import InputError
 from opml.dynamics.frames import gcrf_to_itrf
 from opml.environment import earth_orientation, nodes
 from opml.interop.element_sets import element_set, histories, mean_elements
-from opml.interop.element_sets.histories import newest_before, of_object, predict
+from opml.interop.element_sets.histories import of_object, states_of
 from opml.interop.element_sets.teme import teme_to_gcrf
 from opml.interop.orbit_from_files import OrbitFiles, read_arcs
 from opml.tables import ELEMENTS, read_table, write_table
@@ -239,8 +239,7 @@ def test_the_date_of_creation_is_read_from_every_notation(read, write):
 
 def test_of_doubles_the_one_with_a_date_tells_when_it_was_known(read):
     sets = read(text(LINES[0]), json.dumps(omm(created="2024-01-01T18:00:00")), text(LINES[0])).sets
-    assert newest_before(sets, 17 * HOUR) is None
-    assert newest_before(sets, 18 * HOUR) == 0
+    assert sets["t_created"].tolist() == [18 * HOUR]
 
 
 def test_objects_are_told_apart(read):
@@ -255,20 +254,13 @@ def test_objects_are_told_apart(read):
     ):
         of_object(sets)
     assert len(of_object(sets[:3])) == 3
-    assert "element sets: expected those of one object, got 2 objects" in refusal(newest_before, sets, DAY)
-
-
-def test_a_set_is_known_from_its_epoch_or_its_creation_on(read):
-    sets = read(json.dumps([omm(), omm(day="02", created="2024-01-02T20:00:00"), omm(day="03")])).sets
-    times = (0.5 * DAY - 1, 0.5 * DAY, 1.8 * DAY, 1.9 * DAY, 9 * DAY)
-    assert [newest_before(sets, t) for t in times] == [None, 0, 0, 1, 2]
 
 
 @pytest.mark.parametrize("notation", ["tle", "json"])
 def test_predictions_are_those_of_the_set_itself(read, notation):
     sets = read(NOTATIONS[notation]).sets
     t = np.array([2.4, 4.0]) * DAY
-    found = predict(sets, epoch=EPOCH, known=2.2 * DAY, t=t)
+    found = states_of(sets.iloc[1], epoch=EPOCH, t=t)
     newest = Satrec.twoline2rv(*LINES[1])
     expected = [
         mean_elements.state(newest, epoch=epoch) for epoch in ("2024-01-03T09:36:00", "2024-01-05T00:00:00")
@@ -277,10 +269,9 @@ def test_predictions_are_those_of_the_set_itself(read, notation):
     np.testing.assert_allclose(found[:, 3:], np.array(expected)[:, 3:], rtol=0, atol=2e-5)
 
 
-def test_where_nothing_is_known_or_the_object_decayed_there_is_no_state(read):
+def test_where_the_object_decayed_there_is_no_state(read):
     sets = read(text(tle(motion="16.20000000", bstar=" 30000-2"))).sets
-    assert np.isnan(predict(sets, epoch=EPOCH, known=0.0, t=np.array([DAY]))).all()
-    states = predict(sets, epoch=EPOCH, known=DAY, t=np.array([0.6, 300.0]) * DAY)
+    states = states_of(sets.iloc[0], epoch=EPOCH, t=np.array([0.6, 300.0]) * DAY)
     assert np.isfinite(states[0]).all()
     assert np.isnan(states[1]).all()
 
@@ -441,7 +432,8 @@ def test_a_real_orbit_is_where_the_newest_set_has_it(orbit, elements, expected):
         earth_orientation.tabulate(files.epoch, nodes(files.epoch, 230 * DAY)), arc.t[first_day]
     )
     sets = histories.read([shared(f"real/tle/{elements}.tle.gz")], epoch=files.epoch).sets
-    states = predict(sets, epoch=files.epoch, known=arc.t[0], t=arc.t[first_day])
+    newest = sets[sets["t"] <= arc.t[0]].iloc[-1]
+    states = states_of(newest, epoch=files.epoch, t=arc.t[first_day])
     apart = np.einsum("nij,nj->ni", turns, states[:, :3]) - arc.positions[first_day]
     assert np.sqrt((apart**2).sum(axis=1).mean()) < expected
 
@@ -470,10 +462,9 @@ def test_real_histories_are_read_whole(name):
     # From the newest set to the next one at its epoch: 60 m for a high orbit, 7 km for one that drops.
     t = history.sets["t"].to_numpy()
     steps = [
-        predict(history.sets, epoch=EPOCH, known=known, t=t[k + 1 : k + 2])[0, :3]
-        - predict(history.sets, epoch=EPOCH, known=t[k + 1], t=t[k + 1 : k + 2])[0, :3]
-        for k, known in enumerate(t[:-1])
-        if k % 100 == 50
+        states_of(history.sets.iloc[k], epoch=EPOCH, t=t[k + 1 : k + 2])[0, :3]
+        - states_of(history.sets.iloc[k + 1], epoch=EPOCH, t=t[k + 1 : k + 2])[0, :3]
+        for k in range(50, len(t) - 1, 100)
     ]
     assert np.median(np.linalg.norm(steps, axis=1)) < 10e3
 

@@ -1,10 +1,8 @@
-"""Histories of mean elements: all sets of objects from files, and SGP4's predictions from the newest known.
+"""Histories of mean elements: all sets of objects from files, and the states that SGP4 has for each.
 
-    history = histories.read(["before_2024.tle.gz", "since.csv"], epoch="2024-01-01T00:00:00")
-    goce = histories.of_object(history.sets, 34602)
-    states = histories.predict(goce, epoch="2024-01-01T00:00:00", known=3600.0, t=np.array([7200.0]))
-
-The prediction by the newest public set is what everybody has, and what any other prediction is compared with.
+history = histories.read(["before_2024.tle.gz", "since.csv"], epoch="2024-01-01T00:00:00")
+goce = histories.of_object(history.sets, 34602)
+states = histories.states_of(goce.iloc[-1], epoch="2024-01-01T00:00:00", t=np.array([7200.0]))
 """
 
 import logging
@@ -104,36 +102,6 @@ def of_object(sets: pd.DataFrame, number: int | None = None) -> pd.DataFrame:
     return chosen
 
 
-def newest_before(sets: pd.DataFrame, t: float) -> int | None:
-    """Return the row of the newest set that was known at a time, None where none was.
-
-    sets: table `element_sets` of one object
-    t: [s], of the same epoch
-
-    A set was known when it was made; where the file does not say, at its own epoch. Raises InputError for a
-    table of several objects.
-    """
-    if (objects := sets["number"].nunique()) > 1:
-        raise InputError(f"element sets: expected those of one object, got {objects} objects")
-    known = np.fmax(sets["t"], sets["t_created"]) <= t
-    return int(np.flatnonzero(known)[-1]) if known.any() else None
-
-
-def predict(sets: pd.DataFrame, *, epoch: str, known: float, t: np.ndarray) -> np.ndarray:
-    """Return GCRF states (n, 6) [m, m/s] by SGP4 from the newest set that was known at a time.
-
-    sets: table `element_sets` of one object
-    known: the time [s]
-    t: (n,) times of the states [s]
-
-    NaN where no set was known yet, and where SGP4 has the object decayed.
-    """
-    row = newest_before(sets, known)
-    if row is None:
-        return np.full((len(t), 6), np.nan)
-    return states_of(sets.iloc[row], epoch=epoch, t=t)
-
-
 def states_of(row: pd.Series, *, epoch: str, t: np.ndarray) -> np.ndarray:
     """Return GCRF states (n, 6) [m, m/s] by SGP4 from a set at times (n,) [s], NaN where it fails.
 
@@ -145,17 +113,7 @@ def states_of(row: pd.Series, *, epoch: str, t: np.ndarray) -> np.ndarray:
 def satellite(row: Mapping[Any, Any] | pd.Series, *, epoch: str) -> Satrec:
     """Return the satellite of a row of a table `element_sets` that SGP4 propagates."""
     (time,) = ccsds.utc_texts(epoch, np.array([row["t"]]))
-    return _satellite(time, [float(row[name]) for name in ELEMENTS])
-
-
-def satellites(sets: pd.DataFrame, *, epoch: str) -> list[Satrec]:
-    """Return the satellites of all rows of a table `element_sets`."""
-    times = ccsds.utc_texts(epoch, sets["t"].to_numpy())
-    return list(map(_satellite, times, sets[ELEMENTS].to_numpy(float).tolist()))
-
-
-def _satellite(time: str, elements: Sequence[float]) -> Satrec:
-    motion, *others = elements
+    motion, *others = [float(row[name]) for name in ELEMENTS]
     return element_set.satellite(time, [_MINUTE * motion, *others])
 
 
