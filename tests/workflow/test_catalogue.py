@@ -36,7 +36,7 @@ def few(project):
 
 def test_plan_of_a_catalogue(few):
     plan = jobs(few.snakemake("-n", "catalogue", asked(few, learners="trees, svr")).stdout)
-    once = ["densities", "rows", "scores", "report", "shares", "gains", "seasons"]
+    once = ["densities", "rows", "scores", "report", "shares", "seasons"]
     assert plan == {"catalogue": 1, "catalogue_residuals": 2, **{f"catalogue_{name}": 1 for name in once}}
 
 
