@@ -93,12 +93,13 @@ def by_height(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def by_weather(table: pd.DataFrame) -> pd.DataFrame:
-    """Return the same by weeks, quiet or stormy, where the weather is known.
+    """Return the same by weeks, quiet, stormy, or other: of unknown weather; nothing where all are.
 
     table: of `errors`, with highest_ap of the week after the morning
     """
-    known = table[np.isfinite(table["highest_ap"])]
-    return _by(np.where(known["highest_ap"] >= STORM, "stormy", "quiet"), known, "weeks")
+    highest = table["highest_ap"].to_numpy(float)
+    weeks = np.select([highest >= STORM, highest < STORM], ["stormy", "quiet"], "other")
+    return _by(weeks, table, "weeks") if np.isfinite(highest).any() else _by(weeks[:0], table[:0], "weeks")
 
 
 def _by(parts: np.ndarray, table: pd.DataFrame, name: str) -> pd.DataFrame:
