@@ -81,8 +81,8 @@ def measured(weather: Weather, first: int, end: float) -> Densities:
     nrlmsis.check_installed()
     days = first - weather.first
     if days < _FLUX_DAYS:
-        asked, begins = map(epochs.calendar, (first, weather.first))
-        expected = f"measurements {_FLUX_DAYS} days before {asked}"
+        first_day, begins = map(epochs.calendar, (first, weather.first))
+        expected = f"measurements {_FLUX_DAYS} days before {first_day}"
         raise InputError(f"weather: expected {expected}, got them from {begins} on")
     sines, weights = np.polynomial.legendre.leggauss(_LATITUDES)
     north, east = np.arcsin(sines), 2.0 * np.pi * np.arange(_LONGITUDES) / _LONGITUDES

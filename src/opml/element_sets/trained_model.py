@@ -32,7 +32,7 @@ _NODE = ("feature", "threshold", "left", "right", "value")
 
 @dataclass(frozen=True, eq=False)
 class CatalogueModel:
-    """What a catalogue taught."""
+    """A corrector trained on a catalogue."""
 
     outlook: Outlook  # the forecast of the density
     correctors: Mapping[str, Corrector]  # by the name of the population

@@ -9,7 +9,7 @@ Cells are between commas, semicolons, tabs or blanks; the line may begin with #,
 numbers may have decimal commas. Times are in UTC, GPS, TAI, TT or Unix seconds, states in ITRF, GCRF or
 EME2000, lengths in m or km. Standard deviations are those along the radial direction, along the track and
 across it. Names may be others in use, as `Time (UTCG)`, `x_ecef (km)` or GMAT's `Sat.EarthMJ2000Eq.VX`. A
-frame that none tells is refused; a unit that none tells is that in which the positions are those of an orbit.
+file without a frame is refused; without a unit, that counts in which the positions are those of an orbit.
 """
 
 import csv
@@ -56,7 +56,7 @@ _WORDS = {
     "scale": {UNIX: UNIX} | {f"{scale}{end}": scale for scale in SCALES for end in ("", "g", "gregorian")},
     "time": dict.fromkeys(("t", "time", "epoch", "date", "datetime", "timestamp"), ""),
 }
-"""What words in the name of a column say, by what they are about."""
+"""Meanings of words in the name of a column, by subject."""
 
 _MEANINGS = {word: (about, says) for about, words in _WORDS.items() for word, says in words.items()}
 _PER_SECOND = re.compile(r"(k?m)[/_]s(?:ec)?(?![a-z0-9])")
@@ -81,14 +81,14 @@ def matches(content: bytes) -> bool:
 
 
 def _names_columns(line: str) -> bool:
-    told = [_told(name) for name in re.split(_separator(line), line.strip())]
-    return len(told) > len(_GROUPS[0]) and any({"scale", "time"} & one.keys() for one in told)
+    meanings = [_meaning(name) for name in re.split(_separator(line), line.strip())]
+    return len(meanings) > len(_GROUPS[0]) and any({"scale", "time"} & one.keys() for one in meanings)
 
 
 def read(path: FilePath, content: bytes, *, epoch: str, satellite: str | None = None) -> list[Arc]:
     """Read the points of a CSV with their standard deviations, an arc.
 
-    Raises InputError for a satellite that is asked for, and, naming the line, for columns of which no points
+    Raises InputError for a requested satellite, and, naming the line, for columns of which no points
     can be made, a cell that is no number or no time, and times that do not ascend.
     """
     if satellite not in (None, EVERY):
@@ -161,39 +161,39 @@ def _split(line: str, separator: str) -> list[str]:
     return next(csv.reader([line], strict=True, delimiter=separator))
 
 
-def _told(name: str) -> dict[str, str]:
+def _meaning(name: str) -> dict[str, str]:
     """Return what the words of a column's name say, by what they are about; nothing for an unknown one."""
-    name, told = _PER_SECOND.sub(r"\1ps", name.strip().lower()), dict[str, str]()
+    name, meaning = _PER_SECOND.sub(r"\1ps", name.strip().lower()), dict[str, str]()
     name = _UNIX_NAME.sub(UNIX, name)
     if (of_object := _OF_OBJECT.match(name)) and of_object[1] not in _MEANINGS:
         name = name[of_object.end() :]
     for word in re.findall(r"[^\W_]+", re.sub(r"itrf\d+", "itrf", name)):
         about, says = _MEANINGS.get(word, ("", ""))
-        if not about or about in told:
+        if not about or about in meaning:
             return {}
-        told[about] = says
-    if "axis" in told:
-        told["axis"] = told.get("of", "") + told["axis"].removeprefix(told.get("of", ""))
-    return told
+        meaning[about] = says
+    if "axis" in meaning:
+        meaning["axis"] = meaning.get("of", "") + meaning["axis"].removeprefix(meaning.get("of", ""))
+    return meaning
 
 
 class _Columns:
-    """What the columns of a CSV are: their places by axis, with their units."""
+    """The columns of a CSV: their places by axis, with their units."""
 
     def __init__(self, path: FilePath, number: int, names: Sequence[str]) -> None:
         """Take the names in the first line, which has a number. Raises InputError for others than known."""
         self.path, self.number = path, number
-        self._places: dict[str, tuple[int, str]] = {}  # '' where no unit is told
+        self._places: dict[str, tuple[int, str]] = {}  # '' without a unit
         times, frames = [], set()
         for place, name in enumerate(names):
-            told = _told(name)
+            meaning = _meaning(name)
             if names.count(name) > 1 and name != PASSED_OVER:
                 raise self._wrong(f"one column {name}", f"{names.count(name)}")
-            if "axis" in told:
-                self._add(name, told, place)
-                frames |= {told.get("frame", "none")} if told["axis"][-1] in "xyz" else set()
-            elif told.keys() & {"scale", "time"}:
-                times.append((place, told.get("scale", "")))
+            if "axis" in meaning:
+                self._add(name, meaning, place)
+                frames |= {meaning.get("frame", "none")} if meaning["axis"][-1] in "xyz" else set()
+            elif meaning.keys() & {"scale", "time"}:
+                times.append((place, meaning.get("scale", "")))
             elif name != PASSED_OVER:
                 frames_read = "itrf (or ecef), gcrf (icrf) or eme2000 (j2000)"
                 raise self._wrong(f"columns such as {EXAMPLE}, in {frames_read}, - for others", name)
@@ -213,10 +213,10 @@ class _Columns:
         """The time system of the dates that the times stand for."""
         return "UTC" if self.scale in ("", UNIX) else self.scale.upper()
 
-    def _add(self, name: str, told: dict[str, str], place: int) -> None:
-        axis, unit = told["axis"], told.get("unit", "")
+    def _add(self, name: str, meaning: dict[str, str], place: int) -> None:
+        axis, unit = meaning["axis"], meaning.get("unit", "")
         is_sigma = axis.removeprefix("v") in "rsw"
-        if is_sigma != name.startswith("sigma") or told.keys() & {"scale", "time"}:
+        if is_sigma != name.startswith("sigma") or meaning.keys() & {"scale", "time"}:
             raise self._wrong(f"columns such as {EXAMPLE}", name)
         if unit.endswith("ps") != axis.startswith("v") and (unit or is_sigma):
             expected = "mps or kmps for a velocity, m or km for a length"

@@ -20,8 +20,8 @@ from opml.environment.known_weather import Issues
 GRAVITY, KERNEL = "EGM2008", "DE440"
 
 DEGREE = 48
-"""Of gravity. At 400 km a field of 36 moves an orbit by 25 m across the track in a week; one of 70 takes
-twice the time and differs by 5 m."""
+"""Degree of gravity. At 400 km a field of 36 moves an orbit by 25 m across the track in a week; one of 70
+takes twice the time and differs by 5 m."""
 
 FORECAST = {"kind": "regression", "lags": 82, "ridge": 10}  # of the weather after each issue
 ISSUE_HOURS = 24
@@ -33,7 +33,7 @@ _BEFORE = 9.0  # days before the first set that its span reaches
 
 @dataclass(frozen=True)
 class Forces:
-    """A force model whose times count from `epoch` (UTC text), with outlooks of the weather a day apart."""
+    """A force model whose times count from `epoch` (UTC text), with daily outlooks of the weather."""
 
     model: ForceModel
     epoch: str

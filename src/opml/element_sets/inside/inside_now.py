@@ -49,7 +49,7 @@ from opml.interop.element_sets.element_set import DEEP_SPACE, decay, semi_major_
 
 LOWEST = 180e3  # height of the perigee below which an orbit ends before its span does [m]
 PAST = 21.0  # days before the newest set whose sets tell the span and the errors
-MOST = 12  # sets of these, a day apart or more
+MOST = 12  # sets of these, at least a day from each other
 
 BEFORE = 4.0
 """Days before the newest set whose sets count with it, where drag is hardly felt."""
@@ -73,7 +73,7 @@ most.
 AGREED_BEFORE = 0.4
 """The same for spans before the epochs: those of older sets share what no radar saw, and agree too well."""
 
-LITTLE_DRAG = 22.0  # decay [m/d] below which light tells more than drag, and spans are long
+LITTLE_DRAG = 22.0  # decay [m/d] below which light determines more than drag, and spans are long
 _SHORT = 96.0 * HOUR  # half of the longest span that is tried where drag is not small [s]
 _EVERY = 120.0  # between the states of a prediction [s]
 
@@ -85,7 +85,7 @@ class InsideNow:
     date: UTC text from which it is predicted; age: of the newest set on it [d]
     span: over which orbits were taken out; agreement: None where sets are too few to tell it
     errors: of the orbits of past sets, as `PastOrbits.errors` has them
-    orbit, numbers: that beside the newest set, and the changes that make it the one inside
+    orbit, numbers: that near the newest set, and the changes that make it the one inside
     """
 
     forces: Forces
@@ -176,7 +176,7 @@ def doubt(agreement: Agreement | None, errors: pd.DataFrame, newest: Satrec, dat
 
 
 class DailyOrbits(NamedTuple):
-    """Orbits beside sets of some weeks, a set a day at most, and what makes them the ones inside.
+    """Orbits near the sets of some weeks, a set a day at most, and what makes them the ones inside.
 
     span: by their agreement, or the usual one where that is None; numbers: changes (n, 8) over it
     """
@@ -239,7 +239,7 @@ def find(public: Sequence[KnownSet], *, date: str, forces: Forces) -> InsideNow:
 def _past(
     daily: Sequence[KnownSet], forces: Forces, now: float, *, longest: float, is_lit: bool
 ) -> PastOrbits:
-    """Return the orbits beside sets, which reach half the longest span before and REACH after their
+    """Return the orbits near sets, which reach half the longest span before and REACH after their
     epochs.
     """
     ballistic = _gauge(daily[-1], forces, now)

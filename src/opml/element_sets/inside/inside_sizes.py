@@ -1,4 +1,4 @@
-"""How large the errors of the orbit inside an object's newest set are: by its last weeks, and by its drag.
+"""Sizes of the errors of the orbit inside an object's newest set: by its last weeks, and by its drag.
 
 The errors of the orbits of past sets, at later ones so many days on, are those that the newest will have. A
 few errors of the size that is typical of its drag count with them, as a short past decides little. What

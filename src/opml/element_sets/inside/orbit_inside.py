@@ -61,12 +61,12 @@ class NoOrbitError(InputError):
 
 @dataclass(frozen=True, eq=False)
 class Beginning:
-    """Where the orbit beside a set begins to be sought.
+    """Initial state of the search for the orbit inside a set.
 
     satellite: the set; t: the last multiple of EVERY before its epoch [s since that of the force model]
     state: (6,) GCRF then [m, m/s]
     ballistic, reflection: Cd A/m, Cr A/m [m2/kg]
-    known: when the orbit was asked for: weather measured later does not count [s]
+    known: the date of the request: weather measured later does not count [s]
     """
 
     satellite: Satrec
@@ -85,11 +85,11 @@ class Beginning:
 
 @dataclass(frozen=True, eq=False)
 class NearbyOrbit:
-    """An orbit under full forces beside that of a set, and how it changes with its numbers.
+    """An orbit under full forces near that of a set, and how it changes with its numbers.
 
     t: (n,) every EVERY [s]; states: (n, 6) GCRF [m, m/s]
     partials: (n, 3, 8) along the bent axes R, S, W [m], by steps of the numbers; those of Cr A/m are 0 where
-    they were not asked for
+    they were not needed
     """
 
     beginning: Beginning
@@ -159,7 +159,7 @@ def solve(
 ) -> np.ndarray:
     """Return the steps (8,) by which the numbers of an orbit change so that it solves equations of sets.
 
-    sunlight: the step of Cr A/m, which one set hardly tells
+    sunlight: the step of Cr A/m, which one set hardly determines
 
     Raises NoOrbitError where there are no such steps.
     """
@@ -188,10 +188,10 @@ def orbits_beside(
     ahead: np.ndarray,
     is_lit: bool = False,
 ) -> list[NearbyOrbit]:
-    """Propagate the orbits beside sets, with their partials.
+    """Propagate the orbits near sets, with their partials.
 
     back, ahead: (sets,) how far before and after the epoch of the set each orbit reaches [s]
-    is_lit: whether those of Cr A/m are asked for, which cost another arc
+    is_lit: whether those of Cr A/m are needed, which cost another arc
 
     States are not finite where an orbit comes down.
     """
@@ -225,8 +225,8 @@ def paths(
     families: 1 for the orbits alone, 2 or 3 for the others, too
     """
     halves = [
-        _half(forces, beginnings, end, way * every, families)
-        for end, way in zip(ends, (-1.0, 1.0), strict=True)
+        _half(forces, beginnings, end, direction * every, families)
+        for end, direction in zip(ends, (-1.0, 1.0), strict=True)
     ]
     return [
         _whole(beginnings[arc % len(beginnings)], halves, arc) for arc in range(families * len(beginnings))
@@ -236,25 +236,25 @@ def paths(
 def _half(
     forces: Forces, beginnings: Sequence[Beginning], ends: np.ndarray, step: float, families: int
 ) -> Arcs:
-    """Return arcs one way in time, in steps above or below 0 [s]."""
+    """Return arcs in one direction of time, in steps above or below 0 [s]."""
     starts = np.array([one.t for one in beginnings])
-    way, every = np.sign(step), abs(step)
-    epochs = np.arange((way * starts).min(), (way * ends).max() + 0.5 * every, every)
+    direction, every = np.sign(step), abs(step)
+    epochs = np.arange((direction * starts).min(), (direction * ends).max() + 0.5 * every, every)
     drag, steps, light = np.array([(one.ballistic, one.drag_step, one.reflection) for one in beginnings]).T
     outlook = forces.model.newest_outlook(np.array([one.known for one in beginnings]))
     departures = Departures(
         np.tile([one.state for one in beginnings], (families, 1)),
-        first=np.tile(np.searchsorted(epochs, way * starts), families),
-        last=np.tile(np.searchsorted(epochs, way * ends), families),
+        first=np.tile(np.searchsorted(epochs, direction * starts), families),
+        last=np.tile(np.searchsorted(epochs, direction * ends), families),
         ballistic=np.concatenate([drag, drag + steps, drag][:families]),
         reflection=np.concatenate([light, light, light + LIGHT_STEP][:families]),
         outlook=np.tile(outlook, families),
     )
-    return propagate(forces.model, way * epochs, departures, integrator=STEPS, threads=forces.threads)
+    return propagate(forces.model, direction * epochs, departures, integrator=STEPS, threads=forces.threads)
 
 
 def _whole(begin: Beginning, halves: Sequence[Arcs], arc: int) -> np.ndarray:
-    """Return the states (n, 6) of an arc both ways from its beginning."""
+    """Return the states (n, 6) of an arc in both directions from its beginning."""
     back, ahead = (half.path(arc) for half in halves)
     return np.concatenate([back[::-1], begin.state[None], ahead])
 

@@ -136,7 +136,7 @@ def _gauged(times: _Times) -> np.ndarray:
 def _solved(
     begins: list[Beginning], times: _Times, members: np.ndarray, *, ahead: float
 ) -> Iterator[tuple[int, NearbyOrbit, np.ndarray]]:
-    """Yield row, orbit beside and the changes of its numbers, NaN without a solution.
+    """Yield row, orbit near the set and the changes of its numbers, NaN without a solution.
 
     ahead: days after the epochs of the sets (members,) that the orbits reach at least
     """
