@@ -271,6 +271,8 @@ def _named_arc(message: ccsds.Message, epoch: str) -> tuple[tuple[str, str], Arc
     realisation, name = metadata.text("REF_FRAME"), metadata.text("OBJECT_NAME")
     frame = "ITRF" if _TERRESTRIAL.fullmatch(realisation) else metadata.choice("REF_FRAME", _FRAMES)
     covariance_t, covariances, axes, density = _covariances(message, frame, scale, epoch)
+    if beyond := int(np.count_nonzero((covariance_t < t[0]) | (covariance_t > t[-1]))):
+        _log.warning("%s: covariances of times outside those of the states: %d", message.path, beyond)
     if frame in _OF_DATE:
         of = metadata.time("REF_FRAME_EPOCH", np.nan, epoch=epoch, scale=scale)
         states = np.einsum("nij,nj->ni", _turns(frame, epoch, np.where(np.isnan(of), t, of)), states)

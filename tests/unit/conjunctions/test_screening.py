@@ -396,7 +396,8 @@ def test_damaged_ephemerides_are_told_in_one_line(short, damage):
 def test_ephemerides_that_share_no_time_are_told(short, files, tmp_path, caplog):
     (segment,) = orbit_segments.read(short, epoch=EPOCH)
     late = tmp_path / "late.oem"
-    oem.write(late, [replace(segment, name="late", identity=UNKNOWN, t=segment.t + 1e7)], epoch=EPOCH)
+    moved = {"t": segment.t + 1e7, "covariance_t": segment.covariance_t + 1e7}
+    oem.write(late, [replace(segment, name="late", identity=UNKNOWN, **moved)], epoch=EPOCH)
     with pytest.raises(InputError, match=r"another ephemeris from 2023-05-01T00:00:00 to .*, got none"):
         screened([short, late], within=1e3)
     caplog.clear()

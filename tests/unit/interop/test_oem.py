@@ -314,6 +314,16 @@ def test_radial_along_and_across_has_many_names(of_estimates, frame):
     np.testing.assert_array_equal(arc.covariances, expected.covariances)
 
 
+def test_covariances_outside_the_states_are_told(of_estimates, caplog):
+    path, _ = of_estimates
+    arcs(path)
+    assert caplog.messages == []
+    *_, last = re.findall(r"EPOCH = (\S+)", path.read_text())
+    path.write_text(path.read_text().replace(f"EPOCH = {last}", f"EPOCH = 2017{last[4:]}"))
+    arcs(path)
+    assert caplog.messages == [f"{path}: covariances of times outside those of the states: 1"]
+
+
 @pytest.mark.parametrize("other", ["TNW", "GCRF", "SEZ"])
 def test_covariances_of_a_segment_may_have_axes_of_their_own(of_estimates, other, caplog):
     """Of two covariances of one segment, each is turned as if it were alone, or left out."""
