@@ -93,10 +93,10 @@ def check_study(source: Source, settings: Settings, *, last_day: float | None = 
     last_day: up to which the study may ask for days; None for the run's own. Raises InputError.
     """
     checks = _Checks(settings, settings.run.duration_days if last_day is None else last_day).by_kind
-    for key, kind, value in _parts(settings.asked):
+    for key, kind, value in _parts(settings.study):
         with source.naming(("study", *key)):
             checks.get(kind, bool)(value)
-    for name, entry in _mapping(settings.asked, ("evaluations",)).items():
+    for name, entry in _mapping(settings.study, ("evaluations",)).items():
         experiment = Study(settings).experiment(entry)
         if experiment.test == "seen" and experiment.target != experiment.rso:
             key = ("study", "evaluations", name, "test")
@@ -121,14 +121,10 @@ def _check_day(source: Source, settings: Settings) -> None:
             raise source.wrong(("elements",), "expected `day`, as mornings alone read element sets, got none")
         return
     if run.estimation.suspect_sigma is not None:
-        raise source.wrong(
-            ("estimation", "suspect_sigma"), "expected none where mornings are asked for (day)"
-        )
+        raise source.wrong(("estimation", "suspect_sigma"), "expected none with mornings (day)")
     for kind in KINDS:
         if settings.files_of(kind) and not kind.for_mornings:
-            raise source.wrong(
-                (kind.name,), "expected none where mornings are asked for (day), as these read none"
-            )
+            raise source.wrong((kind.name,), "expected none with mornings (day), as these read none")
     for name in run.day.messages or ():
         if name not in settings.measured:
             raise source.wrong(("day", "messages"), f"expected objects that were measured, got {name}")
@@ -176,9 +172,11 @@ def _check_order(source: Source) -> None:
         if low is not MISSING and low > high:
             raise source.wrong(lower, f"expected at most {upper[-1]}, got {low} and {high}")
     sources, known = source.values["environment"], source.values.get("forecasts", {})
-    asked = sources.get("forecast")
-    if (asked is not None or sources.get("knowledge") == known_weather.FORECAST) and asked not in known:
-        raise source.wrong(("environment", "forecast"), f"expected one of {', '.join(known)}, got {asked!r}")
+    forecast = sources.get("forecast")
+    if (forecast is not None or sources.get("knowledge") == known_weather.FORECAST) and forecast not in known:
+        raise source.wrong(
+            ("environment", "forecast"), f"expected one of {', '.join(known)}, got {forecast!r}"
+        )
     if sources.get("knowledge") == known_weather.FORECAST and "issue_hours" not in sources:
         raise source.wrong(("environment", "issue_hours"), "expected a value, got none")
     _both(source, ("study", "cleaning", "fence"), ("study", "cleaning", "fence_days"))
@@ -192,12 +190,12 @@ def _check_order(source: Source) -> None:
 
 def _check_days(source: Source) -> None:
     """Days to test on follow those to train on; a study asks for days or for splits."""
-    asked = source.values["study"]
-    if not isinstance(asked, Mapping) or "days" not in asked:
+    study = source.values["study"]
+    if not isinstance(study, Mapping) or "days" not in study:
         return
-    if "splits" in asked:
+    if "splits" in study:
         raise source.wrong(("study", "days"), "expected days, or splits by their names, got both")
-    train, test = asked["days"]["train"], asked["days"]["test"]
+    train, test = study["days"]["train"], study["days"]["test"]
     if test[0] < train[1]:
         expected = f"expected days that follow those to train on, from {train[1]:g}"
         raise source.wrong(("study", "days", "test"), f"{expected}, got {test[0]:g} to {test[1]:g}")
@@ -241,14 +239,14 @@ def _check_measured(source: Source, settings: Settings, kind: Kind) -> None:
             rso = sheets.parse_rso(name, settings.rsos)
             if others := [other for other in KINDS if other is not kind and name in settings.files_of(other)]:
                 raise InputError(f"expected one of {kinds.names()}, got {kind.name} and {others[0].name}")
-            asked = MeasurementRequest(
+            request = MeasurementRequest(
                 paths,
                 settings.options(kind, name),
                 settings.stations,
                 settings.run.epoch,
                 DAY * settings.run.duration_days,
             )
-            kind.module.check(asked)
+            kind.module.check(request)
         if not kind.tells_orbit and name not in settings.starts and not math.isfinite(rso.a):
             expected = f"expected elements, or a file under starts, as {kind.name} alone give no first orbit"
             raise source.wrong(("rsos", name), f"{expected}, got neither")
@@ -270,7 +268,7 @@ def _check_starts(source: Source, settings: Settings) -> None:
 
 def _check_kinds(source: Source, study: Study) -> None:
     """Raise InputError for a study of an RSO that element sets alone tell of."""
-    for rso in study.settings.asked.get("rsos", ()):
+    for rso in study.settings.study.get("rsos", ()):
         if study.kind_of(rso) is kinds.ELEMENTS:
             instead = "`opml predict` predicts from them, `opml day --since` replays past mornings"
             raise source.wrong(("study", "rsos"), f"expected RSOs without elements, got {rso}: {instead}")
@@ -279,7 +277,7 @@ def _check_kinds(source: Source, study: Study) -> None:
 def _check_filters(source: Source, study: Study) -> None:
     """Raise InputError for a sequential filter beside a setting of the fits that filters know nothing of."""
     for part in ("learners", "replayed"):
-        for name in study.settings.asked.get(part, ()):
+        for name in study.settings.study.get(part, ()):
             if study.not_filtered and naming.parse_learner(name, study.learners).kind in FILTERS:
                 expected = f"as filters know no estimation.{study.not_filtered}"
                 raise source.wrong(("study", part), f"expected fits over windows, {expected}, got {name}")
@@ -302,25 +300,25 @@ def _check_variables(source: Source, study: Study) -> None:
     if not others:
         return
     for name, settings in study.learners.items():
-        if asked := [one for one in settings.get("variables") or () if one in MEASUREMENT]:
+        if measured := [one for one in settings.get("variables") or () if one in MEASUREMENT]:
             expected = f"expected variables that {others[0]} have, too"
-            raise source.wrong(("learners", name, "variables"), f"{expected}, got {asked[0]}")
+            raise source.wrong(("learners", name, "variables"), f"{expected}, got {measured[0]}")
 
 
 def _check_references(source: Source, settings: Settings) -> None:
-    asked = settings.asked
+    study = settings.study
     for key, known in (
-        (("individual", "evaluation"), asked.get("evaluations", {})),
-        (("partition", "shown"), asked.get("partition", {}).get("ratios", [])),
-        (("reproduction", "calibrated"), asked.get("evaluations", {})),
+        (("individual", "evaluation"), study.get("evaluations", {})),
+        (("partition", "shown"), study.get("partition", {}).get("ratios", [])),
+        (("reproduction", "calibrated"), study.get("evaluations", {})),
         (("reproduction", "fixed"), settings.run.learners),
     ):
-        named = value_at(asked, key)
+        named = value_at(study, key)
         for name in [] if named is MISSING else named if isinstance(named, list) else [named]:
             if name not in known:
                 expected = f"one of {', '.join(map(str, known))}"
                 raise source.wrong(("study", *key), f"expected {expected}, got {name!r}")
-    fixed = asked.get("reproduction", {}).get("fixed")
+    fixed = study.get("reproduction", {}).get("fixed")
     if fixed and not isinstance(settings.run.learners[fixed].get("kernel_scale"), float):
         raise source.wrong(("learners", fixed, "kernel_scale"), "expected a number, as it is one fixed scale")
 
@@ -332,17 +330,17 @@ _ENTRIES = (
 _MAPPINGS_OF_ENTRIES = (("evaluations",), ("grids",), ("curves",), ("reproduction", "readings"))
 
 
-def _parts(asked: Mapping[str, Any]) -> Iterator[tuple[Key, str, Any]]:
+def _parts(study: Mapping[str, Any]) -> Iterator[tuple[Key, str, Any]]:
     """Yield key, kind and value of everything that names stations, RSOs, learners, splits or days."""
     keys: list[Key] = list(_ENTRIES)
     for group in _MAPPINGS_OF_ENTRIES:
-        keys += [(*group, name) for name in _mapping(asked, group)]
+        keys += [(*group, name) for name in _mapping(study, group)]
     for key in keys:
-        entry = _mapping(asked, key)
+        entry = _mapping(study, key)
         for part, value in entry.items():
             varies = part in ("inclinations", "offsets")
             yield (*key, part), part, (entry.get("rso"), value) if varies else value
-    for name, rsos in _mapping(asked, ("pools",)).items():
+    for name, rsos in _mapping(study, ("pools",)).items():
         yield ("pools", name), "rsos", rsos
 
 

@@ -37,11 +37,11 @@ class Study:
     settings: Settings
 
     def __contains__(self, part: str) -> bool:
-        return part in self.settings.asked
+        return part in self.settings.study
 
     def entry(self, part: str) -> Any:
         """Return a part of the study's settings, empty where the study has none."""
-        return self.settings.asked.get(part, {})
+        return self.settings.study.get(part, {})
 
     @property
     def sheet(self) -> Mapping[str, Rso]:
@@ -57,13 +57,13 @@ class Study:
     def rsos(self) -> list[str]:
         """The RSOs that the study is about."""
         return list(
-            self.settings.asked.get("rsos") or [self.entry("defaults").get("rso") or next(iter(self.sheet))]
+            self.settings.study.get("rsos") or [self.entry("defaults").get("rso") or next(iter(self.sheet))]
         )
 
     @cached_property
     def station_sets(self) -> list[str]:
         """The station sets that the study is about."""
-        named = self.settings.asked.get("station_sets") or [self.entry("defaults").get("stations")]
+        named = self.settings.study.get("station_sets") or [self.entry("defaults").get("stations")]
         # All stations together, or the name in their place where none of the sheet measured the RSOs.
         in_place = filter(None, map(self.in_place_of_stations, self.rsos))
         usual = next(in_place, "-".join(self.settings.stations))
@@ -100,7 +100,7 @@ class Study:
         one, only judges.
         """
         default = "later" if any(self.is_measured(rso) for rso in self.rsos) else "truth"
-        return str(self.settings.asked.get("label", default))
+        return str(self.settings.study.get("label", default))
 
     @property
     def not_filtered(self) -> str:
@@ -126,7 +126,7 @@ class Study:
     def span_days(self) -> Sequence[float]:
         """Window of t_j that random splits draw from [days]: by default the training days, else the run."""
         days = self.entry("days").get("train") or [0, self.settings.run.duration_days]
-        return self.settings.asked.get("span_days") or days
+        return self.settings.study.get("span_days") or days
 
     def experiment(self, entry: Mapping[str, Any], **parts: str) -> Experiment:
         """Return the experiment of an entry with `parts` over it; the target is its RSO by default."""

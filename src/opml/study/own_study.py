@@ -74,7 +74,7 @@ class OwnStudy:
         settings = self.study.learners
         unusable = FILTERS if self.study.not_filtered else ()
         known = [name for name in MODELS if name in settings and settings[name].kind not in unusable]
-        return list(self.study.settings.asked.get("learners") or known)
+        return list(self.study.settings.study.get("learners") or known)
 
     @cached_property
     def datasets(self) -> list[tuple[str, str]]:
@@ -132,7 +132,7 @@ class OwnStudy:
         if naming.parse_train(naming.strip_seed(train, naming.SPLIT)).kind != "days":
             return []
         last = float(self.study.settings.run.duration_days) - 3.0  # two more mornings have to be over then
-        return self.study.settings.asked.get("replayed") or [
+        return self.study.settings.study.get("replayed") or [
             name for name in REPLAYED if name in self.learners and self._first_day(name) <= last
         ]
 
@@ -154,8 +154,8 @@ class OwnStudy:
         first, last = naming.parse_train(train).days
         if learns(settings):
             return math.ceil(first + 0.5 * (last - first))
-        asked = resolved(settings, component=CORRECTED, variables=())
-        arc = arc_of(asked)
+        needed = resolved(settings, component=CORRECTED, variables=())
+        arc = arc_of(needed)
         longest = hours_to_fill(arc[0]) if arc else 0.0
         hours = max(self.study.settings.run.estimation.window_hours, longest)
         return float(first + hours / 24.0)

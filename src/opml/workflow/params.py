@@ -344,12 +344,12 @@ class Params:
     @property
     def catalogue_panels(self) -> dict[str, Any]:
         """What the figure of seasons calls its tests: those of late sets repeat a season."""
-        asked = self.plan.settings.catalogue
-        tests = asked.tests if asked else {}
+        catalogue = self.plan.settings.catalogue
+        tests = catalogue.tests if catalogue else {}
         on_time = [name for name, test in tests.items() if test.latency_hours is None]
         return {
             "epoch": self.run.epoch,
-            "labels": {name: asked.words(name) for name in on_time} if asked else {},
+            "labels": {name: catalogue.words(name) for name in on_time} if catalogue else {},
         }
 
     def catalogue_season(self, wildcards: Wildcards) -> dict[str, Any]:

@@ -216,7 +216,7 @@ study:
 def test_a_study_of_ones_own_has_nothing_of_the_papers(tmp_path):
     source = given(tmp_path, OWN)
     assert set(source.values["study"]) == {"rsos", "station_sets", "days"}
-    assert checks.load_settings(source).asked == source.values["study"]
+    assert checks.load_settings(source).study == source.values["study"]
 
 
 def test_a_study_that_extends_others_is_laid_over_them(tmp_path):
@@ -235,7 +235,7 @@ def test_a_study_may_be_a_file_elsewhere(tmp_path):
 @pytest.mark.parametrize("nothing", ["{}", "null"])
 def test_no_study_is_no_study(tmp_path, nothing):
     source = given(tmp_path, f"study: {nothing}\n")
-    assert checks.load_settings(source).asked == {}
+    assert checks.load_settings(source).study == {}
 
 
 MISFIT = (

@@ -94,14 +94,14 @@ class Settings:
     @cached_property
     def catalogue(self) -> CatalogueSettings | None:
         """Settings of a catalogue; None for none."""
-        asked = self.values.get("catalogue")
-        return CatalogueSettings.model_validate(asked) if asked else None
+        catalogue = self.values.get("catalogue")
+        return CatalogueSettings.model_validate(catalogue) if catalogue else None
 
     @property
     def catalogue_files(self) -> dict[str, list[str]]:
         """Files of element sets, by population of the catalogue."""
-        folder, asked = self.values.get("data", ""), self.catalogue
-        known = asked.populations if asked else {}
+        folder, catalogue = self.values.get("data", ""), self.catalogue
+        known = catalogue.populations if catalogue else {}
         return {name: _files(population.files, folder) for name, population in known.items()}
 
     def are_radars(self, stations: str) -> bool:
@@ -142,7 +142,7 @@ class Settings:
         return {rso: os.path.join(folder, path) for rso, path in named.items() if isinstance(path, str)}
 
     @property
-    def asked(self) -> Mapping[str, Any]:
+    def study(self) -> Mapping[str, Any]:
         """The study's settings; empty where there is none."""
         return self.values["study"] or {}
 

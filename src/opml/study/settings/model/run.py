@@ -220,7 +220,7 @@ class Sheets(Section):
 
 
 class RunAlone(Section):
-    """A run, without what is asked of it."""
+    """A run, without its study."""
 
     results: Folder = setting("folder of all that is written")
     seed: RandomSeeds = setting("where random numbers begin")

@@ -1,4 +1,4 @@
-"""The study: what is asked of a run. Every key, what it means, its unit and its limits."""
+"""The study of a run: every key, what it means, its unit and its limits."""
 
 from typing import Annotated, Literal
 
