@@ -73,11 +73,11 @@ def test_what_is_taken_from_a_facade_is_its_own(facade):
 
 
 MOST = {
-    "lines of the package": 47_560,
+    "lines of the package": 47_480,
     "lines of tests": 35_820,
     "classes": 390,
-    "docstrings that begin with what, which, how, where, of": 68,
-    "variables called found, one, made, told": 74,
+    "docstrings that begin with what, which, how, where, of": 50,
+    "variables called found, one, made, told": 58,
 }
 """Limits of the house. A change that adds pays in the same change; a change that removes lowers them."""
 
