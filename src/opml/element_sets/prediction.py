@@ -259,21 +259,27 @@ class PublicMorning:
         inside = orbit_prediction.predict(
             public, newest.number, self.better, days=days, forces=lambda: self._forces
         )
+        if isinstance(inside, OrbitInside):
+            sizes, past, basis = inside.sizes(improved.table, storm), inside.past, inside.basis
+            is_modelled = inside.is_corrected
+        else:
+            sizes, past, basis = improved.table, improved.past, improved.basis
+            is_modelled = how["applied"] != weighting.UNCHANGED
         prediction = Prediction(
             known_sets.identity(newest),
             date,
             days,
-            inside.past if isinstance(inside, OrbitInside) else improved.past,
-            inside.basis if isinstance(inside, OrbitInside) else improved.basis,
+            past,
+            basis,
             changed(own.satellites[-1], how["motion"], how["bstar"]),
             own.satellites[-1],
             how,
-            inside.sizes(improved.table, storm) if isinstance(inside, OrbitInside) else improved.table,
+            sizes,
             self.better.sets[place],
             burns,
             thrusts,
             inside,
-            self.better.hindsight,
+            self.better.hindsight if is_modelled else "",
         )
         prediction.states(prediction.t)  # no errors are told of what decays before
         return prediction
