@@ -14,7 +14,6 @@ from opml.base.errors import InputError
 from opml.base.files import PACKAGED
 from opml.catalog import kinds
 from opml.catalog.kinds import KINDS, Kind, MeasurementRequest
-from opml.element_sets import station_passes
 from opml.environment import known_weather
 from opml.interop import first_state, orbit_from_files
 from opml.learning.data.dataset import MEASUREMENT
@@ -128,11 +127,7 @@ def _check_day(source: Source, settings: Settings) -> None:
     for name in run.day.messages or ():
         if name not in settings.measured:
             raise source.wrong(("day", "messages"), f"expected objects that were measured, got {name}")
-    for text in run.day.passes:
-        try:
-            station_passes.place(text)
-        except InputError as reason:
-            raise source.wrong(("day", "passes"), str(reason).partition(": ")[2]) from None
+    _check_places(run.day.passes, source)
     for name in settings.morning_models:
         with source.naming(("day", "models")):
             learner = learners.resolved(
@@ -143,6 +138,19 @@ def _check_day(source: Source, settings: Settings) -> None:
             fits = {"arcs", "cd_past", "held"}
             if learners.learns(learner.own) or not fits.issuperset(learners.needed_tables(learner.variables)):
                 raise InputError(f"expected a model that learns nothing, made of fits of one RSO, got {name}")
+
+
+def _check_places(places: Sequence[str], source: Source) -> None:
+    """Raise InputError for a place of passes that is none."""
+    for text in places:
+        from opml.element_sets import (
+            station_passes,
+        )  # kernels, which most plans do not await
+
+        try:
+            station_passes.place(text)
+        except InputError as reason:
+            raise source.wrong(("day", "passes"), str(reason).partition(": ")[2]) from None
 
 
 def _misfit(source: Source, settings: Settings) -> str:
