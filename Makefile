@@ -7,7 +7,7 @@
 # make docs   the documentation as a site, in build/site
 # make pictures   the paper's figures in the documentation, from a full run (half an hour): docs/images/paper
 # make wheel  the package as others install it, and its source, in build/wheel
-# make corrector PAYLOADS=<files> FRAGMENTS=<files> WEATHER=<SW-All.csv>   the packaged model of element sets (an hour)
+# make corrector PAYLOADS=<files> FRAGMENTS=<files> WEATHER=<SW-All.csv>   the packaged model of element sets (5 minutes)
 # make validate OREKIT_DATA=<folder>   the dynamics against Orekit's (half an hour): docs/tables/orekit.md
 # make weather   the skill of forecasts of the space weather (some minutes): the table in docs/weather.md
 # make bench [OREKIT_DATA=<folder>]    opml's speed beside its peers' (25 minutes): benchmarks/results.md

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from threadpoolctl import threadpool_limits
 
 from opml.base import epochs
 from opml.base.errors import InputError
@@ -30,6 +31,7 @@ LIBRARIES = ("numba", "numpy", "pandas", "scikit-learn", "scipy", "sgp4")  # who
 _log = logging.getLogger(__name__)
 
 
+@threadpool_limits.wrap(limits=1, user_api="blas")  # sums in one order, whatever the machine
 def train(
     populations: Mapping[str, Iterable[FilePath]],
     *,
