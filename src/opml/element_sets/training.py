@@ -31,7 +31,6 @@ LIBRARIES = ("numba", "numpy", "pandas", "scikit-learn", "scipy", "sgp4")  # who
 _log = logging.getLogger(__name__)
 
 
-@threadpool_limits.wrap(limits=1, user_api="blas")  # sums in one order, whatever the machine
 def train(
     populations: Mapping[str, Iterable[FilePath]],
     *,
@@ -56,14 +55,15 @@ def train(
     measured = known_weather.read(weather)
     known = density.clean(measured if date is None else measured.keep_known(end))
     progress("densities of the thermosphere since 2002")
-    air = density.learned_air(known, first=FIRST_DAY, end=density.end_of(known))
     correctors, cards = {}, {}
-    for name, files in with_time_left(list(found.items()), "population", progress):
-        progress(f"{name}: predictions")
-        rows = mornings_of(sets[name], air)
-        progress(f"{name}: {len(rows)} predictions to learn from")
-        correctors[name] = corrector.fit(rows, "trees", seed=seed)
-        cards[name] = card(rows, files)
+    with threadpool_limits(limits=1, user_api="blas"):  # sums in one order, whatever the machine
+        air = density.learned_air(known, first=FIRST_DAY, end=density.end_of(known))
+        for name, files in with_time_left(list(found.items()), "population", progress):
+            progress(f"{name}: predictions")
+            rows = mornings_of(sets[name], air)
+            progress(f"{name}: {len(rows)} predictions to learn from")
+            correctors[name] = corrector.fit(rows, "trees", seed=seed)
+            cards[name] = card(rows, files)
     model_card = {
         "populations": cards,
         "seed": seed,
