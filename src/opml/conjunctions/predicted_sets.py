@@ -59,8 +59,12 @@ class PredictedSets:
         return replace(trajectory, remark=f"as opml predict states it: {prediction.way}")
 
     @property
+    def _start(self) -> float:
+        return float(np.ceil(self.begin - 1e-6))
+
+    @property
     def _days(self) -> float:
-        return (self.end - np.ceil(self.begin)) / DAY
+        return (self.end - self._start) / DAY
 
     @cached_property
     def _histories(self) -> dict[int, list[ElementSet]]:
@@ -69,7 +73,7 @@ class PredictedSets:
     @cached_property
     def _morning(self) -> PublicMorning | None:
         """What was public when predictions begin; None where the log says what is missing."""
-        (date,) = ccsds.utc_texts(EPOCH, np.ceil([self.begin - 1e-6]))
+        (date,) = ccsds.utc_texts(EPOCH, np.array([self._start]))
         try:
             return PublicMorning.read(
                 self.paths, date=date.partition(".")[0], weather=self.weather, latency=0.0

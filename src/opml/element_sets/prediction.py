@@ -32,6 +32,7 @@ from opml.interop.element_sets.burns_in_sets import KnownSet, burns_among
 from opml.interop.element_sets.element_set import LOW, ElementSet, changed, elements_epoch, seconds_since
 from opml.interop.predicted_orbit import LEADS, PredictedOrbit, check_days
 from opml.orbits.density_error import DensityErrors
+from opml.orbits.manoeuvres import Manoeuvre
 
 BURNED = 20.0  # days before the date whose burns count: those of the mornings that tell sizes of errors
 
@@ -46,8 +47,8 @@ class Prediction(PredictedOrbit):
 
     improved, published: the newest set with better numbers, and as it was; how: row of the table
     `improved_sets`; sizes: by lead [d] r, s, w, standard deviations of the prediction, and sgp4, that of the
-    published set along the track [m]; better: the set as it is written; burns: when its sets show that it
-    burned in the last BURNED days, UTC; thrusts: how many of these sets show that it thrusts; inside: the
+    published set along the track [m]; better: the set as it is written; manoeuvres: those that its sets
+    show [s since the date]; thrusts: how many sets of the last BURNED days show that it thrusts; inside: the
     orbit inside the sets, or why SGP4 propagates the improved set; hindsight: of `improve.Improved`.
     """
 
@@ -56,7 +57,7 @@ class Prediction(PredictedOrbit):
     how: pd.Series
     sizes: pd.DataFrame
     better: rewriting.Better
-    burns: Sequence[str]
+    manoeuvres: Sequence[Manoeuvre]
     thrusts: int
     inside: OrbitInside | str
     hindsight: str
@@ -113,6 +114,11 @@ class Prediction(PredictedOrbit):
             f"along the track after {rows['lead'].iloc[0]:g} d, by its last {since} (n = {len(rows)}): "
             f"SGP4 {sgp4:.2f} km, {name} {own:.2f} km"
         )
+
+    @property
+    def burns(self) -> list[str]:
+        """When its sets show that it burned in the last BURNED days, UTC."""
+        return burns_before(self.manoeuvres, self.date)
 
     @property
     def remark(self) -> str:
@@ -198,10 +204,6 @@ def predict(
     morning = PublicMorning.read(
         [*paths, *catalogue], date=date, weather=weather, trained=trained, latency=latency, progress=progress
     )
-    number = history[-1].number
-    if morning.better.table.set_index("number")["why"][number] == improve.SEVERAL:
-        got = "got them a thousand kilometres apart after a day: have two objects its number?"
-        raise InputError(f"{paths[0]}: expected sets of one orbit of {number}, {got}")
     return morning.predict(history, days=days)
 
 
@@ -241,7 +243,8 @@ class PublicMorning:
         history: its sets by epoch, some of them public on the date
         days: how long; after the last of LEADS errors are those of that
 
-        Raises InputError where it decays before the end, and for weather that ends too early.
+        Raises InputError where it decays before the end, for sets of two objects, and for weather that ends
+        too early.
         """
         date, newest = self.better.date, history[-1]
         public = known_sets.since(date, history, latency=self.latency, until=0.0)
@@ -249,15 +252,21 @@ class PublicMorning:
             raise InputError(f"{known_sets.identity(newest)}: expected a set public on {date}, got none")
         (place,) = np.flatnonzero(self.better.table["number"] == newest.number)
         how = self.better.table.iloc[place]
-        burns, thrusts = burns_before(public, date), thrusting(public) if how["height"] < LOW else 0
+        if how["why"] == improve.SEVERAL:
+            got = "got them a thousand kilometres apart after a day: have two objects its number?"
+            raise InputError(f"{newest.path}: expected sets of one orbit of {newest.number}, {got}")
+        manoeuvres = burns_among(public, epoch=date)
+        thrusts = thrusting(public) if how["height"] < LOW else 0
         storm = improved_sizes.after_storm(self.known.weather.kp, how["height"])
         catalogue = self.known.catalogue
         own = catalogue.take(np.flatnonzero(catalogue.table["number"] == newest.number))
-        improved = improved_sizes.of_object(
-            own, how, self.better, storm=storm, is_burning=bool(burns or thrusts)
-        )
+        is_burning = bool(burns_before(manoeuvres, date) or thrusts)
+        improved = improved_sizes.of_object(own, how, self.better, storm=storm, is_burning=is_burning)
+        # The first sets after a burn are made of tracks from both sides of it: those since it is known count.
+        begin = max((one.counts_from for one in manoeuvres), default=-np.inf)
+        counted = [one for one in public if one.t >= begin] or public[-1:]
         inside = orbit_prediction.predict(
-            public, newest.number, self.better, days=days, forces=lambda: self._forces
+            counted, newest.number, self.better, days=days, forces=lambda: self._forces
         )
         if isinstance(inside, OrbitInside):
             sizes, past, basis = inside.sizes(improved.table, storm), inside.past, inside.basis
@@ -276,7 +285,7 @@ class PublicMorning:
             how,
             sizes,
             self.better.sets[place],
-            burns,
+            manoeuvres,
             thrusts,
             inside,
             self.better.hindsight if is_modelled else "",
@@ -295,10 +304,9 @@ def known_since(one: ElementSet) -> str:
     return str((latest + np.timedelta64(999_999, "us")).astype("M8[s]"))
 
 
-def burns_before(public: Sequence[KnownSet], date: str) -> list[str]:
-    """Return when sets of one object, known on a date, show burns of the BURNED days before, UTC."""
-    found = [one.t for one in burns_among(public, epoch=date) if one.t >= -DAY * BURNED]
-    return ccsds.utc_texts(date, np.array(found))
+def burns_before(manoeuvres: Sequence[Manoeuvre], date: str) -> list[str]:
+    """Return when the burns of the BURNED days before a date (UTC text) were, UTC; times since it [s]."""
+    return ccsds.utc_texts(date, np.array([one.t for one in manoeuvres if one.t >= -DAY * BURNED]))
 
 
 def thrusting(public: Sequence[KnownSet]) -> int:

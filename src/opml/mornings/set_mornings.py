@@ -29,7 +29,6 @@ from opml.environment.weather import Weather
 from opml.ephemerides.along_track_shift import LEAST_EPOCHS
 from opml.interop import ccsds
 from opml.interop.element_sets import mean_elements, sgp4_errors
-from opml.interop.element_sets.burns_in_sets import burns_among
 from opml.interop.element_sets.element_set import ElementSet, seconds_since
 from opml.mornings import outcomes, verdicts
 from opml.mornings.candidates import STEP
@@ -114,10 +113,10 @@ class ObjectOfSets:
         try:
             prediction = self.sets.on(date).predict(self.history, days=self.plan.max_days)
         except InputError as reason:
-            return SetMorning(_left(row, Verdict(DO_NOT_USE, str(reason))), Verdict(DO_NOT_USE, str(reason)))
+            refused = Verdict(DO_NOT_USE, str(reason))
+            return SetMorning(_left(row, refused), refused)
         later = _later(prediction, self.plan.epoch, now)
-        public = known_sets.since(date, self.history, latency=catalogues.LATENCY, until=0.0)
-        burns = burns_among(public, epoch=date)
+        burns = prediction.manoeuvres
         judged = _without_burns(_judged(later, records), burns, now)
         past = _without_burns(below([records.judged, judged], "judged"), burns, now)
         start = pd.DataFrame({"track": [later["j"]], "t": [later["t_set"]]})

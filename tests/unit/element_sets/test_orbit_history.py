@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 import pytest
-from publisher import HALF, published, small_forces, true_orbit
+from publisher import HALF, published
 from support import EPOCH
 
 from opml import cli
@@ -18,16 +18,6 @@ from opml.orbits.state_polynomials import StatePolynomials
 from opml.tables import STATE
 
 DAYS = (0.0, 1.5, 3.0, 4.5, 6.0, 7.5, 13.0, 14.5)  # a gap of five and a half days
-
-
-@pytest.fixture(scope="module")
-def forces():
-    return small_forces()
-
-
-@pytest.fixture(scope="module")
-def truth(forces):
-    return true_orbit(forces)
 
 
 @pytest.fixture(scope="module")

@@ -5,7 +5,7 @@ from functools import partial
 
 import numpy as np
 import pytest
-from publisher import BALLISTIC, HALF, SUNLIT, begun, published, small_forces, true_orbit
+from publisher import BALLISTIC, HALF, SUNLIT, begun, published
 from support import EPOCH
 from weather_files import other_after
 
@@ -19,16 +19,6 @@ from opml.interop.element_sets.burns_in_sets import KnownSet
 from opml.orbits.elements import bent_rsw, positions_beside
 
 DAYS = np.arange(0.0, 15.0, 1.5)  # epochs of the sets after EPOCH
-
-
-@pytest.fixture(scope="module")
-def forces():
-    return small_forces()
-
-
-@pytest.fixture(scope="module")
-def truth(forces):
-    return true_orbit(forces)
 
 
 @pytest.fixture(scope="module")

@@ -14,7 +14,7 @@ from opml.element_sets.inside.inside_now import InsideNow
 from opml.element_sets.inside.inside_sizes import lower
 from opml.element_sets.inside.orbit_inside import NoOrbitError
 from opml.element_sets.set_errors import OLDEST
-from opml.interop.element_sets.burns_in_sets import KnownSet, burns_among
+from opml.interop.element_sets.burns_in_sets import KnownSet
 from opml.interop.element_sets.element_set import LOW, decay, mean_height
 from opml.interop.predicted_orbit import LEADS
 from opml.orbits.state_polynomials import StatePolynomials
@@ -95,7 +95,8 @@ def predict(
 ) -> OrbitInside | str:
     """Return the orbit inside the sets of an object, or why there is none, in words.
 
-    public: sets of the object that were known on the date of `better`, by epoch; times since it
+    public: sets of the object that were known on the date of `better`, none from before its last burn, by
+        epoch; times since it
     number: of the object in `better`, whose corrections shift the orbit along its track
     forces: returns those of `inside_now.forces_on` the date
     """
@@ -104,11 +105,8 @@ def predict(
         return f"newest set older than {OLDEST:g} d"
     if reason := inside_now.unsuited(newest.satellite):
         return reason
-    # The first sets after a burn are made of tracks from both sides of it: those since it is known count.
-    begin = max((one.counts_from for one in burns_among(public, epoch=better.date)), default=-np.inf)
-    sets = [one for one in public if one.t >= begin] or [newest]
     try:
-        now = inside_now.find(sets, date=better.date, forces=forces())
+        now = inside_now.find(public, date=better.date, forces=forces())
     except NoOrbitError as reason:
         return str(reason)
     if now.doubt:
