@@ -7,10 +7,7 @@ from opml.environment import known_weather, solar_activity, space_weather
 
 def outlook(nodes, *, days):
     """The table of outlooks of so many days each by persistence, over the run's first nodes."""
-    forecast = {"kind": "persistence"}
-    issues = known_weather.Issues(
-        source="OBSERVED", epoch=EPOCH, forecast=forecast, issue_hours=24, max_days=days
-    )
+    issues = known_weather.Issues(source="OBSERVED", epoch=EPOCH, issue_hours=24, max_days=days)
     return known_weather.outlooks(issues, environment()["solar_activity"]["t"].to_numpy()[:nodes])
 
 

@@ -2,11 +2,11 @@
 
     python -m validation.forecast_skill docs/weather.md
 
-Each day of ten years is a day of issue, at midnight UTC; methods learn from the years before.
+Each day of ten years is a day of issue, at midnight UTC; the regression learns from the years before.
 """
 
 import argparse
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -15,20 +15,11 @@ from scoringrules import crps_ensemble
 from opml.base import epochs
 from opml.base.constants import DAY
 from opml.base.files import FilePath, replacing
-from opml.base.yaml_files import read_yaml
 from opml.environment import known_weather, solar_activity
-from opml.environment.forecasts import methods
-from opml.environment.forecasts.method import ForecastSettings, Future
+from opml.environment.forecasts.regression import Forecast
 from opml.environment.space_weather import INTERVALS
-from opml.environment.weather import RUN_UP, Weather
-from validation.case import ROOT
+from opml.environment.weather import RUN_UP, Future, Weather
 from validation.orbit_density import OrbitDensity
-
-FORECASTS: Mapping[str, ForecastSettings] = {
-    name: methods.FORECASTS.validated(one)
-    for name, one in read_yaml(ROOT / "config" / "config.yaml")["forecasts"].items()
-}
-"""Settings of the methods, those of config/config.yaml."""
 
 _FIRST, _LAST = "2016-01-01T00:00:00", "2025-12-31T00:00:00"
 _LEADS = 8
@@ -40,21 +31,23 @@ _SPANS = (1, 3, 5, 7)
 
 
 def skill(first: str = _FIRST, last: str = _LAST) -> dict[str, np.ndarray]:
-    """Return the root mean square errors (leads, 3) of F10.7 [sfu], Kp and density [%], by method.
+    """Return the root mean square errors (leads, 3) of F10.7 [sfu], Kp and density [%], by forecast.
 
-    first, last: days of issue (UTC text); methods learn from the days before `first`
+    first, last: days of issue (UTC text); the regression learns from the days before `first`
 
-    `monthly` stands beside the methods. Density is the daily mean at 400 km, its error relative to the
-    density by the measured activity.
+    `monthly` and the last values stand beside the regression. Density is the daily mean at 400 km, its error
+    relative to the density by the measured activity.
     """
     weather = known_weather.read(solar_activity.OBSERVED)
     begin, end = (int(sum(epochs.utc(text, 0.0)) - epochs.MJD_ZERO) for text in (first, last))
     days = np.arange(begin, end - _LEADS + 1)
     true = _figures(weather, days)
-    errors = {"monthly": _rms(_monthly(days), true)}
-    for name, settings in FORECASTS.items():
-        errors[name] = _rms(_forecasts(weather, days, settings), true)
-    return errors
+    expected = {
+        "monthly": _monthly(days),
+        "persistence": _expected(weather, days, _persistence),
+        "regression": _expected(weather, days, _fitted(weather, days).future),
+    }
+    return {name: _rms(figures, true) for name, figures in expected.items()}
 
 
 def _monthly(days: np.ndarray) -> np.ndarray:
@@ -91,12 +84,12 @@ def spread(first: str = _FIRST, last: str = _LAST) -> dict[str, np.ndarray]:
     begin, end = (int(sum(epochs.utc(text, 0.0)) - epochs.MJD_ZERO) for text in (first, last))
     days = np.arange(begin, end - _LEADS + 1, _EVERY)
     true = _drag(_figures(weather, days))
-    drags = {name: _future_drags(weather, days, FORECASTS[name]) for name in ("regression", "analogues")}
-    point = _drag(_forecasts(weather, days, FORECASTS["regression"])) / true - 1.0
+    forecast = _fitted(weather, days)
+    point = _drag(_expected(weather, days, forecast.future)) / true - 1.0
     # The error of the issue five days before is not known yet.
     scored = _YEAR + 1
     before = np.lib.stride_tricks.sliding_window_view(point, _YEAR, axis=0)[: len(days) - scored]
-    futures = {name: drag[:, scored:] / true[scored:] - 1.0 for name, drag in drags.items()}
+    futures = {"regression": _future_drags(weather, days, forecast)[:, scored:] / true[scored:] - 1.0}
     futures["errors of a year"] = point[scored:] - np.moveaxis(before, -1, 0)
     return {
         name: np.array([_score(errors[..., k]) for k in range(len(_SPANS))])
@@ -104,27 +97,36 @@ def spread(first: str = _FIRST, last: str = _LAST) -> dict[str, np.ndarray]:
     }
 
 
-def _future_drags(weather: Weather, days: np.ndarray, settings: ForecastSettings) -> np.ndarray:
+def _fitted(weather: Weather, days: np.ndarray) -> Forecast:
+    return Forecast.fit(weather.keep_known(days[0]), days=_LEADS + 1)
+
+
+def _persistence(past: Weather) -> Future:
+    """Return the last F10.7, and the mean Kp of the last 24 hours."""
+    kp = np.full(INTERVALS * (_LEADS + 1), past.kp[-INTERVALS:].mean())
+    return Future(np.full(_LEADS + 1, past.flux[-1]), kp)
+
+
+def _future_drags(weather: Weather, days: np.ndarray, forecast: Forecast) -> np.ndarray:
     """Return the drag (members, days, spans) of the futures about a forecast at days of issue."""
-    history, ahead = weather.keep_known(days[0]), _LEADS + 1
-    forecast = methods.fit(history, days=ahead, settings=settings)
-    ensemble = methods.futures(history, forecast, days=ahead, settings=settings, members=_MEMBERS)
-    parts = [_ahead(weather, day, ensemble(weather.keep_known(day), float(day))) for day in map(int, days)]
+    parts = [
+        _ahead(weather, day, forecast.futures(weather.keep_known(day), _MEMBERS)) for day in map(int, days)
+    ]
     return _drag(np.stack(parts, axis=1))
 
 
-def _forecasts(weather: Weather, days: np.ndarray, settings: ForecastSettings) -> np.ndarray:
+def _expected(weather: Weather, days: np.ndarray, forecast: Callable[[Weather], Future]) -> np.ndarray:
     """Return the figures (days, leads, 10) of a forecast at days of issue."""
-    forecast = methods.fit(weather.keep_known(days[0]), days=_LEADS + 1, settings=settings)
-    parts = [_ahead(weather, day, [forecast(weather.keep_known(day), float(day))]) for day in map(int, days)]
-    return np.concatenate(parts)
+    return np.concatenate(
+        [_ahead(weather, day, [forecast(weather.keep_known(day))]) for day in map(int, days)]
+    )
 
 
 def _ahead(weather: Weather, day: int, futures: Sequence[Future]) -> np.ndarray:
     """Return the figures (futures, leads, 10) of futures from a day of issue on."""
     past = weather.keep_known(day).drop_before(day - RUN_UP - 1)
     today = np.array([day])
-    return np.concatenate([_figures(past.extend(*future), today) for future in futures])
+    return np.concatenate([_figures(past.extend(future), today) for future in futures])
 
 
 def _drag(figures: np.ndarray) -> np.ndarray:
@@ -148,8 +150,8 @@ def _rms(expected: np.ndarray, true: np.ndarray) -> np.ndarray:
 
 
 def table(errors: Mapping[str, np.ndarray]) -> str:
-    """Return the skill as a Markdown table, one row per quantity and method."""
-    lines = [f"| RMS of | method | {' | '.join(f'{span} d' for span in _SPANS)} |"]
+    """Return the skill as a Markdown table, one row per quantity and forecast."""
+    lines = [f"| RMS of | forecast | {' | '.join(f'{span} d' for span in _SPANS)} |"]
     lines.append("| --- | --- |" + len(_SPANS) * " --- |")
     for column, (quantity, digits) in enumerate((("F10.7, sfu", 1), ("Kp", 2), ("density, %", 1))):
         for name, rms in errors.items():

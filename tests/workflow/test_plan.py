@@ -93,7 +93,7 @@ def test_trimmed_case_has_the_same_rules(project, papers_plan):
     assert jobs(trimmed).keys() == jobs(papers_plan).keys()
 
 
-OBSERVED = "environment={solar_activity: OBSERVED, knowledge: forecast, forecast: analogues}"
+OBSERVED = "environment={solar_activity: OBSERVED, knowledge: forecast}"
 CORRECTED = ["arcs", "cd_past", "spread", "replay", "corrected", "export_each_corrected"]
 PLANNED = [  # products and settings, and what has to run but for the tables of the environment
     (

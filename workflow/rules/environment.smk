@@ -138,7 +138,6 @@ rule hindcast:
 rule outlooks:
     input:
         users(ENVIRONMENT.source_files("solar_activity")),
-        users(ENVIRONMENT.forecast_files),
     output:
         OUTLOOKS.table,
     log:
@@ -153,11 +152,10 @@ rule outlooks:
         settings=lambda wildcards: PARAMS.span
         | {
             "source": ENVIRONMENT.source("solar_activity"),
-            "forecast": ENVIRONMENT.forecast.of_job(),
             "issue_hours": int(wildcards.hours),
             "max_days": config["prediction"]["max_days"],
         }
-        | contents([*ENVIRONMENT.source_files("solar_activity"), *ENVIRONMENT.forecast_files]),
+        | contents(ENVIRONMENT.source_files("solar_activity")),
         code=code("outlooks.py"),
     message:
         "Outlooks: the space weather as it was forecast every {wildcards.hours} hours"
@@ -168,7 +166,6 @@ rule outlooks:
 rule futures:
     input:
         users(ENVIRONMENT.source_files("solar_activity")),
-        users(ENVIRONMENT.forecast_files),
     output:
         FUTURES.table,
     log:
@@ -183,12 +180,11 @@ rule futures:
         settings=lambda wildcards: PARAMS.span
         | {
             "source": ENVIRONMENT.source("solar_activity"),
-            "forecast": ENVIRONMENT.forecast.of_job(),
             "members": int(wildcards.members),
             "issue_hours": ENVIRONMENT.sources.issue_hours,
             "max_days": config["prediction"]["max_days"],
         }
-        | contents([*ENVIRONMENT.source_files("solar_activity"), *ENVIRONMENT.forecast_files]),
+        | contents(ENVIRONMENT.source_files("solar_activity")),
         code=code("futures.py"),
     message:
         "Futures: {wildcards.members} courses that the space weather may take from each issue"

@@ -2,6 +2,7 @@
 
 from opml.base.constants import DAY
 from opml.environment import known_weather, nodes
+from opml.environment.forecasts import regression
 from opml.tables import OUTLOOKS, write_table
 from opml.workflow.jobs import job
 
@@ -13,5 +14,5 @@ class Settings(known_weather.Issues):
 with job(snakemake) as metadata:
     settings = Settings(**snakemake.params.settings)
     table = known_weather.outlooks(settings, nodes(settings.epoch, DAY * settings.duration_days))
-    metadata |= {"source": settings.source, "forecast": settings.forecast.of_job()}
+    metadata |= {"source": settings.source, "forecast": regression.NAME}
     write_table(snakemake.output[0], table, OUTLOOKS, metadata=metadata)

@@ -1,4 +1,4 @@
-"""Settings whose keys depend on their `kind`: a learner's and a forecast's, as each kind declares them."""
+"""Settings whose keys depend on their `kind`: a learner's, as each kind declares them."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

@@ -5,6 +5,7 @@ forecast: t_i is today. An outlook has the weather known at its issue, and the f
 """
 
 import math
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 from pathlib import Path
 
@@ -16,9 +17,9 @@ from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
 from opml.base.section import JobSettings
 from opml.environment import solar_activity, space_weather
-from opml.environment.forecasts import methods
-from opml.environment.forecasts.method import Forecast, ForecastSettings, FutureForecast
-from opml.environment.weather import ACTIVITY, RUN_UP, Weather
+from opml.environment.forecasts import regression
+from opml.environment.forecasts.regression import Forecast
+from opml.environment.weather import ACTIVITY, RUN_UP, Future, Weather
 
 MONTHLY, HINDCAST, FORECAST = "monthly", "hindcast", "forecast"
 KNOWN = (HINDCAST, FORECAST)  # kinds of knowledge that need measured weather
@@ -31,14 +32,10 @@ _AHEAD = 2.0 * HOUR
 
 
 class Issues(JobSettings):
-    """Forecasts of the space weather issued at regular times.
-
-    forecast: settings of the method, which learns from the packaged weather before the epoch
-    """
+    """Forecasts of the space weather issued at regular times, learned from the weather before the epoch."""
 
     source: str | Path  # of the measured weather, OBSERVED or a CSSI file
     epoch: str  # UTC text
-    forecast: methods.AnyForecast
     issue_hours: int  # between issues, the first one at or before the epoch
     max_days: float  # longest arc after its epoch
 
@@ -123,38 +120,29 @@ def outlooks(issues: Issues, t: np.ndarray) -> pd.DataFrame:
 
     Raises InputError where a source is unreadable or does not cover the times.
     """
-    return _expected(issues, t, _fitted(issues))
+    return _expected(issues, t, fit_forecast(issues.epoch, days=issues.days))
 
 
 def tabulate_futures(issues: Issues, t: np.ndarray, *, members: int) -> pd.DataFrame:
-    """Return the table `futures`: as `outlooks`, for each member of an ensemble about the forecast.
-
-    The members are those of `methods.futures`.
-    """
-    return _ensemble(issues, t, members, _fitted(issues))
+    """Return the table `futures`: as `outlooks`, for each member of an ensemble about the forecast."""
+    return _ensemble(issues, t, members, fit_forecast(issues.epoch, days=issues.days))
 
 
 def outlooks_and_futures(issues: Issues, t: np.ndarray, *, members: int) -> tuple[pd.DataFrame, pd.DataFrame]:
     """Return the tables of `outlooks` and `tabulate_futures`, for which one forecast learns once."""
-    forecast = _fitted(issues)
+    forecast = fit_forecast(issues.epoch, days=issues.days)
     return _expected(issues, t, forecast), _ensemble(issues, t, members, forecast)
 
 
 def _expected(issues: Issues, t: np.ndarray, forecast: Forecast) -> pd.DataFrame:
-    return _tabulate(issues, t, lambda past, day: [forecast(past, day)]).drop(columns="member")
+    return _tabulate(issues, t, lambda past: [forecast.future(past)]).drop(columns="member")
 
 
 def _ensemble(issues: Issues, t: np.ndarray, members: int, forecast: Forecast) -> pd.DataFrame:
-    history, settings = _history(issues.epoch), issues.forecast
-    ensemble = methods.futures(history, forecast, days=issues.days, settings=settings, members=members)
-    return _tabulate(issues, t, ensemble)
+    return _tabulate(issues, t, lambda past: forecast.futures(past, members))
 
 
-def _fitted(issues: Issues) -> Forecast:
-    return fit_forecast(issues.epoch, days=issues.days, forecast=issues.forecast)
-
-
-def _tabulate(issues: Issues, t: np.ndarray, ensemble: FutureForecast) -> pd.DataFrame:
+def _tabulate(issues: Issues, t: np.ndarray, ensemble: Callable[[Weather], Sequence[Future]]) -> pd.DataFrame:
     """Return the activity at times `t` [s] up to the horizon of each issue, by each of its futures."""
     weather, day = read(issues.source), space_weather.days(issues.epoch, t)
     _check_begin(weather, day, issues.source)
@@ -165,35 +153,28 @@ def _tabulate(issues: Issues, t: np.ndarray, ensemble: FutureForecast) -> pd.Dat
         known = weather.keep_known(today)
         recent = known.drop_before(math.floor(today) - RUN_UP - 1)
         ahead = (t > issued) & (t <= issued + issues.horizon)
-        for member, future in enumerate(ensemble(known, today)):
-            activity = recent.extend(*future).activity(day[ahead])
+        for member, future in enumerate(ensemble(known)):
+            activity = recent.extend(future).activity(day[ahead])
             parts.append(pd.DataFrame({"member": member, "issued": issued, "t": t[ahead], **activity}))
     return pd.concat(parts, ignore_index=True)
 
 
-def fit_forecast(epoch: str, *, days: int, forecast: ForecastSettings) -> Forecast:
+def fit_forecast(epoch: str, *, days: int) -> Forecast:
     """Return a forecast of `days` days that has learned from the packaged weather before `epoch` (UTC text).
-
-    forecast: settings of the method
 
     Raises InputError where there is too little weather before the epoch.
     """
-    return methods.fit(_history(epoch), days=days, settings=forecast)
+    return Forecast.fit(_history(epoch), days=days)
 
 
-def check(
-    source: str | Path, epoch: str, ends: np.ndarray, *, forecast: ForecastSettings, issue_hours: int
-) -> None:
-    """Raise InputError where the weather, the history or the user's own forecasts do not cover a run.
+def check(source: str | Path, epoch: str, ends: np.ndarray) -> None:
+    """Raise InputError where the weather or the history before it do not cover a run.
 
     source: of the measured weather, OBSERVED or a CSSI file
     ends: (2,) first and last time of the run's tables [s since `epoch`]
-    forecast: settings of the method
-    issue_hours: between issues
     """
     _check_begin(read(source), space_weather.days(epoch, ends), source)
-    today = float(issue_times(epoch, ends, max(issue_hours, FIT_HOURS))[1][0])
-    methods.check(_history(epoch), read(source).keep_known(today), today, settings=forecast)
+    regression.check_history(_history(epoch), days=1)
 
 
 def _history(epoch: str) -> Weather:

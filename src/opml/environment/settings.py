@@ -29,11 +29,6 @@ class EnvironmentSettings(Section):
         " or up to t_i and a `forecast`; by default `solar_activity` as given",
         see="weather.md",
     )
-    forecast: Absent[str] = absent(
-        "forecast of `knowledge: forecast`, about which its futures lie",
-        unit="name under `forecasts`",
-        see="weather.md#futures",
-    )
     issue_hours: Absent[Literal[1, 3, 6, 12, 24]] = absent(
         "time between the issues of forecasts, counted from 00:00 UTC; predictions use the newest one",
         unit="h",

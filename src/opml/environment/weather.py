@@ -6,6 +6,7 @@ is that of the last 81 days; the centred mean would look 40 days ahead.
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,6 +18,13 @@ HIGHEST_KP = 9.0  # upper end of the scale of Kp
 
 ACTIVITY = ["f107", "f107_mean", "kp_3h", "kp_24h"]
 """Columns of the inputs of DTM2000; a list, as pandas selects columns by a list."""
+
+
+class Future(NamedTuple):
+    """A course of the space weather after the last measurements."""
+
+    flux: np.ndarray  # (days,) F10.7 [sfu], one a day
+    kp: np.ndarray  # (intervals,) Kp, one every three hours
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,9 +46,10 @@ class Weather:
         skipped = max(0, first - self.first)
         return Weather(self.first + skipped, self.flux[skipped:], self.kp[INTERVALS * skipped :])
 
-    def extend(self, flux: np.ndarray, kp: np.ndarray) -> "Weather":
-        """Return the measurements followed by more: one F10.7 [sfu] a day, one Kp every three hours."""
-        return Weather(self.first, np.concatenate([self.flux, flux]), np.concatenate([self.kp, kp]))
+    def extend(self, future: Future) -> "Weather":
+        """Return the measurements followed by a future."""
+        flux, kp = np.concatenate([self.flux, future.flux]), np.concatenate([self.kp, future.kp])
+        return Weather(self.first, flux, kp)
 
     def activity(self, day: np.ndarray) -> dict[str, np.ndarray]:
         """Return the inputs of DTM2000 at times `day` (n,), modified Julian days, by the names of ACTIVITY.

@@ -29,7 +29,6 @@ from opml.dynamics.forces import build, tabulated, with_outlooks
 from opml.dynamics.settings import ForceModelSettings, Integrator
 from opml.element_sets import improve
 from opml.environment import known_weather, nodes
-from opml.environment.forecasts.methods import AnyForecast
 from opml.environment.known_weather import Issues
 from opml.environment.settings import EnvironmentSettings
 from opml.ephemerides.along_track_shift import NotSmoothError, through
@@ -191,7 +190,6 @@ class OrbitSettings(JobSettings):
     integrator: Integrator
     estimation: Estimation
     environment: EnvironmentSettings
-    forecast: AnyForecast
     futures: int
     models: dict[str, JobLearner]
 
@@ -352,9 +350,7 @@ def _object_propagators(
         kernel=sources.ephemerides,
         degree=settings.force_model.degree,
     )
-    issues = Issues(
-        source=weather, epoch=times.epoch, forecast=settings.forecast, issue_hours=hours, max_days=max_days
-    )
+    issues = Issues(source=weather, epoch=times.epoch, issue_hours=hours, max_days=max_days)
     expected, futures = known_weather.outlooks_and_futures(issues, t, members=settings.futures)
     three_hourly = issues.model_copy(update={"issue_hours": known_weather.FIT_HOURS, "max_days": _HISTORY})
     still, flattened = (build(environment, one) for one in (settings.force_model, weather_spread.FLATTENED))

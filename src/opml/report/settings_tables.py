@@ -68,7 +68,7 @@ def weather(environment: EnvironmentSettings) -> str:
         case "forecast":
             return (
                 f"Space weather ({source}) as measured up to each estimate, then forecast "
-                f"(`{environment.forecast}`, every {environment.issue_hours} h)."
+                f"every {environment.issue_hours} h."
             )
         case "hindcast":
             return f"Space weather ({source}) as measured up to the time predicted to: a hindcast."
@@ -85,8 +85,7 @@ def _knowledge(environment: EnvironmentSettings) -> str:
         case "hindcast":
             return ", as known at each time"
         case "forecast":
-            method, hours = environment.forecast, environment.issue_hours
-            return f", as known at each estimate, then forecast by {method} every {hours} h"
+            return f", as known at each estimate, then forecast every {environment.issue_hours} h"
     return ""
 
 

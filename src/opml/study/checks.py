@@ -179,12 +179,7 @@ def _check_order(source: Source) -> None:
         low, high = _both(source, lower, upper)
         if low is not MISSING and low > high:
             raise source.wrong(lower, f"expected at most {upper[-1]}, got {low} and {high}")
-    sources, known = source.values["environment"], source.values.get("forecasts", {})
-    forecast = sources.get("forecast")
-    if (forecast is not None or sources.get("knowledge") == known_weather.FORECAST) and forecast not in known:
-        raise source.wrong(
-            ("environment", "forecast"), f"expected one of {', '.join(known)}, got {forecast!r}"
-        )
+    sources = source.values["environment"]
     if sources.get("knowledge") == known_weather.FORECAST and "issue_hours" not in sources:
         raise source.wrong(("environment", "issue_hours"), "expected a value, got none")
     _both(source, ("study", "cleaning", "fence"), ("study", "cleaning", "fence_days"))

@@ -39,7 +39,6 @@ def settings() -> OrbitSettings:
         force_model=real["force_models"]["assumed"] | FIELD,
         integrator=run["integrator"] | {"max_step_s": STEP},
         environment=run["environment"],
-        forecast=run["forecasts"][run["environment"]["forecast"]],
         futures=run["uncertainty"]["futures"],
         models={name: resolve(learners.settings_of(run["learners"][name])) for name in MODELS},
     )

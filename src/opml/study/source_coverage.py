@@ -54,9 +54,8 @@ def _check_knowledge(run: RunSettings, ends: np.ndarray) -> None:
             known_weather.check_monthly(source)
         if kind == known_weather.HINDCAST:
             known_weather.hindcast(source, epoch, ends)
-        if kind == known_weather.FORECAST and sources.forecast and sources.issue_hours:
-            forecast = run.forecasts[sources.forecast]
-            known_weather.check(source, epoch, ends, forecast=forecast, issue_hours=sources.issue_hours)
+        if kind == known_weather.FORECAST:
+            known_weather.check(source, epoch, ends)
     except InputError as error:
         raise InputError(f"environment.knowledge: {kind}: {error}") from None
 

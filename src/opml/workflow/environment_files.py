@@ -6,8 +6,6 @@ from pathlib import Path
 
 from opml import tables
 from opml.environment import known_weather, nrlmsis, solar_activity
-from opml.environment.forecasts import methods, persistence
-from opml.environment.forecasts.method import ForecastSettings
 from opml.environment.settings import EnvironmentSettings
 from opml.study.settings.model.whole import RunSettings
 
@@ -79,16 +77,6 @@ class EnvironmentFiles:
     @property
     def _all(self) -> dict[str, str]:
         return {table: self.path(table) for table in tables.ENVIRONMENT}
-
-    @property
-    def forecast(self) -> ForecastSettings:
-        """Settings of the forecast of predictions; persistence where the run has none."""
-        return self.run.forecasts.get(self.sources.forecast or "", persistence.SETTINGS)
-
-    @property
-    def forecast_files(self) -> list[str]:
-        """The user's own files behind the forecast."""
-        return methods.files(self.forecast)
 
     def source_files(self, table: str) -> list[str]:
         """Return the user's own file behind a table; none where the source is a packaged one."""

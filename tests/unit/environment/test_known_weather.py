@@ -1,6 +1,7 @@
 """What an assumed model knows of the weather: nothing that was measured later."""
 
 from functools import partial
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -21,40 +22,32 @@ from opml.dynamics.run_environment import Environment
 from opml.dynamics.settings import ForceModelSettings
 from opml.environment import gravity_field, known_weather, nodes, solar_activity, space_weather
 from opml.environment.known_weather import Issues
-from opml.environment.weather import Weather
+from opml.environment.weather import Future, Weather
 from opml.tables import STATE
 
 T = nodes(EPOCH, 3 * DAY)
-FORECASTS = {
-    "persistence": {"kind": "persistence"},
-    "regression": {"kind": "regression", "lags": 5, "ridge": 10},
-    "analogues": {"kind": "analogues", "members": 3},
-}
 
 
-def outlooks(source="OBSERVED", forecast="persistence", hours=3):
-    return known_weather.outlooks(
-        Issues(source=source, epoch=EPOCH, forecast=FORECASTS[forecast], issue_hours=hours, max_days=1), T
-    )
+def outlooks(source="OBSERVED", hours=3):
+    return known_weather.outlooks(Issues(source=source, epoch=EPOCH, issue_hours=hours, max_days=1), T)
 
 
 def mjd(utc):
     return float(sum(epochs.utc(utc, 0.0))) - epochs.MJD_ZERO
 
 
-def futures(forecast):
-    issues = Issues(source="OBSERVED", epoch=EPOCH, forecast=FORECASTS[forecast], issue_hours=6, max_days=1)
+def futures():
+    issues = Issues(source="OBSERVED", epoch=EPOCH, issue_hours=6, max_days=1)
     return known_weather.tabulate_futures(issues, T, members=3)
 
 
 EVENING = "2016-09-29T20:00:00"
 TABLES = {
     **{
-        f"outlooks by {name}, {utc}": (partial(outlooks, forecast=name), "issued", utc)
-        for name in FORECASTS
+        f"outlooks, {utc}": (outlooks, "issued", utc)
         for utc in ("2016-09-29T00:00:00", EVENING, "2016-09-30T04:12:00")
     },
-    **{f"futures by {name}": (partial(futures, name), "issued", EVENING) for name in FORECASTS},
+    "futures": (futures, "issued", EVENING),
     "hindcast": (partial(known_weather.hindcast, "OBSERVED", EPOCH, T), "t", EVENING),
 }
 
@@ -74,7 +67,7 @@ def test_no_table_knows_what_was_measured_after_its_issue(tmp_path, monkeypatch,
 
 
 def test_each_issue_has_all_members_of_futures():
-    assert futures("persistence").groupby("issued")["member"].nunique().eq(3).all()
+    assert futures().groupby("issued")["member"].nunique().eq(3).all()
 
 
 def test_a_forecast_starts_from_what_is_measured_and_reaches_beyond(tmp_path):
@@ -87,10 +80,7 @@ def test_a_forecast_starts_from_what_is_measured_and_reaches_beyond(tmp_path):
     known = np.isfinite(found["f107"])
     assert t[known].max() == pytest.approx(5.327 * DAY, abs=0.01 * DAY)  # 20:00 UTC, by its last F10.7
     pd.testing.assert_frame_equal(found[known], whole[known], check_exact=True)
-    issues = (
-        Issues(source=source, epoch=EPOCH, forecast=FORECASTS["persistence"], issue_hours=24, max_days=7)
-        for source in (cut, "OBSERVED")
-    )
+    issues = (Issues(source=source, epoch=EPOCH, issue_hours=24, max_days=7) for source in (cut, "OBSERVED"))
     ahead, all_of_it = (known_weather.outlooks(one, t) for one in issues)
     assert ahead["issued"].max() < all_of_it["issued"].max()
     shared = all_of_it["issued"] <= ahead["issued"].max()
@@ -147,12 +137,12 @@ def test_fits_and_predictions_know_nothing_measured_after_they_start(tmp_path, i
 def test_a_perfect_forecast_is_the_hindcast(monkeypatch):
     weather = known_weather.read("OBSERVED")
 
-    def all_knowing(epoch, *, days, forecast):
-        def tell(past, day):
+    def all_knowing(epoch, *, days):
+        def future(past):
             fluxes, kps = len(past.flux), len(past.kp)
-            return weather.flux[fluxes : fluxes + days], weather.kp[kps : kps + 8 * days]
+            return Future(weather.flux[fluxes : fluxes + days], weather.kp[kps : kps + 8 * days])
 
-        return tell
+        return SimpleNamespace(future=future)
 
     monkeypatch.setattr(known_weather, "fit_forecast", all_knowing)
     hindcast = known_weather.hindcast("OBSERVED", EPOCH, T).set_index("t")

@@ -288,7 +288,7 @@ def test_an_experiment_that_did_not_run_is_not_found(paper):
         ({"knowledge": "hindcast"}, "OBSERVED, percentile 50, as known at each time"),
         (
             {"knowledge": "forecast"},
-            "OBSERVED, percentile 50, as known at each estimate, then forecast by regression every 24 h",
+            "OBSERVED, percentile 50, as known at each estimate, then forecast every 24 h",
         ),
     ],
 )

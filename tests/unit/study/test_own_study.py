@@ -151,7 +151,7 @@ def test_the_report_says_what_was_known_of_the_weather():
         "Space weather: MSAFE's monthly figures"
     )
     told = {
-        "forecast": "up to each estimate, then forecast (`regression`, every 24 h)",
+        "forecast": "up to each estimate, then forecast every 24 h",
         "hindcast": "up to the time predicted to: a hindcast",
         None: "measured values of the days predicted to",
     }

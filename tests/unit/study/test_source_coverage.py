@@ -79,26 +79,19 @@ def test_knowledge_that_the_source_does_not_have_is_told(sources, expected):
     assert refusal(**sources).startswith(f"environment.knowledge: {expected}")
 
 
-def test_too_short_a_past_or_history_and_forecasts_that_begin_too_late_are_told(tmp_path):
+def test_too_short_a_past_or_history_is_told(tmp_path):
     asked = {"knowledge": "forecast", "solar_activity": "OBSERVED"}
     early = {"epoch": "1996-02-10T00:00:00", **asked}
     assert "expected dates from 1996-03-20" in refusal(**early | {"knowledge": "hindcast"})
-    assert refusal(epoch="1996-08-10T00:00:00", forecast="analogues", **asked).startswith(
-        "environment.knowledge: forecast: forecast: expected 421 days of packaged weather before the epoch"
+    assert refusal(epoch="1996-08-10T00:00:00", **asked).startswith(
+        "environment.knowledge: forecast: forecast: expected 411 days of packaged weather before the epoch"
     )
     lines = solar_activity.read_text(solar_activity.resolve("OBSERVED")).splitlines()
     short = tmp_path / "short.csv"
-    short.write_text("\n".join(line for line in lines if not line[0].isdigit() or line >= "2016-07-05"))
-    settings = {"long": {"kind": "regression", "lags": 100, "ridge": 10}}
-    environment = VALUES["environment"] | asked | {"forecast": "long", "solar_activity": str(short)}
-    with pytest.raises(InputError, match="forecast: expected 100 measured days before the epoch, got 85"):
-        check(VALUES | {"environment": environment, "forecasts": settings})
-    path = tmp_path / "late.tsv"
-    path.write_text("issued\tvalid\tf107\tkp\n2016-10-01T00:00:00\t2016-10-01T00:00:00\t80\t2\n")
-    settings = {"late": {"kind": "archive", "files": [str(path)]}}
-    environment = VALUES["environment"] | asked | {"forecast": "late"}
-    with pytest.raises(InputError, match="expected one issued by 2016-09-28, got the first on 2016-10-01"):
-        check(VALUES | {"environment": environment, "forecasts": settings})
+    short.write_text("\n".join(line for line in lines if not line[0].isdigit() or line >= "2016-07-12"))
+    environment = VALUES["environment"] | asked | {"solar_activity": str(short)}
+    with pytest.raises(InputError, match=r"epoch: expected dates from 2016-10-02 to "):
+        check(VALUES | {"environment": environment})
     check(VALUES | {"environment": VALUES["environment"] | asked})
 
 

@@ -176,16 +176,6 @@ def test_only_a_path_is_a_file_of_the_users(source, paths):
     assert environment({"gravity_field": source}).source_files("gravity_field") == paths
 
 
-def test_the_forecast_is_the_named_one_or_persistence():
-    mine = {"kind": "regression", "lags": 9, "ridge": 1.0}
-    named = environment({"forecast": "mine"}, forecasts={"mine": mine})
-    assert named.forecast.of_job() == mine
-    values = paper_values()["environment"]
-    del values["forecast"]
-    assert environment(environment=values, forecasts={}).forecast.of_job() == {"kind": "persistence"}
-    assert named.forecast_files == []
-
-
 # ---- the plan
 
 
@@ -235,7 +225,7 @@ def test_the_runs_own_window_has_no_suffix():
 
 def test_the_weather_is_a_line_of_a_figure():
     line = plan(environment={"knowledge": "forecast"}).weather
-    assert "forecast (regression, every" in line
+    assert "forecast every" in line
     assert not line.endswith(".")
 
 

@@ -14,7 +14,6 @@ from opml.dynamics.forces import build, tabulated, with_outlooks
 from opml.dynamics.kernels.surroundings import ForceModel
 from opml.dynamics.settings import FORCES, ForceModelSettings
 from opml.environment import known_weather, nodes
-from opml.environment.forecasts import regression
 from opml.environment.known_weather import Issues
 
 GRAVITY, KERNEL = "EGM2008", "DE440"
@@ -23,7 +22,6 @@ DEGREE = 48
 """Degree of gravity. At 400 km a field of 36 moves an orbit by 25 m across the track in a week; one of 70
 takes twice the time and differs by 5 m."""
 
-FORECAST = {"kind": "regression", "lags": 82, "ridge": 10}  # of the weather after each issue
 ISSUE_HOURS = 24
 AHEAD = (
     12.0  # longest arc after an issue [d]: seven days from a date on, the age of the set and of the weather
@@ -66,13 +64,7 @@ def read(weather: str | Path, *, first: float, last: float, threads: int = 1, de
     settings = ForceModelSettings.read(
         {"degree": degree, "order": degree, "third_bodies": [*BODIES], "forces": [*FORCES]}, "forces"
     )
-    issues = Issues(
-        source=weather,
-        epoch=epoch,
-        forecast=regression.METHOD.settings.read(FORECAST, "forecast"),
-        issue_hours=ISSUE_HOURS,
-        max_days=AHEAD,
-    )
+    issues = Issues(source=weather, epoch=epoch, issue_hours=ISSUE_HOURS, max_days=AHEAD)
     return Forces(
         with_outlooks(build(environment, settings), known_weather.outlooks(issues, t)), epoch, threads
     )

@@ -1,1 +1,1 @@
-"""Methods that forecast the space weather from the weather known on a day, one module each."""
+"""The forecast of the space weather from the weather known on a day, and the futures about it."""

@@ -2,39 +2,118 @@
 
 The predictors of each day's F10.7 are the last daily values, those of each Kp the last eight Kp and the means
 of the 24-hour periods before.
+
+Futures are the forecast with its errors on those days of the past most like today: F10.7 is multiplied by the
+ratio of the true to the forecast value of that day, Kp is shifted by the difference. So they surround the
+forecast and spread as much as it errs on such days (error dressing: Roulston & Smith 2003, Tellus A 55).
 """
 
 from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from opml.base.setting_types import Count, Positive
-from opml.environment.forecasts.method import Forecast, ForecastMethod, ForecastSettings, Future
+from opml.base.errors import InputError
+from opml.environment.forecasts import similar_days
 from opml.environment.forecasts.radio_bursts import remove_bursts
+from opml.environment.forecasts.similar_days import SimilarDays
 from opml.environment.space_weather import INTERVALS
-from opml.environment.weather import HIGHEST_KP, Weather, trailing_mean
+from opml.environment.weather import HIGHEST_KP, Future, Weather, trailing_mean
 
+NAME = "regression"  # in tables and reports
+LAGS = 82  # daily values that a forecast starts from, the present one included
+RIDGE = 10.0  # penalty on a coefficient of standardized variables [rows]
+
+_LEAST_DAYS = 5 * LAGS  # of history, beside those of a future
 _ROWS = 1024  # of a sum that stay in a processor's cache: all at once take three times as long
 
 
-class RegressionSettings(ForecastSettings):
-    lags: Count  # daily values, the present one included
-    ridge: Positive  # penalty on a coefficient of standardized variables [rows]
+@dataclass(frozen=True, eq=False)
+class _Ridge:
+    """Linear regression of many targets on standardized variables."""
+
+    mean: np.ndarray
+    scale: np.ndarray
+    level: np.ndarray
+    slopes: np.ndarray
+
+    @classmethod
+    def fit(cls, x: np.ndarray, y: np.ndarray) -> "_Ridge":
+        """Fit the regression to rows x (n, variables) and y (n, targets)."""
+        mean, scale, level = x.mean(axis=0), x.std(axis=0) + 1e-12, y.mean(axis=0)
+        normal, products = RIDGE * np.eye(x.shape[1]), np.zeros((x.shape[1], y.shape[1]))
+        with threadpool_limits(limits=1, user_api="blas"):  # sums in one order, whatever the machine
+            for begin in range(0, len(x), _ROWS):
+                rows = slice(begin, begin + _ROWS)
+                z = (x[rows] - mean) / scale
+                normal += z.T @ z
+                products += z.T @ (y[rows] - level)
+            return cls(mean, scale, level, np.linalg.solve(normal, products))
+
+    def predict(self, x: np.ndarray) -> np.ndarray:
+        """Return the targets of one row of variables."""
+        return np.asarray(self.level + ((x - self.mean) / self.scale) @ self.slopes)
 
 
-def fit(history: Weather, days: int, settings: RegressionSettings) -> Forecast:
-    """Return the forecast, learned from the history."""
-    lags, ridge = settings.lags, settings.ridge
-    flux = _Ridge.fit(*_training_rows(remove_bursts(history.flux), lags, days, _flux_variables), ridge)
-    kp = _Ridge.fit(*_training_rows(history.kp, INTERVALS * lags, INTERVALS * days, _kp_variables), ridge)
+@dataclass(frozen=True, eq=False)
+class Forecast:
+    """A forecast of some days that has learned from the weather before a run."""
 
-    def forecast(past: Weather, _day: float) -> Future:
-        daily = _flux_variables(remove_bursts(past.flux[-2 * lags :]), lags)[-1]
-        three_hourly = _kp_variables(past.kp[-INTERVALS * lags :], INTERVALS * lags)[-1]
-        return Future(flux.predict(daily), np.clip(kp.predict(three_hourly), 0.0, HIGHEST_KP))
+    history: Weather
+    days: int  # of each future
+    flux: _Ridge
+    kp: _Ridge
 
-    return forecast
+    @classmethod
+    def fit(cls, history: Weather, *, days: int) -> "Forecast":
+        """Return the forecast, learned from the history. Raises InputError where that is too short."""
+        check_history(history, days=days)
+        flux = _Ridge.fit(*_training_rows(remove_bursts(history.flux), LAGS, days, _flux_variables))
+        kp = _Ridge.fit(*_training_rows(history.kp, INTERVALS * LAGS, INTERVALS * days, _kp_variables))
+        return cls(history, days, flux, kp)
+
+    def future(self, past: Weather) -> Future:
+        """Return what is expected after the weather that is known."""
+        daily = _flux_variables(remove_bursts(past.flux[-2 * LAGS :]), LAGS)[-1]
+        three_hourly = _kp_variables(past.kp[-INTERVALS * LAGS :], INTERVALS * LAGS)[-1]
+        return Future(self.flux.predict(daily), np.clip(self.kp.predict(three_hourly), 0.0, HIGHEST_KP))
+
+    def futures(self, past: Weather, members: int) -> list[Future]:
+        """Return what may come: a future of each of the days most like the last known one, nearest first.
+
+        Raises InputError where the history is too short.
+        """
+        _check_length(self.history, similar_days.PAST + 4 * similar_days.APART * members + self.days)
+        today = self.future(past)
+        nearest = self._similar_days.nearest(past, members)
+        return [_shift(today, self._similar_days.sequel(day), self._repeated(day)) for day in nearest]
+
+    @cached_property
+    def _similar_days(self) -> SimilarDays:
+        return SimilarDays(self.history, self.days, LAGS)
+
+    def _repeated(self, day: int) -> Future:
+        """Return the forecast that was possible on a day of the history."""
+        return self.future(self.history.keep_known(self.history.first + day + 1.0))
+
+
+def check_history(history: Weather, *, days: int) -> None:
+    """Raise InputError where the history is too short to learn from."""
+    _check_length(history, _LEAST_DAYS + days)
+
+
+def _check_length(history: Weather, least: int) -> None:
+    if len(history.flux) < least:
+        expected = f"{least} days of packaged weather before the epoch to learn from"
+        raise InputError(f"forecast: expected {expected}, got {len(history.flux)}")
+
+
+def _shift(today: Future, true: Future, forecast: Future) -> Future:
+    """Return today's forecast shifted by the error of an earlier forecast, whose truth is known."""
+    kp = np.clip(today.kp + true.kp - forecast.kp, 0.0, HIGHEST_KP)
+    return Future(today.flux * true.flux / forecast.flux, kp)
 
 
 def _training_rows(
@@ -56,36 +135,3 @@ def _kp_variables(kp: np.ndarray, count: int) -> np.ndarray:
     window = np.lib.stride_tricks.sliding_window_view
     daily = window(means, count - INTERVALS + 1)[:, ::INTERVALS]
     return np.hstack([daily, window(kp, INTERVALS)[count - INTERVALS :]])
-
-
-class _Ridge:
-    """Linear regression of many targets on standardized variables."""
-
-    def __init__(self, mean: np.ndarray, scale: np.ndarray, level: np.ndarray, slopes: np.ndarray) -> None:
-        self._mean, self._scale, self._level, self._slopes = mean, scale, level, slopes
-
-    @classmethod
-    def fit(cls, x: np.ndarray, y: np.ndarray, ridge: float) -> "_Ridge":
-        """Fit the regression to rows x (n, variables) and y (n, targets)."""
-        mean, scale, level = x.mean(axis=0), x.std(axis=0) + 1e-12, y.mean(axis=0)
-        normal, products = ridge * np.eye(x.shape[1]), np.zeros((x.shape[1], y.shape[1]))
-        with threadpool_limits(limits=1, user_api="blas"):  # sums in one order, whatever the machine
-            for begin in range(0, len(x), _ROWS):
-                rows = slice(begin, begin + _ROWS)
-                z = (x[rows] - mean) / scale
-                normal += z.T @ z
-                products += z.T @ (y[rows] - level)
-            return cls(mean, scale, level, np.linalg.solve(normal, products))
-
-    def predict(self, x: np.ndarray) -> np.ndarray:
-        """Return the targets of one row of variables."""
-        return np.asarray(self._level + ((x - self._mean) / self._scale) @ self._slopes)
-
-
-METHOD = ForecastMethod(
-    "regression",
-    RegressionSettings,
-    fit,
-    least_days=lambda settings: 5 * settings.lags,
-    past_days=lambda settings: settings.lags,
-)

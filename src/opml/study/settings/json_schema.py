@@ -9,7 +9,6 @@ from pydantic_core import core_schema
 from opml.base.kind_sections import KINDS, OfItsKind
 from opml.base.section import Item, Section
 from opml.base.setting_types import TypeSchema
-from opml.environment.forecasts.methods import FORECASTS
 from opml.learning.models import learners
 
 _REFERENCE = "#/$defs/"
@@ -42,20 +41,17 @@ class _Generator(GenerateJsonSchema):
 
 
 def json_schema(model: type[Section]) -> TypeSchema:
-    """Return a model's JSON schema; learners and forecasts are of the kinds that there are.
+    """Return a model's JSON schema; learners are of the kinds that there are.
 
     It is made once for these, and not to be changed.
     """
-    return _made_once(model, *(tuple(kinds.sections()) for kinds in _KINDS))
-
-
-_KINDS = (learners.KINDS, FORECASTS)
+    return _made_once(model, tuple(learners.KINDS.sections()))
 
 
 @cache
-def _made_once(model: type[Section], *_: tuple[str, ...]) -> TypeSchema:
+def _made_once(model: type[Section], _: tuple[str, ...]) -> TypeSchema:
     schema = _generated(model)
-    schema.setdefault("$defs", {}).update({kinds.name: _of_any_kind(kinds) for kinds in _KINDS})
+    schema.setdefault("$defs", {})[learners.KINDS.name] = _of_any_kind(learners.KINDS)
     return schema
 
 

@@ -85,6 +85,8 @@ _EARLIER = {
     "cleaning": "it is study.cleaning now",
     "conjunctions": "it is gone: opml screen finds them",
     "experiments": "they are keys of study now",
+    "forecast": "it is gone: a forecast is the regression",
+    "forecasts": "it is gone: a forecast is the regression",
     "find_manoeuvres": "it is gone: burns in element sets are always detected",
     "high_degree": "it is gone: element sets are predicted as by opml predict",
     "honest": "it is study.beyond now",

@@ -10,7 +10,6 @@ from opml.base.section import Section, absent, setting
 from opml.base.setting_types import Absent, Expected, NotNegative, Positive, Text, Unique
 from opml.catalog.fit.estimation_settings import EstimationSettings
 from opml.dynamics.settings import ForceModels, Integrator
-from opml.environment.forecasts.methods import AnyForecast
 from opml.environment.settings import EnvironmentSettings
 from opml.learning.models.learners import AnyLearner
 from opml.study.settings.model.catalogue import CatalogueSettings
@@ -227,11 +226,6 @@ class RunAlone(Section):
     epoch: Epoch = setting("epoch of the RSOs' elements and start of the run")
     duration_days: Positive = setting("how long the truth is propagated", unit="days")
     environment: EnvironmentSettings = setting("Earth, Sun, Moon, weather, and what is known of them")
-    forecasts: dict[Name, AnyForecast] = setting(
-        "a way to say the weather of the days ahead: its `kind`, and that kind's own settings",
-        see="weather.md#methods",
-        default={},
-    )
     force_models: ForceModels = setting("the truth's force model, and that of fits and predictions")
     integrator: Integrator = setting("the Dormand-Prince 8(5,3) method")
     tracking: Tracking = setting("measurements")

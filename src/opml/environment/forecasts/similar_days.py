@@ -1,71 +1,32 @@
-"""Analogues: the weather that followed those days of the past that were most like today.
+"""Days of the past that were most like today.
 
 Days are similar where F10.7 and Kp had the same course, over the last days and over those of the last turn of
-the Sun. F10.7 changes by the same factor as it did then; Kp has the same values.
+the Sun.
 """
 
 import numpy as np
 
-from opml.base.setting_types import Count
-from opml.environment.forecasts.method import (
-    Forecast,
-    ForecastMethod,
-    ForecastSettings,
-    Future,
-    FutureForecast,
-)
 from opml.environment.forecasts.radio_bursts import remove_bursts
 from opml.environment.space_weather import INTERVALS
-from opml.environment.weather import Weather, trailing_mean
+from opml.environment.weather import Future, Weather, trailing_mean
 
 FLUX_LAGS = (0, 1, 2, 4, 7, 13, 19, 21, 23, 25)
 KP_LAGS = (0, 1, 2, 3, 19, 20, 21, 22, 23, 24, 25, 26)
 """Days back at which F10.7, and the mean Kp of 24 hours, are compared."""
 
-APART = 3  # least number of days between two analogues, so that no event counts twice
+APART = 3  # least number of days between two similar ones, so that no event counts twice
 PAST = 60  # days of weather before the issue: for the lags, and for the removal of bursts
 _LEVEL = 2.0  # weight of the height of F10.7 relative to the weight of each of its changes
 
 
-class AnalogueSettings(ForecastSettings):
-    members: Count
-
-
-def fit_futures(history: Weather, *, days: int, members: int) -> FutureForecast:
-    """Return the ensemble of the weather after the nearest days, nearest first.
-
-    history: weather before the run
-    days: of each future
-    members: number of futures
-    """
-    likeness = Likeness(history, days)
-
-    def ensemble(past: Weather, _day: float) -> list[Future]:
-        return [likeness.future(past, k) for k in likeness.nearest(past, members)]
-
-    return ensemble
-
-
-def fit(history: Weather, days: int, settings: AnalogueSettings) -> Forecast:
-    """Return the forecast, the median of the futures of as many nearest days as the setting `members`."""
-    ensemble = fit_futures(history, days=days, members=settings.members)
-
-    def forecast(past: Weather, day: float) -> Future:
-        futures = ensemble(past, day)
-        flux = np.median([future.flux for future in futures], axis=0)
-        return Future(flux, np.median([future.kp for future in futures], axis=0))
-
-    return forecast
-
-
-class Likeness:
+class SimilarDays:
     """Comparison of a day with the days of a history that have enough past and enough future."""
 
-    def __init__(self, history: Weather, days: int, past_days: int = 0) -> None:
+    def __init__(self, history: Weather, days: int, past_days: int) -> None:
         """Prepare the courses of the history.
 
         days: of each future
-        past_days: that each day of the history must have before it, beyond those of the lags
+        past_days: that each day of the history must have before it
         """
         self._ahead = days
         self._flux, self._kp = remove_bursts(history.flux), history.kp
@@ -92,12 +53,6 @@ class Likeness:
                 break
         return chosen
 
-    def future(self, past: Weather, day: int) -> Future:
-        """Return the weather after a day of the history, its F10.7 scaled to the end of `past`."""
-        now = remove_bursts(past.flux[-PAST:])[-1]
-        sequel = self.sequel(day)
-        return Future(now * sequel.flux / self._flux[day], sequel.kp)
-
     def sequel(self, day: int) -> Future:
         """Return the weather after a day of the history, without bursts."""
         begin = INTERVALS * (day + 1)
@@ -120,13 +75,3 @@ def _course(log_flux: np.ndarray, kp_means: np.ndarray, day: np.ndarray, interva
     flux = [log_flux[day - lag] for lag in FLUX_LAGS]
     changes = [flux[0] - before for before in flux[1:]]
     return np.stack([flux[0], *changes, *(kp_means[interval - INTERVALS * lag] for lag in KP_LAGS)], axis=-1)
-
-
-METHOD = ForecastMethod(
-    "analogues",
-    AnalogueSettings,
-    fit,
-    least_days=lambda settings: PAST + 4 * APART * settings.members,
-    past_days=lambda _: PAST,
-    repeatable=False,
-)
