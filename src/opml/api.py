@@ -650,21 +650,19 @@ def ephemeris(
     until_days: float,
     max_days: float = 7.0,
     step: float = 60.0,
-    each: bool = False,
 ) -> pd.DataFrame:
     """Correct the newest prediction: the table `corrected`, states and covariances every `step` [s].
 
     propagator: under the assumed model; replay: of the same learner, the covariances' source; until_days:
-    up to when errors are known, the ephemeris starts from the newest estimate by then, or from it and `each`
-    later one, retrained each morning. It reaches max_days ahead, as far as the environment does. Raises
-    InputError where nothing can be made.
+    up to when errors are known, the ephemeris starts from the newest estimate by then. It reaches max_days
+    ahead, as far as the environment does. Raises InputError where nothing can be made.
 
     >>> ahead = opml.ephemeris(propagator, daily, mornings, catalogue, until_days=1.5)
     >>> bool((ahead["t"].diff().dropna() == 60.0).all())
     True
     """
     known, until = _known(catalogue), DAY * until_days
-    starts = departures(known, known_until=until, each=each)
+    starts = departures(known, known_until=until)
     end = float(catalogue.environment.earth_orientation["t"].iloc[-1]) - MARGIN_S
     return corrected.build(
         Task(propagator, known, starts, Grid(step, max_days, end)),

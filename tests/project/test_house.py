@@ -73,9 +73,9 @@ def test_what_is_taken_from_a_facade_is_its_own(facade):
 
 
 MOST = {
-    "lines of the package": 47_480,
-    "lines of tests": 35_820,
-    "classes": 390,
+    "lines of the package": 46_740,
+    "lines of tests": 35_520,
+    "classes": 382,
     "docstrings that begin with what, which, how, where, of": 50,
     "variables called found, one, made, told": 58,
 }

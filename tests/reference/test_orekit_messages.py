@@ -84,14 +84,6 @@ def test_orekit_reads_estimates_with_their_covariances(org, tmp_path):
         np.testing.assert_allclose(matrix, expected, rtol=1e-14)
 
 
-def test_orekit_reads_a_segment_an_estimate(org, tmp_path):
-    frame = pd.DataFrame(states(3), columns=list(STATE)).assign(i=[0, 0, 1], t_j=T[1:], reason="")
-    oem.write(tmp_path / "p.oem", oem.prediction_segments(frame, rso="iss"), epoch=EPOCH)
-    found = parsed(org, "Oem", tmp_path / "p.oem").getSegments()
-    assert [len(segment.getCoordinates()) for segment in found] == [2, 1]
-    assert [seconds(org, segment.getStop()) for segment in found] == [40.0, 60.0]
-
-
 @pytest.fixture(scope="module")
 def ephemeris():
     """A corrected ephemeris of three hours, of a Keplerian orbit that is 2 km ahead and falls back."""

@@ -1,4 +1,4 @@
-"""Beyond the paper, on the trimmed case: models against splits, pools, a harder truth."""
+"""Beyond the paper, on the trimmed case: models against splits, a harder truth."""
 
 import re
 import shutil
@@ -11,7 +11,6 @@ from opml.tables import read_metadata, read_table
 
 pytestmark = pytest.mark.dag
 CI = "--configfile=config/ci.yaml"
-FIGURES = ("beyond", "beyond_transfers")
 
 
 @pytest.fixture(scope="module")
@@ -36,18 +35,9 @@ def test_every_model_is_in_the_table(beyond):
     assert not re.search(r"\bnan\b", text)
 
 
-def test_every_figure_is_drawn(beyond):
-    for name in FIGURES:
-        assert results(beyond, f"figs/{name}.pdf").stat().st_size > 5000
-        assert results(beyond, f"figs/{name}.png").stat().st_size > 5000
-
-
-def test_what_a_pool_is_trained_on_leaves_its_target_out(beyond):
-    pooled = read_table(
-        results(beyond, "dataset/inclinations-without-iss_i50/eglin-clear-kaena.parquet"), "dataset"
-    )
-    own = read_table(results(beyond, "dataset/iss/eglin-clear-kaena.parquet"), "dataset")
-    assert pooled.equals(own)
+def test_its_figure_is_drawn(beyond):
+    assert results(beyond, "figs/beyond.pdf").stat().st_size > 5000
+    assert results(beyond, "figs/beyond.png").stat().st_size > 5000
 
 
 def test_without_a_truth_labels_are_learned_from_and_the_truth_judges(beyond):

@@ -2,13 +2,10 @@
 
 import shutil
 
-import numpy as np
-import pandas as pd
 import pytest
 from project import ROOT
 
-from opml.interop import orbit_segments
-from opml.tables import SCHEMAS, STATE, STATE_COVARIANCES, read_table, write_table
+from opml.tables import read_table
 
 TRIMMED = "--configfile=config/ci.yaml"
 
@@ -18,37 +15,10 @@ TRIMMED = "--configfile=config/ci.yaml"
     [
         ("truth/iss_a+50.oem", "export_truth"),
         ("tracking/iss/eglin-kaena.tdm", "export_tracking"),
-        ("estimates/lares/clear.oem", "export_estimates"),
-        ("predictions/iss/eglin_noise43.oem", "export_predictions"),
     ],
 )
 def test_a_message_is_named_as_its_table(project, target, rule):
     assert f"\n{rule} " in project.snakemake("-n", f"results/exports/{target}").stdout
-
-
-@pytest.mark.dag
-def test_ephemerides_from_each_estimate_are_as_many_files_as_estimates_departed(project):
-    """Made of a table alone, whose making takes long; an earlier run had left another file."""
-    names, count = SCHEMAS["corrected"].names, 40
-    table = pd.DataFrame(np.random.default_rng(1).normal(size=(3 * count, len(names))), columns=names)
-    table[STATE_COVARIANCES] = np.tile(np.eye(6)[np.tril_indices(6)], (3 * count, 1))
-    table["i"] = np.repeat([4, 5, 9], count)
-    table["t_i"] = np.repeat([100.0, 5000.0, 90_000.0], count)
-    table["t"] = table["t_i"] + np.tile(60.0 * np.arange(count), 3)
-    made = project.folder / "results" / "corrected" / "iss" / "eglin" / "days-0-20"
-    write_table(made / "running.parquet", table, "corrected", metadata={"covariance": "of mornings"})
-    (made / "running_oem").mkdir()
-    (made / "running_oem" / "earlier.oem").touch()
-
-    target = str((made / "running_oem").relative_to(project.folder))
-    only = ["--force", "--allowed-rules", "export_each_corrected"]
-    project.snakemake("-j1", target, *only, "--config", "ephemeris={from: each}")
-    paths = sorted(path for path in (made / "running_oem").iterdir() if path.suffix)
-    times = ["2016-09-28T121125Z", "2016-09-28T133305Z", "2016-09-29T130945Z"]
-    assert [path.name for path in paths] == [f"{time}.oem" for time in times]
-    for path, (_, rows) in zip(paths, table.groupby("i"), strict=True):
-        (segment,) = orbit_segments.read(path, epoch="2016-09-28T12:09:45")
-        np.testing.assert_array_equal(segment.states, rows[STATE])
 
 
 @pytest.mark.dag

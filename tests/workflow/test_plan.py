@@ -94,7 +94,7 @@ def test_trimmed_case_has_the_same_rules(project, papers_plan):
 
 
 OBSERVED = "environment={solar_activity: OBSERVED, knowledge: forecast}"
-CORRECTED = ["arcs", "cd_past", "spread", "replay", "corrected", "export_each_corrected"]
+CORRECTED = ["arcs", "cd_past", "spread", "replay", "corrected", "export_corrected"]
 PLANNED = [  # products and settings, and what has to run but for the tables of the environment
     (
         ["figs/partition_curve.pdf"],
@@ -130,7 +130,7 @@ PLANNED = [  # products and settings, and what has to run but for the tables of 
         dict.fromkeys(["hindcast", *CHAIN[:-1]], 1) | {"outlooks": 2},
     ),
     (
-        ["corrected/iss/eglin/days-0-20/running_oem", "ephemeris={from: each}"],
+        ["corrected/iss/eglin/days-0-20/running.oem"],
         dict.fromkeys([*CHAIN, *CORRECTED], 1) | {"estimation": 2, "prediction": 2},
     ),
 ]
@@ -192,14 +192,13 @@ def test_tracks_that_were_measured_need_no_truth(project):
     shutil.copy(ROOT / "tests" / "reference" / "orekit.tdm", project.folder)
     where = "mine/eglin-clear-kaena"
     targets = [f"results/{kind}/{where}.parquet" for kind in ("predictions", "mechanism", "dataset")]
-    targets += [f"results/arcs/{where}_l48.parquet", f"results/exports/predictions/{where}.oem"]
+    targets += [f"results/arcs/{where}_l48.parquet"]
     plan = jobs(project.snakemake("-n", *targets, "--configfile", "mine.yaml").stdout)
     assert plan == {
         **dict.fromkeys(ONCE, 1),
         **dict.fromkeys(["tracking_from_tdm", "first_orbit", "arcs", "dataset", "mechanism"], 1),
         **dict.fromkeys(["estimation", "prediction"], 3),  # the windows of 24 and 48 hours, too
         "sensitivities": 2,
-        "export_predictions": 1,
     }
     # A truth is not simulated in its place: what needs one is refused.
     done = project.snakemake("-n", "results/truth/mine.parquet", "--configfile", "mine.yaml", check=False)

@@ -23,8 +23,8 @@ ENVIRONMENT = ("earth_orientation", "ephemerides", "gravity_field", "solar_activ
 # What reads what: each rule needs one before it; what is drawn and tabulated needs the last of its row.
 CHAIN = ("truths", "tracking", "estimation", "prediction", "dataset", "train", "evaluate")
 READERS = {
-    "truths": {"orbit", "world"},
-    "tracking": {"estimation_window", "orbit", "world"},
+    "truths": {"orbit"},
+    "tracking": {"estimation_window", "orbit"},
     "dataset": {"error_distribution"},
     "evaluate": {
         "svr",
@@ -32,7 +32,6 @@ READERS = {
         "partition_curve",
         "individual",
         "rso_grid",
-        "rso",
         "transfer_curve",
         "reproduction",
     },
@@ -50,12 +49,12 @@ EVALUATIONS = (
     "semi_major_axis_50",
 )
 FIGURES = (
-    *("estimation_window", "orbit_3d", "orbital_elements", "maps/iss/eglin-clear-kaena"),
+    *("estimation_window", "orbit_3d", "orbital_elements"),
     *("error_distribution_position", "error_distribution_velocity"),
     *(f"{name}_{kind}" for name in EVALUATIONS for kind in ("absolute", "signed")),
     *("partition_50", "partition_curve"),
     *("individual_reduced", "individual_increased", "individual_distribution"),
-    *("rso_grid", "rso_swarma", "inclination_curve", "semi_major_axis_curve"),
+    *("rso_grid", "inclination_curve", "semi_major_axis_curve"),
 )
 TABLES = ("models", "stations", "rso", "rsos")
 

@@ -1,7 +1,6 @@
 # Beyond the paper: models against splits without leaks, and other RSOs.
 BEYOND_REPORT = product("beyond")
 BEYOND_SPLITS = product("figs/beyond")
-BEYOND_TRANSFERS = product("figs/beyond_transfers")
 
 if "beyond" in STUDY:
 
@@ -49,27 +48,3 @@ if "beyond" in STUDY:
             ),
         message:
             "Figure: performance metric P_ML of models against splits"
-
-    use rule errors as beyond_transfers with:
-        input:
-            paths_of(rules.evaluate.output.metrics, *BEYOND.transfers.values()),
-        output:
-            **figures(BEYOND_TRANSFERS, section=SECTIONS["beyond"]),
-        log:
-            BEYOND_TRANSFERS.log,
-        benchmark:
-            BEYOND_TRANSFERS.benchmark
-        params:
-            **drawing(
-                "beyond_transfers",
-                {
-                    "epoch": config["epoch"],
-                    "component": STUDY.defaults["component"],
-                    "published": [
-                        [*key, number] for key, number in BEYOND.published_p_ml(BEYOND.transfers).items()
-                    ],
-                    "curves": {name: curve.targets for name, curve in PAPER.curves.items()},
-                },
-            ),
-        message:
-            "Figure: performance metric P_ML of models on nearby RSOs"

@@ -1,9 +1,8 @@
 # Ephemerides for operators: corrected by a learner, each epoch with a covariance.
 # None needs a truth.
 CORRECTED = product(f"corrected/{EPHEMERIS}")
-# The exports are jobs beside those of the tables, with logs of their own.
+# The export is a job beside that of the table, with a log of its own.
 CORRECTED_OEM = product(f"corrected/{EPHEMERIS}_oem")
-CORRECTED_OMM, CORRECTED_TLE = product(f"corrected/{EPHEMERIS}_omm"), product(f"corrected/{EPHEMERIS}_tle")
 CORRECTED_FIGURE = product(f"figs/corrected/{EPHEMERIS}")
 
 
@@ -47,7 +46,6 @@ use rule export_truth as export_corrected with:
     input:
         rules.corrected.output[0],
         source=INPUTS.source,
-        check=checks(PARAMS.check_from_newest),
     output:
         CORRECTED.file("oem"),
     log:
@@ -61,78 +59,6 @@ use rule export_truth as export_corrected with:
         code=code("export_oem.py"),
     message:
         "Export: corrected ephemeris of {wildcards.rso} by {wildcards.stations}, with covariances, as CCSDS OEM"
-
-
-rule export_corrected_omm:
-    input:
-        rules.corrected.output[0],
-        source=INPUTS.source,
-        check=checks(PARAMS.check_from_newest),
-    output:
-        CORRECTED.file("omm"),
-    log:
-        CORRECTED_OMM.log,
-    benchmark:
-        CORRECTED_OMM.benchmark
-    wildcard_constraints:
-        window=PLAN.window_pattern,
-    conda:
-        "../envs/opml.yaml"
-    params:
-        settings=lambda wildcards: {"epoch": config["epoch"], "rso": wildcards.rso},
-        code=code("export_omm.py"),
-    message:
-        "Export: mean elements of the corrected ephemeris of {wildcards.rso} by {wildcards.stations}, as CCSDS OMM"
-    script:
-        "../scripts/export_omm.py"
-
-
-rule export_corrected_tle:
-    input:
-        rules.corrected.output[0],
-        source=INPUTS.source,
-        check=checks(PARAMS.check_from_newest),
-    output:
-        CORRECTED.file("tle"),
-    log:
-        CORRECTED_TLE.log,
-    benchmark:
-        CORRECTED_TLE.benchmark
-    wildcard_constraints:
-        window=PLAN.window_pattern,
-    conda:
-        "../envs/opml.yaml"
-    params:
-        settings=lambda wildcards: {"epoch": config["epoch"], "rso": wildcards.rso},
-        code=code("export_tle.py"),
-    message:
-        "Export: mean elements of the corrected ephemeris of {wildcards.rso} by {wildcards.stations}, as TLE"
-    script:
-        "../scripts/export_tle.py"
-
-
-rule export_each_corrected:
-    input:
-        rules.corrected.output[0],
-        source=INPUTS.source,
-        check=checks(PARAMS.check_from_each),
-    output:
-        directory(CORRECTED_OEM.folder),
-    log:
-        CORRECTED_OEM.log,
-    benchmark:
-        CORRECTED_OEM.benchmark
-    wildcard_constraints:
-        window=PLAN.window_pattern,
-    conda:
-        "../envs/opml.yaml"
-    params:
-        settings=lambda wildcards: {"epoch": config["epoch"], "table": "corrected", "rso": wildcards.rso},
-        code=code("export_each_oem.py"),
-    message:
-        "Export: corrected ephemerides of {wildcards.rso} by {wildcards.stations}, one CCSDS OEM per estimate"
-    script:
-        "../scripts/export_each_oem.py"
 
 
 use rule errors as corrected_figure with:

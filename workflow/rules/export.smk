@@ -1,7 +1,5 @@
 # Messages: orbits as CCSDS OEM, tracks as CCSDS TDM. An orbit from files in the place of the simulated truth.
 TRUTH_OEM = product("exports/truth/{rso}")
-ESTIMATES_OEM = product("exports/estimates/{rso}/{stations}{window}")
-PREDICTIONS_OEM = product("exports/predictions/{rso}/{stations}{window}")
 TRACKING_TDM = product("exports/tracking/{rso}/{stations}")
 
 
@@ -24,40 +22,6 @@ rule export_truth:
         "Export: the true orbit of {wildcards.rso} as CCSDS OEM"
     script:
         "../scripts/export_oem.py"
-
-
-use rule export_truth as export_estimates with:
-    input:
-        rules.estimation.output[0],
-        source=INPUTS.source,
-    output:
-        ESTIMATES_OEM.file("oem"),
-    log:
-        ESTIMATES_OEM.log,
-    benchmark:
-        ESTIMATES_OEM.benchmark
-    params:
-        settings=lambda wildcards: {"epoch": config["epoch"], "table": "estimates", "rso": wildcards.rso},
-        code=code("export_oem.py"),
-    message:
-        "Export: estimates of {wildcards.rso} from {wildcards.stations}, with covariances, as CCSDS OEM"
-
-
-use rule export_truth as export_predictions with:
-    input:
-        rules.prediction.output[0],
-        source=INPUTS.source,
-    output:
-        PREDICTIONS_OEM.file("oem"),
-    log:
-        PREDICTIONS_OEM.log,
-    benchmark:
-        PREDICTIONS_OEM.benchmark
-    params:
-        settings=lambda wildcards: {"epoch": config["epoch"], "table": "predictions", "rso": wildcards.rso},
-        code=code("export_oem.py"),
-    message:
-        "Export: predictions of {wildcards.rso} from {wildcards.stations}, one segment per estimate, as CCSDS OEM"
 
 
 rule export_tracking:

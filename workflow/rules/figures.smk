@@ -3,14 +3,12 @@
 ERRORS = product(f"figs/errors/{TEST}")
 ESTIMATION_WINDOW = product("figs/estimation_window")
 ORBIT = product("figs/orbit")
-WORLD = product("figs/maps/{rso}/{stations}")
 ERROR_DISTRIBUTION = product("figs/error_distribution")
 SVR = product("figs/{evaluation}")
 PARTITION = product("figs/partition_{ratio}")
 PARTITION_CURVE = product("figs/partition_curve")
 INDIVIDUAL = product("figs/individual")
 RSO_GRID = product("figs/{grid}_grid")
-RSO = product("figs/{grid}_{rso}")
 TRANSFER_CURVE = product("figs/{curve}_curve")
 
 ERROR_TABLES = {
@@ -92,31 +90,6 @@ if "orbit" in STUDY:
             ),
         message:
             "Figures: orbit in 3D with observations, osculating elements"
-
-
-use rule errors as world with:
-    input:
-        truth=rules.truth.output[0],
-        tracking=rules.tracking.output[0],
-        earth_orientation=EARTH_ORIENTATION.table,
-    output:
-        **figures(WORLD, caption="world", section=SECTIONS["simulation"]),
-    log:
-        WORLD.log,
-    benchmark:
-        WORLD.benchmark
-    params:
-        **drawing(
-            "world",
-            lambda wildcards: {
-                "epoch": config["epoch"],
-                "radars": PARAMS.stations(wildcards),
-                "first_day": max(0, int(config["duration_days"] / 2) - 1),
-                **dict(wildcards.items()),
-            },
-        ),
-    message:
-        "Figure: ground track of {wildcards.rso} over a day, and where {wildcards.stations} see it"
 
 
 if "distribution" in STUDY:
@@ -285,23 +258,6 @@ if "grids" in STUDY:
             ),
         message:
             "Figure: the correction on other RSOs, {wildcards.grid}"
-
-    use rule errors as rso with:
-        input:
-            unpack(lambda wildcards: tables_of(ERROR_TABLES, PAPER.grids[wildcards.grid][wildcards.rso])),
-        output:
-            **figures(RSO, caption="one_rso", section=SECTIONS["future"]),
-        log:
-            RSO.log,
-        benchmark:
-            RSO.benchmark
-        params:
-            **drawing(
-                "error_bars",
-                lambda wildcards: PARAMS.errors(PAPER.grids[wildcards.grid][wildcards.rso]),
-            ),
-        message:
-            "Figure: the correction on {wildcards.rso}"
 
 
 if "curves" in STUDY:

@@ -19,7 +19,6 @@ rule train:
     benchmark:
         MODEL.benchmark
     wildcard_constraints:
-        rso=PLAN.training_pattern,
     conda:
         "../envs/opml.yaml"
     resources:
@@ -53,7 +52,6 @@ rule evaluate:
     benchmark:
         EVALUATION.benchmark
     wildcard_constraints:
-        rso=PLAN.training_pattern,
     conda:
         "../envs/opml.yaml"
     params:

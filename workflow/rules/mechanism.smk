@@ -1,10 +1,9 @@
-# Beyond the paper: the causes of prediction errors that a catalogue knows, and datasets of several RSOs.
+# Beyond the paper: the causes of prediction errors that a catalogue knows.
 SENSITIVITIES = product("sensitivities/{rso}/{stations}{window}")
 MECHANISM = product("mechanism/{rso}/{stations}{window}")
 ARCS = product("arcs/{rso}/{stations}{window}{arc}")
 CD_PAST = product("cd_past/{rso}/{stations}{window}{arc}{memory}")
 HELD = product("held/{rso}/{stations}{window}{arc}{memory}")
-POOL = product("{table}/{pool}/{rest}")
 LONG = PLAN.window(config["mechanism"]["long_window_hours"])
 
 
@@ -150,38 +149,3 @@ rule held:
         "Held: fits of {wildcards.rso} by {wildcards.stations} with Cd held by its past, {wildcards.arc}{wildcards.memory}"
     script:
         "../scripts/held.py"
-
-
-rule pool:
-    input:
-        lambda wildcards: [
-            product(f"{wildcards.table}/{rso}/{wildcards.rest}").table
-            for rso in naming.parse_pool(wildcards.pool, STUDY.entry("pools"))
-        ],
-    output:
-        POOL.table,
-    log:
-        POOL.log,
-    benchmark:
-        POOL.benchmark
-    wildcard_constraints:
-        table="dataset|mechanism",
-        pool=PLAN.pool_pattern,
-        rest="[^/]+",
-    conda:
-        "../envs/opml.yaml"
-    resources:
-        mem_mb=3000,
-        runtime=10,
-    params:
-        settings=lambda wildcards: {
-            "epoch": config["epoch"],
-            "table": wildcards.table,
-            "resonances": config["mechanism"]["resonances"],
-            "rsos": naming.parse_pool(wildcards.pool, STUDY.entry("pools")),
-        },
-        code=code("pool.py"),
-    message:
-        "Pool: the {wildcards.table} of {wildcards.pool}"
-    script:
-        "../scripts/pool.py"

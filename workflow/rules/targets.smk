@@ -5,14 +5,7 @@ PAPER_PARTS = {
         *rules.tables.output,
         *(path_of(file, evaluation=name) for name in PAPER.evaluations for file in rules.svr.output),
     ],
-    "orbit": lambda: [
-        *rules.estimation_window.output,
-        *rules.orbit.output,
-        *(
-            path_of(file, rso=STUDY.defaults["rso"], stations=STUDY.defaults["stations"])
-            for file in rules.world.output
-        ),
-    ],
+    "orbit": lambda: [*rules.estimation_window.output, *rules.orbit.output],
     "distribution": lambda: rules.error_distribution.output,
     "partition": lambda: [
         *(
@@ -23,15 +16,7 @@ PAPER_PARTS = {
         *rules.partition_curve.output,
     ],
     "individual": lambda: rules.individual.output,
-    "grids": lambda: [
-        *(path_of(file, grid=name) for name in PAPER.grids for file in rules.rso_grid.output),
-        *(
-            path_of(file, grid=name, rso=rso)
-            for name, grid in PAPER.grids.items()
-            for rso in grid
-            for file in rules.rso.output
-        ),
-    ],
+    "grids": lambda: [path_of(file, grid=name) for name in PAPER.grids for file in rules.rso_grid.output],
     "curves": lambda: [
         path_of(file, curve=name) for name in PAPER.curves for file in rules.transfer_curve.output
     ],
@@ -41,7 +26,6 @@ BEYOND_FILES = (
     [
         *rules.beyond_report.output,
         *rules.beyond_splits.output,
-        *rules.beyond_transfers.output,
     ]
     if "beyond" in STUDY
     else []
@@ -73,12 +57,6 @@ STUDY_FILES = (
         ),
         *(
             path_of(file, rso=rso, stations=stations)
-            for rso, stations in OWN.datasets
-            if not STUDY.is_measured(rso)
-            for file in rules.world.output
-        ),
-        *(
-            path_of(file, rso=rso, stations=stations)
             for rso, stations in OWN.fits
             for file in [
                 *rules.study_residuals.output,
@@ -92,5 +70,5 @@ STUDY_FILES = (
 
 if PLAN.settings.misfit:
     # A run that is too short for the default study is wrong only where something of that study is asked for.
-    for maker in {file.rule for file in [*PAPER_FILES, *BEYOND_FILES]} - {rules.world.rule}:
+    for maker in {file.rule for file in [*PAPER_FILES, *BEYOND_FILES]}:
         maker.set_input(fits=lambda wildcards: end_plan(PLAN.settings.misfit))

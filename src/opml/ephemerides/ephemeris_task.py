@@ -10,7 +10,6 @@ from typing import Any, Self
 
 import numpy as np
 import pandas as pd
-from pydantic import Field
 
 from opml.base.constants import DAY, LANES
 from opml.base.errors import InputError
@@ -27,7 +26,6 @@ class TaskSettings(PropagatorSettings, KnownSettings):
     """Estimates that ephemerides start from, and the grid of epochs: step [s], span and run [days]."""
 
     known_until_days: float
-    start: str = Field(alias="from")
     grid: tuple[float, float, float]
 
 
@@ -50,7 +48,7 @@ class Task:
         return cls(
             Propagator.read(files, settings, threads=threads, progress=progress),
             known,
-            departures(known, known_until=DAY * settings.known_until_days, each=settings.start == "each"),
+            departures(known, known_until=DAY * settings.known_until_days),
             Grid(step, max_days, DAY * duration_days),
         )
 
@@ -72,18 +70,17 @@ class Task:
         return pd.concat(tables, ignore_index=True)
 
 
-def departures(known: KnownTables, *, known_until: float, each: bool) -> pd.DataFrame:
-    """Return the estimates that ephemerides start from: the newest usable one up to `known_until` [s].
+def departures(known: KnownTables, *, known_until: float) -> pd.DataFrame:
+    """Return the estimate that an ephemeris starts from: the newest usable one up to `known_until` [s].
 
-    With `each` all usable later ones, too. Raises InputError where there is none.
+    Raises InputError where there is none.
     """
     usable = known.may_depart()
     newest = np.flatnonzero(usable & (known.estimates["t"].to_numpy() <= known_until))
     if not newest.size:
         last = f"day {known_until / DAY:g}, the last to learn from"
         raise InputError(f"ephemeris: expected a usable estimate up to {last}, got none")
-    later = known.estimates[newest[-1] :][usable[newest[-1] :]]
-    return later if each else later[:1]
+    return known.estimates[newest[-1] : newest[-1] + 1]
 
 
 def reached(columns: pd.DataFrame, names: Sequence[str]) -> Iterator[pd.DataFrame]:

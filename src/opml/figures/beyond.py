@@ -1,4 +1,4 @@
-"""Figures beyond the paper: models against splits, one model on many RSOs."""
+"""Figure beyond the paper: models against splits."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -10,8 +10,8 @@ from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from opml.figures.axis_labels import P_ML, PAPER, VARIED, clauses, in_words, symbol
-from opml.figures.display_names import display_learner, display_rso, display_stations
+from opml.figures.axis_labels import P_ML, PAPER, clauses, in_words, symbol
+from opml.figures.display_names import display_learner, display_stations
 from opml.figures.p_ml_curves import INTERVAL, NO_CORRECTION
 from opml.figures.style import (
     MARKERS,
@@ -107,47 +107,3 @@ def _explain(axes: Axes, models: Mapping[str, str]) -> None:
             va="center",
             annotation_clip=False,
         )
-
-
-def transfers(
-    metrics: pd.DataFrame,
-    curves: Mapping[str, Mapping[str, float]],
-    *,
-    published: Mapping[str, float],
-    component: str,
-) -> Figure:
-    """Draw P_ML [%] of one model on other RSOs; one panel per curve, one line per learner.
-
-    curves: the varied element by target, by curve, a key of VARIED
-    published: the paper's P_ML [%] by target
-    """
-    figure = page_figure(height_mm=78.0)
-    panels = figure.subplots(1, len(curves), sharey=True, squeeze=False)[0]
-    for axes, (curve, varied) in zip(panels, curves.items(), strict=True):
-        for k, (learner, rows) in enumerate(metrics.groupby("learner", sort=False)):
-            points = rows[rows["target"].isin(list(varied))].set_index("target").loc[list(varied)]
-            x, look = list(varied.values()), {"color": SERIES[k % len(SERIES)]}
-            axes.fill_between(x, points["p_ml_low"], points["p_ml_high"], alpha=0.2, lw=0.0, **look)
-            marker = f"{MARKERS[k % len(MARKERS)]}-"
-            axes.plot(x, points["p_ml"], marker, label=display_learner(learner), **look)
-        papers = {value: published[target] for target, value in varied.items() if target in published}
-        style = {"markerfacecolor": "none", "markeredgecolor": PUBLISHED, "ms": 6.5}
-        axes.plot(list(papers), list(papers.values()), "D", label=PAPER, zorder=4, **style)
-        axes.axhline(NO_CORRECTION, color=MUTED, ls="--", lw=1.0, zorder=1)
-        axes.set_yscale("log")
-        _number(axes.yaxis, (1.0, 2.0, 5.0))
-        axes.set_xlabel(VARIED[curve])
-    panels[0].set_ylabel(f"{P_ML} of the {in_words(component)} {symbol(component)} [%]")
-    untransferred = metrics.loc[metrics["target"] == metrics["rso"], "target"]
-    for axes, varied in zip(panels, curves.values(), strict=True):
-        for value in {varied[target] for target in untransferred if target in varied}:
-            axes.axvline(value, color=MUTED, ls=":", lw=1.2, zorder=1, label="RSO trained on")
-    reach = metrics[metrics["target"] != metrics["rso"]].groupby("learner", sort=False)["p_ml"]
-    remains = (
-        f"{display_learner(name)} {low:.0f} to {high:.0f} %"
-        for name, low, high in reach.agg(["min", "max"]).itertuples()
-    )
-    trained_on = f"trained on {display_rso(metrics['rso'].iloc[0])} alone; RSOs differ in one element"
-    note = f"{trained_on}; bands: 5th to 95th percentile over resampled estimates"
-    add_head_and_legend(figure, f"Other RSOs: {', '.join(remains)}", note, columns=5)
-    return figure

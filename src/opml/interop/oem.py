@@ -1,14 +1,13 @@
 """Writer and readers of orbits as CCSDS orbit ephemeris messages (OEM 2.0, KVN).
 
-A message holds a table of opml: the truth is one segment, the estimates with their covariances are one
-segment, and the predictions are one segment per estimate. Ephemerides from many estimates are a folder, one
-message per estimate. An OEM has no drag coefficients.
+A message holds a table of opml: the truth is one segment, as the estimates with their covariances, and each
+corrected ephemeris is one. An OEM has no drag coefficients.
 Source: CCSDS 502.0-B-2, section 5.
 """
 
 import logging
 import re
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import islice
 from typing import NamedTuple
@@ -17,7 +16,7 @@ import numpy as np
 import pandas as pd
 
 from opml.base.errors import InputError
-from opml.base.files import FilePath, replacing_folder
+from opml.base.files import FilePath
 from opml.interop import ccsds
 from opml.interop.element_sets.teme import teme_to_gcrf, tod_to_gcrf
 from opml.interop.object_ids import UNKNOWN, ObjectId
@@ -44,7 +43,6 @@ _AXES_ONLY = "covariances in RSW: axes of the states only, velocities are inerti
 _COVARIANCE_STEP = 600.0
 """Time between covariances of an ephemeris [s]: they change over hours, and are twice as long as a state."""
 
-_SECONDS = len("2016-09-28T12:09:45")
 _DEGREE = 7  # of the interpolation; a state each minute is then good to a millimetre
 _OF_DATE = {"TEME": teme_to_gcrf, "TOD": tod_to_gcrf}
 _FRAMES = (*ccsds.FRAMES, *_OF_DATE, "ITRF")
@@ -104,25 +102,6 @@ def estimate_segments(estimates: pd.DataFrame, *, rso: str) -> list[Segment]:
     return [Segment(rso, t, usable[STATE].to_numpy(), t, covariances, remark=remark, known=t[-1])]
 
 
-def prediction_segments(predictions: pd.DataFrame, *, rso: str) -> list[Segment]:
-    """Return the segments of a table `predictions`, one per estimate, without failed predictions.
-
-    Raises InputError where there is no prediction.
-    """
-    usable = predictions[predictions["reason"] == ""]
-    if usable.empty:
-        raise InputError(f"{rso}: expected a prediction, got none")
-    return [
-        Segment(
-            rso,
-            rows["t_j"].to_numpy(),
-            rows[STATE].to_numpy(),
-            remark=f"prediction from the estimate of track {i}",
-        )
-        for i, rows in usable.groupby("i", sort=True)
-    ]
-
-
 def corrected_segments(corrected: pd.DataFrame, *, rso: str) -> list[Segment]:
     """Return the segments of a table `corrected`, one per estimate, with a covariance every ten minutes."""
     segments = []
@@ -148,7 +127,6 @@ def corrected_segments(corrected: pd.DataFrame, *, rso: str) -> list[Segment]:
 SEGMENTS: dict[str, Callable[..., list[Segment]]] = {
     "truth": truth_segments,
     "estimates": estimate_segments,
-    "predictions": prediction_segments,
     "corrected": corrected_segments,
 }
 """Makers of the segments of a message, by the table."""
@@ -162,29 +140,6 @@ def segments_of(table: pd.DataFrame, kind: str, identity: ObjectId) -> list[Segm
 def write(path: FilePath, segments: Sequence[Segment], *, epoch: str, comment: str = "") -> None:
     """Write segments as an OEM, whole or not at all."""
     ccsds.write(path, _lines(segments, epoch, comment))
-
-
-def write_each(
-    folder: FilePath,
-    ephemerides: Iterable[pd.DataFrame],
-    kind: str,
-    *,
-    identity: ObjectId,
-    epoch: str,
-    comment: str = "",
-) -> None:
-    """Write ephemerides as a folder of OEM, one of each estimate, all of them or none.
-
-    A file has the name of the estimate's time in UTC, as 2016-09-28T120945Z.oem. What the folder held before
-    is removed.
-
-    ephemerides: rows of the table `corrected`, those of one estimate together
-    """
-    with replacing_folder(folder) as new:
-        for rows in ephemerides:
-            name = ccsds.utc_texts(epoch, rows["t_i"].iloc[:1])[0][:_SECONDS].replace(":", "")
-            segments = segments_of(rows, kind, identity)
-            write(new / f"{name}Z.oem", segments, epoch=epoch, comment=comment)
 
 
 def read(path: FilePath, _: bytes, *, epoch: str, satellite: str | None = None) -> list[Arc]:

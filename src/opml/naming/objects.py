@@ -1,14 +1,12 @@
-"""Names of RSOs, pools of RSOs, station sets and learners."""
+"""Names of RSOs, station sets and learners."""
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from typing import TypeVar
 
 from opml.base.errors import InputError
 from opml.base.kind_sections import KindSection
 from opml.naming.spelling import NUMBER, POSITIVE, alternatives
-
-WITHOUT = "-without-"
 
 OfKind = TypeVar("OfKind", bound=KindSection)
 
@@ -58,24 +56,6 @@ def stations_pattern(sheet: Iterable[str]) -> str:
     """Return the regular expression of stations in any order; `station_names` checks the order."""
     name = alternatives(sheet)
     return f"(?:{name})(?:-(?:{name}))*"
-
-
-def leave_out(pool: str, rso: str) -> str:
-    """Return the name of a pool without one of its RSOs."""
-    return f"{pool}{WITHOUT}{rso}"
-
-
-def pool_pattern(pools: Iterable[str], sheet: Iterable[str]) -> str:
-    """Return the regular expression of a pool without an RSO, such as `inclinations-without-iss_i50`."""
-    return rf"(?:{alternatives(pools)}){WITHOUT}{rso_pattern(sheet)}"
-
-
-def parse_pool(text: str, pools: Mapping[str, Sequence[str]]) -> list[str]:
-    """Return the RSOs of a pool's name. Raises InputError for an unknown pool."""
-    pool, _, left_out = text.partition(WITHOUT)
-    if pool not in pools:
-        raise InputError(f"pool '{pool}': expected one of {', '.join(pools)}")
-    return [rso for rso in pools[pool] if rso != left_out]
 
 
 def learner_pattern(learners: Mapping[str, KindSection]) -> str:

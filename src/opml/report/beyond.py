@@ -26,7 +26,6 @@ class BeyondReport:
     splits: Mapping[_Key, Experiment]  # by station set, learner and split
     pairs: Mapping[str, Pair]  # training and test rows, by split
     transfers: Mapping[_Key, Experiment]  # by curve, learner and target
-    left_out: Mapping[_Key, Experiment]  # by pool, learner and the RSO left out
     published: Mapping[_Key, float]  # the paper's P_ML [%] by a key of splits or transfers
     learners: Mapping[str, LearnerSettings]  # settings by name
 
@@ -38,7 +37,6 @@ def document(report: BeyondReport, metrics: pd.DataFrame) -> list[Block]:
         *texts.blocks("beyond.head"),
         *_splits(report, results),
         *_transfers(report, results),
-        *_left_out(report.left_out, results),
         *learner_table({learner: report.learners[learner] for _, learner, _ in report.splits}),
     ]
 
@@ -74,19 +72,6 @@ def _transfers(report: BeyondReport, results: Results) -> Iterator[Block]:
         ]
         words = {"train": first.train, "rso": first.rso, "test": first.test, "curve": curve.replace("_", " ")}
         yield from texts.blocks("beyond.transfers", rows, **words, names=_codes(names))
-
-
-def _left_out(experiments: Mapping[_Key, Experiment], results: Results) -> Iterator[Block]:
-    if not experiments:
-        return
-    names = list(dict.fromkeys(learner for _, learner, _ in experiments))
-    first = next(iter(experiments.values()))
-    rows = [
-        [pool, f"`{rso}`", *(results.p_ml_cell(experiments[pool, learner, rso]) for learner in names)]
-        for pool, rso in dict.fromkeys((pool, rso) for pool, _, rso in experiments)
-    ]
-    words = {"train": first.train, "test": first.test, "names": _codes(names)}
-    yield from texts.blocks("beyond.left_out", rows, **words)
 
 
 def _codes(names: Iterable[str]) -> str:

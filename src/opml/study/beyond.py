@@ -1,4 +1,4 @@
-"""The experiments beyond the paper: models against splits, other RSOs, RSOs left out."""
+"""The experiments beyond the paper: models against splits, and on other RSOs."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -31,49 +31,31 @@ class Beyond:
     @cached_property
     def splits(self) -> dict[tuple[str, str, str], Experiment]:
         """Every learner against every split, by station set, learner and split."""
-        return self._against_splits(self.entry["learners"], self.entry["splits"])
-
-    def _against_splits(
-        self, learners: list[str], splits: Mapping[str, tuple[str, str]]
-    ) -> dict[tuple[str, str, str], Experiment]:
         return {
             (stations, learner, split): self.study.experiment(
                 {}, stations=stations, learner=learner, train=train, test=test
             )
             for stations in self.entry["station_sets"]
-            for learner in learners
-            for split, (train, test) in splits.items()
+            for learner in self.entry["learners"]
+            for split, (train, test) in self.entry["splits"].items()
         }
 
     @cached_property
     def transfers(self) -> dict[tuple[str, str, str], Experiment]:
         """One model on other RSOs, by curve, learner and target."""
         entry = self.entry["transfers"]
+        split = {"train": entry["train"], "test": entry["test"]}
         return {
-            (name, learner, target): self._transfer(learner, target=target)
+            (name, learner, target): self.study.experiment({}, learner=learner, target=target, **split)
             for name, curve in self.paper.curves.items()
             for learner in entry["learners"]
             for target in curve.targets
         }
 
     @cached_property
-    def left_out(self) -> dict[tuple[str, str, str], Experiment]:
-        """Models of a pool on an RSO that was left out of it, by pool, learner and that RSO."""
-        return {
-            (pool, learner, rso): self._transfer(learner, rso=naming.leave_out(pool, rso), target=rso)
-            for pool, rsos in self.study.entry("pools").items()
-            for learner in self.entry["transfers"]["learners"]
-            for rso in rsos
-        }
-
-    def _transfer(self, learner: str, **parts: str) -> Experiment:
-        entry = self.entry["transfers"]
-        return self.study.experiment({}, learner=learner, train=entry["train"], test=entry["test"], **parts)
-
-    @cached_property
     def every(self) -> list[Experiment]:
         """Every experiment whose P_ML stands in the document, each once."""
-        parts = (self.splits, self.transfers, self.left_out)
+        parts = (self.splits, self.transfers)
         return list(dict.fromkeys(experiment for part in parts for experiment in part.values()))
 
     def published_p_ml(self, experiments: Mapping[Any, Experiment]) -> dict[Any, float]:
@@ -88,7 +70,6 @@ class Beyond:
             splits=self.splits,
             pairs={split: tuple(pair) for split, pair in self.entry["splits"].items()},
             transfers=self.transfers,
-            left_out=self.left_out,
             published=self.published_p_ml(self.splits) | self.published_p_ml(self.transfers),
             learners={
                 name: naming.parse_learner(name, self.study.learners) for name in self.entry["learners"]

@@ -343,8 +343,6 @@ def _parts(study: Mapping[str, Any]) -> Iterator[tuple[Key, str, Any]]:
         for part, value in entry.items():
             varies = part in ("inclinations", "offsets")
             yield (*key, part), part, (entry.get("rso"), value) if varies else value
-    for name, rsos in _mapping(study, ("pools",)).items():
-        yield ("pools", name), "rsos", rsos
 
 
 def _mapping(values: Mapping[str, Any], key: Key) -> Mapping[str, Any]:

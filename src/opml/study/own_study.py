@@ -238,7 +238,6 @@ class OwnStudy:
             "P_ML": f"study/{rso}/models",
             "Cd and the weather": f"study/{rso}/{stations}_drag",
             **({"ellipsoids": f"study/{rso}/{stations}_ellipsoids"} if models else {}),
-            **({} if self.study.is_measured(rso) else {"passes": f"maps/{rso}/{stations}"}),
         }
         return Sources(
             files={name: f"{folder}/{name}.oem" for name in models},

@@ -283,21 +283,8 @@ class Params:
         """Return the start and the time grid of ephemerides."""
         return {
             "known_until_days": self.train_days(wildcards)[1],
-            "from": self.run.ephemeris.start,
             "grid": [self.run.ephemeris.step_s, self.run.prediction.max_days, self.run.duration_days],
         }
-
-    def check_from_newest(self, _: Wildcards) -> None:
-        """Raise InputError for a message of one ephemeris where one from each estimate is set."""
-        if self.run.ephemeris.start != "newest":
-            expected = "expected newest for one message, .oem"
-            raise InputError(f"ephemeris.from: {expected}, got each, which makes a folder of them, _oem")
-
-    def check_from_each(self, _: Wildcards) -> None:
-        """Raise InputError for a folder of messages where an ephemeris from one estimate is set."""
-        if self.run.ephemeris.start != "each":
-            expected = "expected each for a folder of messages, _oem"
-            raise InputError(f"ephemeris.from: {expected}, got newest, which makes one message, .oem")
 
     def errors(self, experiment: Experiment, **more: Any) -> dict[str, Any]:
         """Return the params of a figure of errors: epoch, cleaning, parts of the experiment's name."""

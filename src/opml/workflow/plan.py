@@ -132,12 +132,7 @@ class Plan:
             *(self.beyond.every if "beyond" in self.study else []),
             *(self.own_study.experiments.values() if self.own_study.is_asked else []),
         ]
-        pools = self.study.entry("pools")
-        rsos: list[str] = []
-        for experiment in experiments:
-            is_pool = naming.WITHOUT in experiment.rso
-            rsos += naming.parse_pool(experiment.rso, pools) if is_pool else [experiment.rso]
-            rsos.append(experiment.target)
+        rsos = [rso for experiment in experiments for rso in (experiment.rso, experiment.target)]
         return list(dict.fromkeys(rsos))
 
     @cached_property
@@ -210,13 +205,3 @@ class Plan:
     def label_pattern(self) -> str:
         """Regular expression of the suffix of labels from later estimates."""
         return naming.alternatives(filter(None, naming.LABELS.values()))
-
-    @cached_property
-    def pool_pattern(self) -> str:
-        """Regular expression of a pool of RSOs without one of them."""
-        return naming.pool_pattern(self.study.entry("pools"), self.settings.rsos)
-
-    @cached_property
-    def training_pattern(self) -> str:
-        """Regular expression of what a model is trained on: an RSO or a pool."""
-        return f"(?:{naming.rso_pattern(self.settings.rsos)}|{self.pool_pattern})"

@@ -21,7 +21,6 @@ from opml.ephemerides.known_tables import KnownTables
 from opml.ephemerides.task_part import Grid, TaskPart
 from opml.figures import errors_at_later_tracks
 from opml.interop import oem, orbit_segments
-from opml.interop.object_ids import ObjectId
 from opml.learning.judge.error_sizes import Sizes
 from opml.learning.models.linear_law import LinearLaw
 from opml.orbits.elements import in_rsw
@@ -228,17 +227,16 @@ def test_what_comes_after_t_i_changes_nothing(table, propagator, known):
 
 
 def test_it_starts_from_the_newest_usable_estimate(known):
-    newest = departures(known, known_until=1.2 * DAY, each=False)
+    newest = departures(known, known_until=1.2 * DAY)
     assert newest["track"].tolist() == [2]  # none has a previous one to be held against at 3
-    assert departures(known, known_until=1.2 * DAY, each=True)["track"].tolist() == [2, 4]
     burnt = replace(known, manoeuvres=[Manoeuvre(0.5 * DAY)])
-    assert departures(burnt, known_until=1.2 * DAY, each=False)["track"].tolist() == [1]
+    assert departures(burnt, known_until=1.2 * DAY)["track"].tolist() == [1]
     unknown = replace(known, manoeuvres=[Manoeuvre(0.5 * DAY, 1.3 * DAY)])
-    assert departures(unknown, known_until=1.2 * DAY, each=False).equals(newest)
+    assert departures(unknown, known_until=1.2 * DAY).equals(newest)
     with pytest.raises(
         InputError, match=r"expected a usable estimate up to day 0\.2, the last to learn from"
     ):
-        departures(known, known_until=0.2 * DAY, each=True)
+        departures(known, known_until=0.2 * DAY)
 
 
 def test_a_learner_needs_the_fits_that_it_asks_for(propagator, known):
@@ -296,23 +294,6 @@ def test_an_oem_holds_the_table_to_its_digits(table, tmp_path):
     assert "COMMENT covariances in RSW: axes of the states only" in (tmp_path / "c.oem").read_text(
         encoding="utf-8"
     )
-
-
-def test_each_ephemeris_is_a_message(table, tmp_path):
-    each = [rows for _, rows in table.groupby("i")]
-    told = {"identity": ObjectId("iss"), "epoch": EPOCH, "comment": "of mornings"}
-    oem.write_each(tmp_path / "c_oem", each, "corrected", **told)
-    paths = sorted((tmp_path / "c_oem").iterdir())
-    # 0.3 and 0.61 days after the epoch.
-    assert [path.name for path in paths] == ["2016-09-28T192145Z.oem", "2016-09-29T024809Z.oem"]
-    for path, rows in zip(paths, each, strict=True):
-        (segment,) = orbit_segments.read(path, epoch=EPOCH)
-        np.testing.assert_array_equal(segment.states, rows[STATE])
-        assert "\nCOMMENT of mornings\n" in path.read_text(encoding="utf-8")
-    # A message of all of them holds the same, one below the other.
-    oem.write(tmp_path / "c.oem", oem.corrected_segments(table, rso="iss"), epoch=EPOCH)
-    together = orbit_segments.read(tmp_path / "c.oem", epoch=EPOCH)
-    assert [segment.t[0] for segment in together] == [rows["t"].iloc[0] for rows in each]
 
 
 def test_it_is_held_against_later_estimates(table, known):

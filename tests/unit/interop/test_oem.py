@@ -49,14 +49,6 @@ def estimates(count=3):
     return frame
 
 
-def predictions():
-    """A table of predictions: from track 0 to tracks 1 and 2, from track 1 to track 2 and none to track 3."""
-    generator = np.random.default_rng(2)
-    frame = pd.DataFrame(generator.normal(size=(4, 6)) * 1e6, columns=list(STATE))
-    pairs = {"i": [0, 0, 1, 1], "j": [1, 2, 2, 3], "t_j": [100.0, 200.5, 200.5, 300.0]}
-    return frame.assign(**pairs, reason=["", "", "", "decayed below 120 km"])
-
-
 def arcs(path, **satellite):
     return oem.read(path, path.read_bytes(), epoch=EPOCH, **satellite)
 
@@ -125,23 +117,12 @@ def test_estimates_come_back_with_their_covariances(of_estimates):
                 assert covariance[k, m] == covariance[m, k] == row[f"cov_{a}_{b}"]
 
 
-def test_predictions_are_a_segment_an_estimate(tmp_path):
-    table = predictions()
-    oem.write(tmp_path / "p.oem", oem.prediction_segments(table, rso="iss"), epoch=EPOCH)
-    first, second = orbit_segments.read(tmp_path / "p.oem", epoch=EPOCH)
-    assert (first.t.tolist(), second.t.tolist()) == ([100.0, 200.5], [200.5])
-    np.testing.assert_array_equal(np.vstack([first.states, second.states]), table[list(STATE)][:3])
-    assert "COMMENT prediction from the estimate of track 1" in (tmp_path / "p.oem").read_text()
-
-
 def test_tables_without_anything_to_tell_are_input_errors():
     with pytest.raises(InputError, match="iss: expected an estimate that converged"):
         oem.estimate_segments(estimates().assign(converged=False), rso="iss")
     lost = estimates().assign(converged=False, weighted_rms=1234.5)
     with pytest.raises(InputError, match=r"of 1\.23e\+03 times the stations' noise .*: did these stations"):
         oem.estimate_segments(lost, rso="iss")
-    with pytest.raises(InputError, match="iss: expected a prediction"):
-        oem.prediction_segments(predictions().assign(reason="decayed below 120 km"), rso="iss")
 
 
 def test_other_frames_and_time_systems_are_turned_to_ours(message, orbit):

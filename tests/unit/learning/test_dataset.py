@@ -391,11 +391,3 @@ def test_a_table_that_lacks_a_pair_is_told():
     rows = pairs(keep=True, reason="", e_y=0.0)
     with pytest.raises(InputError, match="expected every pair of the dataset, got none of 1, 2"):
         dataset.join_table(rows, pairs(v_y=0.0).iloc[:2])
-
-
-def test_pooled_rsos_keep_their_estimates_apart():
-    found = dataset.pool([pairs(b=-1, e_y=1.0), pairs(b=0, e_y=2.0)])
-    assert list(found["i"]) == [0, 0, 1, 3, 3, 4]
-    assert list(found["j"]) == [1, 2, 2, 4, 5, 5]
-    assert list(found["b"]) == [-1, -1, -1, 3, 3, 3]
-    assert list(found["e_y"]) == [1.0, 1.0, 1.0, 2.0, 2.0, 2.0]

@@ -85,14 +85,6 @@ def test_label_stands_with_the_stations():
     assert naming.LABELS["truth"] == ""
 
 
-def test_pool_without_one_of_its_rsos():
-    pools = {"near": ["iss", "iss_i50", "iss_a+50"]}
-    assert naming.parse_pool("near-without-iss_i50", pools) == ["iss", "iss_a+50"]
-    assert re.fullmatch(naming.pool_pattern(pools, RSOS), "near-without-iss_a+50")
-    assert not re.fullmatch(naming.pool_pattern(pools, RSOS), "far-without-iss")
-    assert "pool 'far': expected one of near" in refusal(naming.parse_pool, "far-without-iss", pools)
-
-
 def test_only_a_learner_with_a_kernel_scale_has_another():
     learners = LEARNERS | {"none": KindSection(kind="none")}
     assert re.fullmatch(naming.learner_pattern(learners), "svr_s2")

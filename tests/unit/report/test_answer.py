@@ -167,10 +167,8 @@ def test_the_file_is_the_one_of_the_page_on_operations():
     )
     assert measured.day == 28
     assert measured.manoeuvres == "named in `manoeuvres`: 1"
-    assert "passes" not in measured.figures
     simulated = own_of()
     assert simulated.manoeuvres == ""
-    assert simulated.figures["passes"] == "figs/maps/lares/eglin-clear-kaena.png"
     assert "orbit's files" in own_of(orbits={"lares": ["a.sp3"]}).manoeuvres
 
 

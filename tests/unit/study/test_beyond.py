@@ -27,7 +27,6 @@ ENTRY = PAPER.entry
 def values():
     values = paper_values()
     values["study"]["curves"]["semi_major_axis"]["offsets"] = [0, 50]
-    values["study"]["pools"] = {"altitudes": ["iss", "iss_a+50"]}
     return values
 
 
@@ -48,12 +47,6 @@ def test_every_model_meets_every_split():
     one = found["eglin", "mechanism", "unseen"]
     assert (one.train, one.test) == ("days-0-30", "days-30-40-unseen")
     assert (one.rso, one.target, one.learner) == ("iss", "iss", "mechanism")
-
-
-def test_the_rso_left_out_is_no_part_of_what_it_is_tested_after(values):
-    one = beyond_of(values).left_out["altitudes", "svr", "iss_a+50"]
-    assert one.rso == "altitudes-without-iss_a+50"
-    assert one.target == "iss_a+50"
 
 
 @pytest.mark.parametrize(
@@ -86,7 +79,6 @@ def test_document_tells_every_model_and_split(values):
     assert "| Peng & Bai, SVR | 9.6 | - | 35.5 | - |" in text
     assert "random: random-80, rest (7 estimates)" in text
     assert "| `iss_i50` | 40.2 | 30.0 (29.0 to 32.0) |" in text
-    assert "| altitudes | `iss_a+50` | 30.0" in text
     assert not re.search(r"\bnan\b", text)
 
 
@@ -119,12 +111,3 @@ def test_figure_of_splits_shows_every_model_and_the_paper():
     flattered = table.assign(p_ml=table["p_ml"].where(table["split"] != "random", 1.0))
     headline = figures._flattered(flattered[flattered["stations"] == "eglin"], list(ENTRY["splits"]))
     assert headline.endswith("= 1 % on random rows, 110 % on unseen rows")
-
-
-def test_figure_of_transfers_has_a_panel_a_curve(values):
-    beyond = beyond_of(values)
-    curves = {name: curve.targets for name, curve in beyond.paper.curves.items()}
-    table = metrics(dict.fromkeys(beyond.transfers.values()))
-    figure = figures.transfers(table, curves, published={"iss_i50": 40.2}, component="e_y")
-    assert len(figure.axes) == 2
-    assert "inclination" in figure.axes[0].get_xlabel()

@@ -212,13 +212,6 @@ def test_a_study_without_curves_and_grids_has_no_names_of_them():
         assert empty.keys() == constraints.keys()
 
 
-def test_a_model_is_trained_on_an_rso_or_on_a_pool():
-    pattern = plan(study={"pools": {"near": ["iss", "iss_i50"]}}).training_pattern
-    assert re.fullmatch(pattern, "iss_i50")
-    assert re.fullmatch(pattern, "near-without-iss_i50")
-    assert not re.fullmatch(pattern, "near")
-
-
 def test_the_runs_own_window_has_no_suffix():
     assert [plan().window(hours) for hours in (12, 48)] == ["", "_w48"]
 
@@ -392,19 +385,6 @@ def test_ephemerides_start_from_what_is_known_at_the_end_of_the_training():
         "seed": 42,
         "train_days": [0.0, 20.0],
     }
-
-
-EACH = {"ephemeris": {"from": "each"}}
-
-
-def test_one_message_or_a_folder_of_them_is_named_as_the_settings_have_it():
-    name = experiment()
-    params().check_from_newest(name)
-    params(**EACH).check_from_each(name)
-    with pytest.raises(InputError, match=r"ephemeris\.from: expected newest for one message, .*, got each"):
-        params(**EACH).check_from_newest(name)
-    with pytest.raises(InputError, match=r"ephemeris\.from: expected each for a folder .*, got newest"):
-        params().check_from_each(name)
 
 
 def test_models_are_compared_on_one_test():

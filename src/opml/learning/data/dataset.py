@@ -124,19 +124,6 @@ def join_table(dataset: pd.DataFrame, other: pd.DataFrame) -> pd.DataFrame:
     return joined.assign(keep=joined["keep"] & ~lost, reason=joined["reason"].mask(lost, NO_NUMBERS))
 
 
-def pool(tables: Sequence[pd.DataFrame]) -> pd.DataFrame:
-    """Return tables of pairs (i, j) of several RSOs below each other, with their tracks numbered through.
-
-    So estimates of different RSOs stay distinct in splits by estimate and in their bootstrap.
-    """
-    shift, shifted = 0, []
-    for table in tables:
-        tracks = [name for name in ("i", "j", "b") if name in table]
-        shifted.append(table.assign(**{name: table[name] + shift for name in tracks}))
-        shift += int(table["j"].max()) + 1
-    return pd.concat(shifted, ignore_index=True)
-
-
 def _with_labels(pairs: pd.DataFrame, labels: pd.DataFrame | None) -> pd.DataFrame:
     """Return pairs with their errors, true or labels, when these are known, and why a label is missing."""
     if labels is None:

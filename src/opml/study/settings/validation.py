@@ -88,9 +88,10 @@ _EARLIER = {
     "forecast": "it is gone: a forecast is the regression",
     "forecasts": "it is gone: a forecast is the regression",
     "find_manoeuvres": "it is gone: burns in element sets are always detected",
+    "from": "it is gone: an ephemeris starts from the newest estimate",
     "high_degree": "it is gone: element sets are predicted as by opml predict",
     "honest": "it is study.beyond now",
-    "pools": "it is study.pools now",
+    "pools": "it is gone: opml train learns from many objects",
     "rolling": "it is gone: replays train anew every morning",
     "span_days": "it is study.span_days now",
 }

@@ -52,7 +52,6 @@ Times = Annotated[
 
 Names = Annotated[list[str], MinLen(1), Unique(), Expected("a list of names")]
 
-Pool = Annotated[list[str], MinLen(2), Unique(), Expected("a list of at least two RSOs")]
 
 Seed = Annotated[int, Ge(0), Expected("a whole number from 0")]
 

@@ -1,7 +1,7 @@
 """The run: what is simulated, and how learners learn. Every key, what it means, its unit and its limits."""
 
 import os
-from typing import Annotated, Any, Literal, Self, get_args
+from typing import Annotated, Any, Self, get_args
 
 from annotated_types import Ge, Le, Lt, MinLen
 from pydantic import Strict
@@ -158,12 +158,6 @@ class Mechanism(Section):
 class Ephemeris(Section):
     """Corrected ephemerides."""
 
-    start: Literal["newest", "each"] = setting(
-        "an ephemeris starts from the `newest` estimate before the training ends, or from it and `each`"
-        " later one, retrained each morning, and then messages are a folder, `_oem`, with a file of each",
-        see="operations.md#the-corrected-ephemeris",
-        alias="from",
-    )
     step_s: Annotated[float, Ge(1), Le(300), Expected("seconds from 1 to 300")] = setting(
         "time between its epochs, which are counted from the run's; it reaches `prediction.max_days` ahead,"
         " as far as the run does"

@@ -16,9 +16,7 @@ from opml.study.settings.model.names import (
     Holds,
     Kilometres,
     Label,
-    Name,
     Names,
-    Pool,
     PublishedByRatio,
     PublishedByValue,
     Ratios,
@@ -175,9 +173,9 @@ class Curves(Section):
 
 
 class Transfers(Tested):
-    """Models on the curves' RSOs, and out of pools."""
+    """Models on the curves' RSOs."""
 
-    learners: Names = setting("models that are carried over to the curves' RSOs and out of pools")
+    learners: Names = setting("models that are carried over to the curves' RSOs")
 
 
 class BeyondSettings(Section):
@@ -186,7 +184,7 @@ class BeyondSettings(Section):
     station_sets: Names = setting("station sets that models are compared for")
     learners: Names = setting("models to compare")
     splits: Splits = setting("training and test split", see="wildcards.md")
-    transfers: Transfers = setting("models on the curves' RSOs, and out of pools")
+    transfers: Transfers = setting("models on the curves' RSOs")
 
 
 class SpreadSeeds(Section):
@@ -274,9 +272,6 @@ class PaperStudy(Section):
 class BeyondStudy(Section):
     """Experiments beyond the paper."""
 
-    pools: Absent[Annotated[dict[Name, Pool], MinLen(1)]] = absent(
-        "RSOs to learn from together, except the excluded one"
-    )
     beyond: Absent[BeyondSettings] = absent("what goes beyond the paper")
 
 
