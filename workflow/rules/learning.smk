@@ -18,7 +18,6 @@ rule train:
         MODEL.log,
     benchmark:
         MODEL.benchmark
-    wildcard_constraints:
     conda:
         "../envs/opml.yaml"
     resources:
@@ -51,7 +50,6 @@ rule evaluate:
         EVALUATION.log,
     benchmark:
         EVALUATION.benchmark
-    wildcard_constraints:
     conda:
         "../envs/opml.yaml"
     params:
