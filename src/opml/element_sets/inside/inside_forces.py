@@ -3,7 +3,7 @@
 A publisher's forces are not known in detail; these agree with what theirs make of an orbit to some metres.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -26,16 +26,29 @@ ISSUE_HOURS = 24
 AHEAD = (
     12.0  # longest arc after an issue [d]: seven days from a date on, the age of the set and of the weather
 )
+SMOOTH = 8
+"""Degree of gravity under which the effects of drag and light are differenced: within 0.2 % of those under
+the whole field from 300 to 800 km, in a ninth of the time."""
+
 _BEFORE = 9.0  # days before the first set that its span reaches
 
 
 @dataclass(frozen=True)
 class Forces:
-    """A force model whose times count from `epoch` (UTC text), with daily outlooks of the weather."""
+    """A force model whose times count from `epoch` (UTC text), with daily outlooks of the weather.
+
+    smooth: the same with gravity of degree SMOOTH
+    """
 
     model: ForceModel
+    smooth: ForceModel
     epoch: str
     threads: int = 1
+
+    @property
+    def smoothed(self) -> "Forces":
+        """Return those under the smooth field alone."""
+        return replace(self, model=self.smooth)
 
     def time(self, date: str) -> float:
         """Return the time of UTC text [s since the epoch]."""
@@ -61,10 +74,14 @@ def read(weather: str | Path, *, first: float, last: float, threads: int = 1, de
         kernel=KERNEL,
         degree=degree,
     )
-    settings = ForceModelSettings.read(
-        {"degree": degree, "order": degree, "third_bodies": [*BODIES], "forces": [*FORCES]}, "forces"
-    )
     issues = Issues(source=weather, epoch=epoch, issue_hours=ISSUE_HOURS, max_days=AHEAD)
-    return Forces(
-        with_outlooks(build(environment, settings), known_weather.outlooks(issues, t)), epoch, threads
+    outlooks = known_weather.outlooks(issues, t)
+    model, smooth = (
+        with_outlooks(build(environment, _settings(highest)), outlooks) for highest in (degree, SMOOTH)
     )
+    return Forces(model, smooth, epoch, threads)
+
+
+def _settings(degree: int) -> ForceModelSettings:
+    settings = {"degree": degree, "order": degree, "third_bodies": [*BODIES], "forces": [*FORCES]}
+    return ForceModelSettings.read(settings, "forces")

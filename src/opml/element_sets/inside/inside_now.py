@@ -129,7 +129,9 @@ class InsideNow:
         now = self.forces.time(self.date)
         t = now + _EVERY * np.arange(int(np.ceil(DAY * days / _EVERY)) + 2)
         epochs = np.concatenate([[begin.t], t[t > begin.t]])
-        departures = departing([begin], self.forces, first=np.zeros(1, int), last=np.array([len(epochs) - 1]))
+        departures = departing(
+            [begin], self.forces.model, first=np.zeros(1, int), last=np.array([len(epochs) - 1])
+        )
         arcs = propagate(self.forces.model, epochs, departures, integrator=STEPS)
         return t - now, np.concatenate([begin.state[None], arcs.path(0)])[-len(t) :]
 
@@ -291,7 +293,7 @@ def _gauge(newest: KnownSet, forces: Forces, now: float) -> float:
     begin = _begin(newest, forces, now, float(first_drag(newest.satellite.bstar)))
     for _ in range(2):
         reach = np.array([half + EVERY])
-        [orbit] = orbits_beside(forces, [begin], back=reach, ahead=reach)
+        [orbit] = orbits_beside(forces.smoothed, [begin], back=reach, ahead=reach)
         _, equations = _equations(orbit, newest, now)
         t = now + newest.t
         begin = orbit.begin_again(solve(orbit, [equations.over(t - half, t + half)]))

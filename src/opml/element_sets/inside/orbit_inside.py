@@ -8,12 +8,12 @@ to the elements of the set, the publisher's normal equations are
 
 SGP4's residuals s - r are half a kilometre, and none of it is left in these seven sums. So they are solved
 for the orbit, its state x and its Cd A/m b, by Newton's method. An orbit and SGP4 have the same partials to a
-thousandth, hence J serves for x, too. What drag and light do is differenced between two orbits. One step from
-SGP4's own state leaves half a metre.
+thousandth, hence J serves for x, too. What drag and light do is differenced between two orbits under a
+smooth field. One step from SGP4's own state leaves half a metre.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from sgp4.api import Satrec
@@ -21,6 +21,7 @@ from sgp4.api import Satrec
 from opml.base.constants import HOUR
 from opml.base.errors import InputError
 from opml.dynamics.ensemble import Arcs, Departures, propagate
+from opml.dynamics.kernels.surroundings import ForceModel
 from opml.dynamics.settings import Integrator
 from opml.element_sets.inside.inside_forces import Forces
 from opml.interop.element_sets import mean_elements
@@ -41,7 +42,10 @@ It is no guess of the drag: it keeps a number finite that an orbit above 1000 km
 
 NO_DRAG = 0.01  # [m2/kg]
 LIGHT = 0.02  # Cr A/m of a payload [m2/kg]
-STEPS = Integrator(position_tolerance_m=0.05, min_step_s=0.001, max_step_s=120.0)
+STEPS = Integrator(position_tolerance_m=0.05, min_step_s=0.001, max_step_s=240.0)
+"""Steps of orbits: half as long, they are off by 0.1 m more outwards and across in eight days."""
+
+_SMOOTH_STEPS = Integrator(position_tolerance_m=1.0, min_step_s=0.001, max_step_s=450.0)
 NUMBERS = 8  # six elements, Cd A/m and Cr A/m
 DRAG, SUNLIGHT = 6, 7  # places of the last two
 
@@ -191,72 +195,96 @@ def orbits_beside(
     """Propagate the orbits near sets, with their partials.
 
     back, ahead: (sets,) how far before and after the epoch of the set each orbit reaches [s]
-    is_lit: whether those of Cr A/m are needed, which cost another arc
+    is_lit: whether those of Cr A/m are needed
 
     States are not finite where an orbit comes down.
     """
-    families = 3 if is_lit else 2
     starts = np.array([one.t for one in beginnings])
     first, last = (EVERY * np.round(end / EVERY) for end in (starts - back, starts + ahead))
-    flown = paths(forces, beginnings, np.stack([first, last]), families=families)
+    ends = np.stack([first, last])
+    flown = paths(forces, beginnings, ends)
+    changes = _changes(forces, beginnings, ends, is_lit=is_lit)
     orbits = []
-    for k, begin in enumerate(beginnings):
-        arcs = flown[k :: len(beginnings)]
-        t = first[k] + EVERY * np.arange(len(arcs[0]))
-        changes = [bent_rsw(other[:, :3], arcs[0])[..., None] for other in arcs[1:]]
-        none = [np.zeros((len(t), 3, 1))] * (3 - families)
-        partials = np.concatenate([_sgp4_partials(begin.satellite, forces.epoch, t), *changes, *none], axis=2)
-        orbits.append(NearbyOrbit(begin, forces.epoch, t, arcs[0], partials))
+    for begin, t0, states, by_drag_and_light in zip(beginnings, first, flown, changes, strict=True):
+        t = t0 + EVERY * np.arange(len(states))
+        partials = np.concatenate(
+            [_sgp4_partials(begin.satellite, forces.epoch, t), by_drag_and_light], axis=2
+        )
+        orbits.append(NearbyOrbit(begin, forces.epoch, t, states, partials))
     return orbits
 
 
 def paths(
-    forces: Forces,
-    beginnings: Sequence[Beginning],
-    ends: np.ndarray,
-    *,
-    every: float = EVERY,
-    families: int = 1,
+    forces: Forces, beginnings: Sequence[Beginning], ends: np.ndarray, *, every: float = EVERY
 ) -> list[np.ndarray]:
-    """Return the states (n, 6) [m, m/s] of orbits at even times, those of all with more drag, and with more
-    light.
+    """Return the states (n, 6) [m, m/s] of orbits at even times.
 
     ends: (2, orbits) first and last times [s], multiples of `every`, which divides EVERY
-    families: 1 for the orbits alone, 2 or 3 for the others, too
     """
-    halves = [
-        _half(forces, beginnings, end, direction * every, families)
+    return _both_ways(forces.model, beginnings, ends, every, STEPS, forces.threads)
+
+
+def _changes(
+    forces: Forces, beginnings: Sequence[Beginning], ends: np.ndarray, *, is_lit: bool
+) -> list[np.ndarray]:
+    """Return what steps of Cd A/m and Cr A/m do to orbits (n, 3, 2), along the bent axes [m].
+
+    Both are small: a smooth field, which is quick, changes them little. Those of Cr A/m are 0 unless they are
+    needed.
+    """
+    dragged = [replace(one, ballistic=one.ballistic + one.drag_step) for one in beginnings]
+    lit = [replace(one, reflection=one.reflection + LIGHT_STEP) for one in beginnings] if is_lit else []
+    families = [*beginnings, *dragged, *lit]
+    repeated = np.tile(ends, len(families) // len(beginnings))
+    flown = _both_ways(forces.smooth, families, repeated, EVERY, _SMOOTH_STEPS, forces.threads)
+    count = len(beginnings)
+    changes = []
+    for k, own in enumerate(flown[:count]):
+        beside = np.zeros((len(own), 3, 2))
+        for place, other in enumerate(flown[count + k :: count]):
+            beside[..., place] = bent_rsw(other[:, :3], own)
+        changes.append(beside)
+    return changes
+
+
+def _both_ways(
+    model: ForceModel,
+    beginnings: Sequence[Beginning],
+    ends: np.ndarray,
+    every: float,
+    integrator: Integrator,
+    threads: int,
+) -> list[np.ndarray]:
+    """Return the states (n, 6) of orbits every so often [s] from first to last times (2, orbits)."""
+    back, ahead = (
+        _half(model, beginnings, end, direction * every, integrator, threads)
         for end, direction in zip(ends, (-1.0, 1.0), strict=True)
-    ]
+    )
     return [
-        _whole(beginnings[arc % len(beginnings)], halves, arc) for arc in range(families * len(beginnings))
+        np.concatenate([back.path(k)[::-1], begin.state[None], ahead.path(k)])
+        for k, begin in enumerate(beginnings)
     ]
 
 
 def _half(
-    forces: Forces, beginnings: Sequence[Beginning], ends: np.ndarray, step: float, families: int
+    model: ForceModel,
+    beginnings: Sequence[Beginning],
+    ends: np.ndarray,
+    step: float,
+    integrator: Integrator,
+    threads: int,
 ) -> Arcs:
     """Return arcs in one direction of time, in steps above or below 0 [s]."""
     starts = np.array([one.t for one in beginnings])
     direction, every = np.sign(step), abs(step)
     epochs = np.arange((direction * starts).min(), (direction * ends).max() + 0.5 * every, every)
-    drag, steps, light = np.array([(one.ballistic, one.drag_step, one.reflection) for one in beginnings]).T
-    outlook = forces.model.newest_outlook(np.array([one.known for one in beginnings]))
-    departures = Departures(
-        np.tile([one.state for one in beginnings], (families, 1)),
-        first=np.tile(np.searchsorted(epochs, direction * starts), families),
-        last=np.tile(np.searchsorted(epochs, direction * ends), families),
-        ballistic=np.concatenate([drag, drag + steps, drag][:families]),
-        reflection=np.concatenate([light, light, light + LIGHT_STEP][:families]),
-        outlook=np.tile(outlook, families),
+    departures = departing(
+        beginnings,
+        model,
+        first=np.searchsorted(epochs, direction * starts),
+        last=np.searchsorted(epochs, direction * ends),
     )
-    return propagate(forces.model, direction * epochs, departures, integrator=STEPS, threads=forces.threads)
-
-
-def _whole(begin: Beginning, halves: Sequence[Arcs], arc: int) -> np.ndarray:
-    """Return the states (n, 6) of an arc in both directions from its beginning."""
-    back, ahead = (half.path(arc) for half in halves)
-    return np.concatenate([back[::-1], begin.state[None], ahead])
+    return propagate(model, direction * epochs, departures, integrator=integrator, threads=threads)
 
 
 def _sgp4_partials(satellite: Satrec, epoch: str, t: np.ndarray) -> np.ndarray:
@@ -302,7 +330,7 @@ def begin_at(
 
 
 def departing(
-    begins: Sequence[Beginning], forces: Forces, *, first: np.ndarray, last: np.ndarray
+    begins: Sequence[Beginning], model: ForceModel, *, first: np.ndarray, last: np.ndarray
 ) -> Departures:
     """Return the departures of orbits, each under the weather as it was known; first, last: as of
     `Departures`.
@@ -313,7 +341,7 @@ def departing(
         last=last,
         ballistic=np.array([one.ballistic for one in begins]),
         reflection=np.array([one.reflection for one in begins]),
-        outlook=forces.model.newest_outlook(np.array([one.known for one in begins])),
+        outlook=model.newest_outlook(np.array([one.known for one in begins])),
     )
 
 

@@ -157,7 +157,7 @@ def _at_epochs(forces: Forces, begins: Sequence[Beginning], t: np.ndarray) -> np
     starts = np.array([one.t for one in begins])
     epochs = np.unique(np.concatenate([starts, t]))
     first, last = (np.searchsorted(epochs, times) for times in (starts, t))
-    departures = departing(begins, forces, first=first, last=last)
+    departures = departing(begins, forces.model, first=first, last=last)
     arcs = propagate(forces.model, epochs, departures, integrator=STEPS, threads=forces.threads)
     paths = [np.concatenate([one.state[None], arcs.path(k)]) for k, one in enumerate(begins)]
     return np.array([path[-1] for path in paths])
