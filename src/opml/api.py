@@ -78,9 +78,9 @@ _CD_BOUNDS = ("cd_min", "cd_max")
 ESTIMATION: Mapping[str, Any] = (
     packaged.RUN["estimation"]
     | {bound: CLEANING[bound] for bound in _CD_BOUNDS}
-    | {"after_hours": 0.0, "reject_sigma": None, "suspect_sigma": None}
+    | {"reject_sigma": None, "suspect_sigma": None}
 )
-"""Settings of `estimate`, which explains after_hours; config/README.md explains the others."""
+"""Settings of `estimate`, which config/README.md explains."""
 
 LEARNER: Mapping[str, Any] = packaged.RUN["learners"]["svr"]
 """The paper's learner, for `learn`."""
@@ -367,9 +367,8 @@ def estimate(
     """Estimate state and drag coefficient at each track's start: the table `estimates`, one row per track.
 
     propagator: under the assumed model; truth: perturbed with `seed`, where a first fit starts, or the table
-    `starts` of `first_orbit`, which is taken as it is; settings: those that differ from `ESTIMATION`. With
-    after_hours, for labels, tracks that begin up to so long after an estimate are used, too, and nothing may
-    be predicted from it. A fit that fails is a row with its reason. Raises InputError for an unknown setting.
+    `starts` of `first_orbit`, which is taken as it is; settings: those that differ from `ESTIMATION`. A
+    fit that fails is a row with its reason. Raises InputError for an unknown setting.
     Source: sec. Estimation Models.
 
     >>> estimates = opml.estimate(propagator, truth, tracks, environment, stations)
@@ -485,20 +484,18 @@ def predict_tracks(
     return prediction.predict_all(propagator, truth, estimates, max_days=max_days)
 
 
-def label(
-    predictions: pd.DataFrame, estimates: pd.DataFrame, tracks: pd.DataFrame, *, after_hours: float = 0.0
-) -> pd.DataFrame:
+def label(predictions: pd.DataFrame, estimates: pd.DataFrame, tracks: pd.DataFrame) -> pd.DataFrame:
     """Hold predictions against later estimates, as without a truth: the table `labels`, one row per pair.
 
-    estimates: of the tracks predicted to; after_hours: as `estimate` had it. Errors are in RSW of the later
-    estimate [m, m/s], with its formal uncertainty and when it is known; a pair without one has the reason.
+    estimates: of the tracks predicted to. Errors are in RSW of the later estimate [m, m/s], with its formal
+    uncertainty and when it is known; a pair without one has the reason.
     Source: ``opml docs labels``.
 
     >>> labels = opml.label(predictions, estimates, tracks)
     >>> bool((labels["t_known"] > predictions["t_j"]).all())
     True
     """
-    return labels.build(predictions, estimates, tracks, after=HOUR * after_hours)
+    return labels.build(predictions, estimates, tracks)
 
 
 def dataset(catalogue: Catalogue, *, labels: pd.DataFrame | None = None) -> pd.DataFrame:

@@ -97,7 +97,7 @@ def test_defaults_are_those_of_the_settings():
             **settings,
             "third_bodies": set(settings["third_bodies"]),
         }
-    absent = {"after_hours": 0.0, "reject_sigma": None, "suspect_sigma": None}
+    absent = {"reject_sigma": None, "suspect_sigma": None}
     assert SETTINGS["estimation"] | limits | absent == opml.ESTIMATION
     assert {**opml.CLEANING, "fence_days": list(opml.CLEANING["fence_days"])} == cleaning
     assert SETTINGS["learners"]["svr"] == opml.LEARNER

@@ -43,16 +43,15 @@ def test_its_figure_is_drawn(beyond):
 def test_without_a_truth_labels_are_learned_from_and_the_truth_judges(beyond):
     names = {
         label: f"metrics/iss/eglin-clear-kaena{label}/days-0-2/boosting/e_y/iss/days-2-3.parquet"
-        for label in ("", "_later", "_smoothed")
+        for label in ("", "_later")
     }
     beyond.snakemake("-j2", CI, *(f"results/ci/{name}" for name in names.values()))
     found = {label: read_table(results(beyond, name), "metrics").iloc[0] for label, name in names.items()}
     assert len({one["rows"] for one in found.values()}) == 1
     assert [label for label, one in found.items() if np.isnan(one["p_ml_later"])] == [""]
-    for label in ("_later", "_smoothed"):
+    for label in ("_later",):
         assert found[label]["stations"] == f"eglin-clear-kaena{label}"
         assert found[label]["p_ml_later"] == pytest.approx(found[label]["p_ml"], rel=0.1)
-    # Half a day of two is not known yet where labels are smoothed.
     assert found["_later"]["p_ml"] == pytest.approx(found[""]["p_ml"], rel=0.3)
 
 

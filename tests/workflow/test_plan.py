@@ -114,7 +114,7 @@ PLANNED = [  # products and settings, and what has to run but for the tables of 
         {**dict.fromkeys(CHAIN, 1), "train": 1, "evaluate": 1},
     ),
     (
-        ["metrics/iss/eglin_smoothed/days-0-30/svr/e_y/iss/days-30-40.parquet"],
+        ["metrics/iss/eglin_later/days-0-30/svr/e_y/iss/days-30-40.parquet"],
         {**dict.fromkeys([*CHAIN, *LABELLED], 1), "estimation": 2, "train": 1, "evaluate": 1},
     ),
     (["replays/iss/eglin/days-0-30/svr.parquet"], dict.fromkeys([*CHAIN, "spread", "replay"], 1)),

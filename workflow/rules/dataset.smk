@@ -50,7 +50,6 @@ rule labels:
     params:
         settings=lambda wildcards: {
             "epoch": config["epoch"],
-            "after_hours": naming.parse_both_sides(PARAMS.label_window(wildcards)),
         },
         code=code("labels.py"),
     message:

@@ -19,7 +19,7 @@ rule estimation:
     benchmark:
         ESTIMATES.benchmark
     wildcard_constraints:
-        window=f"(?:{PLAN.window_pattern}|{naming.BOTH_SIDES})",
+        window=PLAN.window_pattern,
     conda:
         "../envs/opml.yaml"
     resources:

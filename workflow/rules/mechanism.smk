@@ -3,7 +3,6 @@ SENSITIVITIES = product("sensitivities/{rso}/{stations}{window}")
 MECHANISM = product("mechanism/{rso}/{stations}{window}")
 ARCS = product("arcs/{rso}/{stations}{window}{arc}")
 CD_PAST = product("cd_past/{rso}/{stations}{window}{arc}{memory}")
-HELD = product("held/{rso}/{stations}{window}{arc}{memory}")
 LONG = PLAN.window(config["mechanism"]["long_window_hours"])
 
 
@@ -119,33 +118,3 @@ rule cd_past:
         "Past of Cd: its mean by fits of {wildcards.rso} by {wildcards.stations}, {wildcards.arc}{wildcards.memory}"
     script:
         "../scripts/cd_past.py"
-
-
-rule held:
-    input:
-        **ENVIRONMENT.predictions,
-        manoeuvres=rules.arcs.input.manoeuvres,
-        predictions=rules.prediction.output[0],
-        arc_estimates=INPUTS.at_arc(rules.estimation.output[0]),
-    output:
-        HELD.table,
-    log:
-        HELD.log,
-    benchmark:
-        HELD.benchmark
-    conda:
-        "../envs/opml.yaml"
-    resources:
-        mem_mb=1000,
-        runtime=8,
-    params:
-        settings=lambda wildcards: {
-            **PARAMS.assumed_model,
-            **PARAMS.arc_with_past(wildcards),
-            "rso": PARAMS.rso(wildcards),
-        },
-        code=code("held.py"),
-    message:
-        "Held: fits of {wildcards.rso} by {wildcards.stations} with Cd held by its past, {wildcards.arc}{wildcards.memory}"
-    script:
-        "../scripts/held.py"

@@ -1,21 +1,13 @@
 """Hold predictions against later estimates."""
 
-from opml.base.constants import HOUR
-from opml.base.section import JobSettings
 from opml.catalog.predict import labels
 from opml.tables import read_measured, read_table, write_table
 from opml.workflow.jobs import job
-
-
-class Settings(JobSettings):
-    after_hours: float
-
 
 with job(snakemake) as metadata:
     table = labels.build(
         read_table(snakemake.input.predictions, "predictions"),
         read_table(snakemake.input.estimates, "estimates"),
         read_measured(snakemake.input.tracking),
-        after=HOUR * Settings(**snakemake.params.settings).after_hours,
     )
     write_table(snakemake.output[0], table, "labels", metadata=metadata)

@@ -102,7 +102,6 @@ class TaskPart:
             "mechanism": self.mechanism,
             "arcs": partial(self.arc_departures if set(variables) <= DEPARTURES else self.arcs, hours),
             "cd_past": partial(self.cd_past, hours, memory_days),
-            "held": partial(self.held_table, hours, memory_days),
         }
         if kind not in makers:
             raise InputError(f"ephemeris: expected a learner of one RSO alone, got the {kind}")
@@ -118,13 +117,10 @@ class TaskPart:
         """Return predictions to the grid from the same tracks, by fits over another window [h]."""
         return self._predicted(self._at_starts(hours), self.propagator)
 
-    def propagate_together(
-        self, windows: Sequence[float], perturbed: Sequence[float], held: Sequence[tuple[float, float]]
-    ) -> None:
-        """Make `pairs`, `predictions` of windows [h], `perturbed` and `held_predictions`, all from one start.
+    def propagate_together(self, windows: Sequence[float], perturbed: Sequence[float]) -> None:
+        """Make `pairs`, `predictions` of windows [h] and `perturbed`, all from one start.
 
         perturbed: windows [h] of those
-        held: window [h] and memory [days] of each of these arcs
 
         In a large field the first are propagated under all of it, and the others near them. A few arcs
         alone leave most lanes of a block empty.
@@ -136,7 +132,6 @@ class TaskPart:
                 ("perturbed", (hours,), ()): other_windows.perturbed(self._at_starts(hours))
                 for hours in perturbed
             },
-            **{("held_predictions", arc, ()): self._with_held_cd(*arc) for arc in held},
         }
         numbered = pd.concat(families.values(), ignore_index=True)
         near = self.propagator.for_neighbours()
@@ -147,15 +142,6 @@ class TaskPart:
         propagated["i"] = numbered["track"].to_numpy()[propagated["i"]]
         self.made.update(
             {key: propagated[family == k].reset_index(drop=True) for k, key in enumerate(families)}
-        )
-
-    def _with_held_cd(self, hours: float, memory_days: float) -> pd.DataFrame:
-        """Return the fits over a window [h] that ephemerides start from, their Cd held by its past."""
-        return other_windows.with_held_cd(
-            self.known.estimates_without_burns(hours),
-            self.starts["track"],
-            apriori=self.propagator.rso.cd,
-            memory_days=memory_days,
         )
 
     def _at_starts(self, hours: float) -> pd.DataFrame:
@@ -215,20 +201,6 @@ class TaskPart:
             apriori=self.propagator.rso.cd,
             memory_days=memory_days,
         )
-
-    @_once
-    def held_table(self, hours: float, memory_days: float) -> pd.DataFrame:
-        """Return the `held` table of fits over a window [h]."""
-        return other_windows.held_table_of(
-            self.pairs(),
-            self.held_predictions(hours, memory_days),
-            arc_estimates=self.known.estimates_without_burns(hours),
-        )
-
-    @_once
-    def held_predictions(self, hours: float, memory_days: float) -> pd.DataFrame:
-        """Return predictions to the grid by fits over a window [h], their Cd held by its past."""
-        return self._predicted(self._with_held_cd(hours, memory_days), self.propagator)
 
     def _predicted(self, estimates: pd.DataFrame, propagator: Propagator) -> pd.DataFrame:
         arrivals = self.grid.epochs(estimates["t"].iloc[-1])

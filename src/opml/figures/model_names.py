@@ -7,7 +7,6 @@ from opml.learning.models.learners import description
 
 SHORT = {
     "refitted": "fit over a longer window",
-    "held": "Cd held by its own past",
     "running": "fits with the running mean of Cd",
 }
 """Short descriptions of the kinds whose own is too long for a figure."""

@@ -1,6 +1,5 @@
 """The ephemerides of all models from the newest estimate of a morning: the table `paths`."""
 
-from collections.abc import Iterable
 from dataclasses import replace
 from functools import partial
 
@@ -91,7 +90,7 @@ def paths(
     whole = replace(known, others={hours: records.of_window(hours, burns) for hours in windows})
     part = TaskPart(watched.model.predictions, whole, starts, Grid(STEP, plan.max_days, plan.end))
     answering = [one for one in plan.models.values() if "v_arc_y" in one.variables]
-    part.propagate_together(windows, learners.arc_windows(answering), _held_arcs(plan.models.values()))
+    part.propagate_together(windows, learners.arc_windows(answering))
     table = part.pairs().assign(morning=now)
     for name, settings in plan.models.items():
         table[f"e_y_{name}"] = _along(part, settings)
@@ -112,12 +111,6 @@ def _with_spread(reached: pd.DataFrame, watched: Watched, estimates: pd.DataFram
     )
     causes = sparse[["t_j"]].join(spreads[SPREAD].set_axis(sparse.index))
     return interpolate_spread(reached, causes).drop(columns=["j", "reason"])
-
-
-def _held_arcs(settings: Iterable[ResolvedSettings]) -> list[tuple[float, float]]:
-    """Return window [h] and memory [days] of the arcs with Cd held that models ask for, each once."""
-    asking = (one for one in settings if "held" in learners.needed_tables(one.variables))
-    return list(dict.fromkeys(arc for arc in map(learners.arc_of, asking) if arc))
 
 
 def _along(part: TaskPart, settings: ResolvedSettings) -> np.ndarray:

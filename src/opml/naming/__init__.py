@@ -14,7 +14,7 @@ product has two names:
 * ``eglin_w24``: estimates from 24 hours of tracks; ``eglin_tol1``: fits that stop earlier; ``eglin_cd0.5``:
   fits with a prior on the drag coefficient; ``eglin_light``: fits that correct for light time.
 * ``svr_s2``: the learner ``svr`` with a kernel scale of 2.
-* ``_later``, ``_smoothed``: errors against later or smoothed estimates; without a suffix, against the truth.
+* ``_later``: errors against later estimates; without a suffix, against the truth.
 """
 
 from opml.naming.estimates import *

@@ -10,7 +10,7 @@ LIGHT = "_light"  # suffix of estimates whose fits correct the measurements for 
 READINGS = {"kept_estimate": "_kept", "track": "_track"}
 """Suffix for the earlier estimate that is t_b, by the study's `cleaning.previous`."""
 
-LABELS = {"truth": "", "later": "_later", "smoothed": "_smoothed"}
+LABELS = {"truth": "", "later": "_later"}
 """Suffix for the reference of the errors in training, by the study's `label`."""
 
 MEMBERS = r"[2-9]|[1-9][0-9]{1,2}"  # regular expression of the number of futures of an ensemble
@@ -19,9 +19,6 @@ ARC_PATTERN = f"_l(?:{POSITIVE}|filter)"
 """Regular expression of the suffix of arcs; a filter's window is all that came before."""
 
 MEMORY_PATTERN = f"_m{POSITIVE}"  # regular expression of the suffix of a memory of the arcs' Cd
-
-BOTH_SIDES = f"_b{POSITIVE}"
-"""Regular expression of the suffix of estimates from tracks on both sides; nothing is predicted from them."""
 
 FILTERED = "_filter"  # suffix of estimates by a sequential filter, which has no window
 
@@ -48,8 +45,6 @@ def window_suffix(hours: float, *, default: float) -> str:
 
 def parse_window(suffix: str, *, default: float) -> float:
     """Return the estimation window [h] of a suffix; `default` without a suffix."""
-    if suffix.startswith("_b"):
-        return parse_both_sides(suffix)
     window = re.match(rf"_w({POSITIVE})", suffix)
     return float(window[1]) if window else default
 
@@ -73,21 +68,6 @@ def fit_pattern(*, convergence: float, light_time: bool = False) -> str:
     """Return the regular expression of the suffixes of `parse_fit` in a run with these settings."""
     stopping = rf"(?:_tol(?!{re.escape(number(convergence))}(?![\d.])){POSITIVE})?"
     return rf"{stopping}(?:_cd{POSITIVE})?" + ("" if light_time else f"(?:{LIGHT})?")
-
-
-def both_sides_suffix(hours: float) -> str:
-    """Return the suffix of estimates from tracks within `hours` [h] before and after each."""
-    return f"_b{number(hours)}"
-
-
-def parse_both_sides(suffix: str) -> float:
-    """Return the hours on either side of a suffix of `both_sides_suffix`; 0 for any other suffix."""
-    return float(suffix.removeprefix("_b")) if suffix.startswith("_b") else 0.0
-
-
-def label_window(label: str, *, hours: float) -> str:
-    """Return the suffix of the estimates behind a label, in a run with a window of `hours` [h]."""
-    return both_sides_suffix(hours) if label == LABELS["smoothed"] else ""
 
 
 def arc_suffix(hours: float) -> str:

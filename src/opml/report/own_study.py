@@ -53,7 +53,7 @@ class OwnStudyReport:
     datasets: Sequence[Dataset]
     learners: Mapping[str, LearnerSettings]  # by name
     component: str
-    label: str  # what predictions are compared with to learn from: truth, later or smoothed
+    label: str  # what predictions are compared with to learn from: truth or later
     truths: Sequence[str]  # of each RSO: simulated, from files, or none where its tracks were measured
     laws: Sequence[str]  # the models that learn, among those whose mornings are replayed
     seed: int  # of the resampled days on which a law has to prove its worth
@@ -161,7 +161,6 @@ def _splits(
 
 LATER = {
     "later": "the estimate that is made when the track predicted to is over",
-    "smoothed": "an estimate from tracks on both sides of the time predicted to",
 }
 """The reference of a label, in words."""
 

@@ -105,7 +105,7 @@ def check_study(source: Source, settings: Settings, *, last_day: float | None = 
     _check_kinds(source, study)
     for rso in study.rsos:
         if study.label == "truth" and not study.has_truth(rso):
-            message = f"expected later or smoothed, as {rso} was measured and has no truth, got truth"
+            message = f"expected later, as {rso} was measured and has no truth, got truth"
             raise source.wrong(("study", "label"), message)
     _check_stations(source, study)
     _check_variables(source, study)
@@ -135,7 +135,7 @@ def _check_day(source: Source, settings: Settings) -> None:
                 component=CORRECTED,
                 variables=run.learning.variables,
             )
-            fits = {"arcs", "cd_past", "held"}
+            fits = {"arcs", "cd_past"}
             if learners.learns(learner.own) or not fits.issuperset(learners.needed_tables(learner.variables)):
                 raise InputError(f"expected a model that learns nothing, made of fits of one RSO, got {name}")
 

@@ -94,7 +94,7 @@ class Study:
 
     @cached_property
     def label(self) -> str:
-        """Reference of predictions where an entry names none: truth, later or smoothed.
+        """Reference of predictions where an entry names none: truth or later.
 
         By default the truth, or later estimates where an RSO of the study was measured: its truth, if it has
         one, only judges.

@@ -17,7 +17,7 @@ from opml.study.experiments import FILES, FILTERS, MEASURED, SIMULATED, Study
 RUNNING = ("running24m3", "running24", "running48m3", "running", "running96m3", "running96")
 """Laws on the running mean of Cd. Those of one window share their arcs: another memory costs nothing."""
 
-BASELINES = ("none", "fit24", "fit48", "fit96", "held", *RUNNING, "filter", "filtermean")
+BASELINES = ("none", "fit24", "fit48", "fit96", *RUNNING, "filter", "filtermean")
 """Models of what a good engineer would do without learning."""
 
 MODELS = (*BASELINES, "svr", "covariance", "mechanism", "twoarcs")
@@ -26,7 +26,7 @@ MODELS = (*BASELINES, "svr", "covariance", "mechanism", "twoarcs")
 MARKS = (1, 2, 4, 7)  # prediction durations that the report states errors at [days]
 
 REPLAYED = (
-    *("none", "fit48", "fit96", "held", *RUNNING, "filter", "filtermean"),
+    *("none", "fit48", "fit96", *RUNNING, "filter", "filtermean"),
     *("covariance", "mechanism", "twoarcs"),
 )
 """The models whose mornings are replayed where a study names none: they are trained in seconds."""

@@ -34,7 +34,7 @@ ELEMENTS = ["mean_motion", "eccentricity", "inclination", "raan", "argp", "mean_
 
 IMPROVED_LEADS = (1, 3, 5, 7)  # days from the date to the errors that the table of improved sets expects
 
-MECHANISM_AXES = ("s", "v", "r", "l", "v_long", "l_arc", "v_arc", "h_arc")
+MECHANISM_AXES = ("s", "v", "r", "l", "v_long", "l_arc", "v_arc")
 """Prefixes of the mechanism's columns for each error component, such as `v_y` for e_y."""
 
 PLANE, ELLIPSOID, WHOLE = "plane", "ellipsoid", "state"

@@ -95,7 +95,7 @@ def _tables_needed(settings: ResolvedSettings) -> list[tuple[str, str]]:
     suffixes: dict[str, str] = {}
     if arc := learners.arc_of(settings):
         suffixes["arcs"] = naming.arc_suffix(arc[0])
-        suffixes["cd_past"] = suffixes["held"] = suffixes["arcs"] + naming.memory_suffix(arc[1])
+        suffixes["cd_past"] = suffixes["arcs"] + naming.memory_suffix(arc[1])
     return [(kind, suffixes.get(kind, "")) for kind in learners.needed_tables(settings.variables)]
 
 
@@ -160,7 +160,7 @@ class Inputs:
         """Find the later estimates that labels are made of; none where the truth is known."""
         if not wildcards.label:
             return []
-        return self._estimates(estimates, wildcards, self.params.label_window(wildcards))
+        return self._estimates(estimates, wildcards, "")
 
     @_input_function
     def true_errors(self, wildcards: Wildcards, dataset: _Pattern) -> _Paths:

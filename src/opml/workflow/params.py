@@ -102,17 +102,11 @@ class Params:
 
     def estimation(self, wildcards: Wildcards) -> dict[str, Any]:
         """Return the settings of the fits, with what the suffix of the estimates changes."""
-        after_hours = naming.parse_both_sides(wildcards.window)
         return (
             _given(self.run.estimation)
             | {"window_hours": self.window_hours(wildcards), "cd_bounds": self.cd_bounds}
-            | ({"after_hours": after_hours} if after_hours else {})
             | naming.parse_fit(wildcards.window)
         )
-
-    def label_window(self, wildcards: Wildcards) -> str:
-        """Return the suffix of the later estimates that labels are made of."""
-        return naming.label_window(wildcards.label, hours=self.plan.window_hours)
 
     def arc(self, wildcards: Wildcards) -> dict[str, float]:
         """Return the window [h] of arcs."""

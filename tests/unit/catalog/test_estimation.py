@@ -157,16 +157,6 @@ def test_partial_derivatives_are_what_central_differences_give(orbit, measured, 
         assert np.abs(jacobian[:, k] - central).max() < 2e-3 * np.abs(central).max()
 
 
-def test_a_window_on_both_sides_ends_with_the_last_track_that_begins_in_it(rows, measured):
-    begins = rows.groupby("track")["t"].min().to_numpy()
-    after = begins[6] - begins[4]
-    plain, both, short = (measured.window(4, 12 * HOUR, reach) for reach in (0.0, after, after - 1.0))
-    assert (both.at, both.first, plain.rows.start) == (plain.at, plain.first, both.rows.start)
-    assert (both.tracks, short.tracks) == (plain.tracks + 2, plain.tracks + 1)
-    assert rows["track"].iloc[both.rows].max() == 6
-    assert measured.epochs[both.last] == rows.loc[rows["track"] == 6, "t"].max()
-
-
 def test_partial_derivatives_are_whole_across_north(orbit, rows, measured, evaluated):
     """Counting azimuth from where the RSO stands, so that neighbouring arcs lie on both sides of 0."""
     window = measured.window(1, 12 * HOUR)

@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 from support import BOUNDED_ESTIMATION as SETTINGS
 
-from opml.base.constants import DAY, HOUR
+from opml.base.constants import DAY
 from opml.catalog.fit import estimation, observations, start_states
 from opml.catalog.predict import labels, other_windows, prediction, sensitivity
 from opml.catalog.propagator import Propagator
@@ -84,8 +84,6 @@ def test_a_pair_without_prediction_or_later_estimate_says_why(four):
 
 def test_a_label_is_known_when_its_last_track_is_over(four):
     assert (labels.build(*four)["t_known"] / DAY * 1440).round(6).tolist() == [145, 289, 1297, 1297]
-    smoothed = labels.build(*four, after=12 * HOUR)
-    assert (smoothed["t_known"] / DAY * 1440).round(6).tolist() == [289, 289, 1297, 1297]
 
 
 def test_typical_labels_weigh_one_and_useless_ones_nothing():
@@ -134,22 +132,17 @@ def chain(assumed_model, orbit, earth_orientation, three_stations, iss):
 
     def chained(tracks):
         short, long = estimated(tracks), estimated(tracks, window_hours=24)
-        smoothed = estimated(tracks, after_hours=6)
         pairs = predicted(short)
         beside = (
             sensitivity.sensitivities(propagator, short, pairs, bounds=None),
             other_windows.build_arcs(propagator, pairs, arc_estimates=long, arc_predictions=predicted(long)),
             other_windows.build_past(pairs, arc_estimates=long, apriori=iss.cd, memory_days=30),
-            other_windows.build_held(propagator, pairs, arc_estimates=long, memory_days=30),
         )
-        made = {}
-        for label, later, after in (("later", short, 0.0), ("smoothed", smoothed, 6 * HOUR)):
-            known = labels.build(pairs, later, tracks, after=after)
-            table = dataset.build(short, pairs, tracks, gm=assumed_model.gm, cleaning=CLEANING, labels=known)
-            for other in beside:
-                table = dataset.join_table(table, other)
-            made[label] = table
-        return made
+        known = labels.build(pairs, short, tracks)
+        table = dataset.build(short, pairs, tracks, gm=assumed_model.gm, cleaning=CLEANING, labels=known)
+        for other in beside:
+            table = dataset.join_table(table, other)
+        return table
 
     return chained
 
@@ -180,29 +173,20 @@ def models(table, folder):
     return found
 
 
-@pytest.mark.parametrize("label", ["later", "smoothed"])
-def test_what_is_measured_after_the_training_changes_no_byte_of_a_model(label, known, moved, tmp_path):
-    assert models(known[label], tmp_path) == models(moved[label], tmp_path)
+def test_what_is_measured_after_the_training_changes_no_byte_of_a_model(known, moved, tmp_path):
+    assert models(known, tmp_path) == models(moved, tmp_path)
 
 
-@pytest.mark.parametrize("label", ["later", "smoothed"])
-def test_what_is_measured_later_would_show_if_it_were_used(label, known, moved, tmp_path):
-    early = {name: table[label].assign(t_known=0.0) for name, table in (("known", known), ("moved", moved))}
-    after = known[label]["t_known"] > END_OF_TRAINING
-    assert not after[splits.training_rows(known[label], TRAIN, span_days=[0, 1], seed=1)].any()
-    shift = np.abs(known[label]["e_y"] - moved[label]["e_y"])
+def test_what_is_measured_later_would_show_if_it_were_used(known, moved):
+    after = known["t_known"] > END_OF_TRAINING
+    assert not after[splits.training_rows(known, TRAIN, span_days=[0, 1], seed=1)].any()
+    shift = np.abs(known["e_y"] - moved["e_y"])
     assert shift[after].median() > 100.0
     assert shift[~after].max() == 0.0
-    if label == "smoothed":
-        found = [models(table, tmp_path) for table in early.values()]
-        assert all(found[0][name] != found[1][name] for name in LEARNERS)
 
 
-def test_labels_stand_for_the_truth(known, orbit):
-    """Their errors against the truth are what their uncertainties say, and smoothed ones are better."""
-    for table in known.values():
-        kept = table[table["keep"]]
-        assert set(table.columns) >= set(SCHEMAS["labelled"].names)
-        assert kept[["e_y", "sigma_e_y", "t_known"]].notna().all(axis=None)
-        assert (kept["t_known"] > kept["t_j"]).all()
-    assert known["smoothed"]["sigma_e_y"].median() < known["later"]["sigma_e_y"].median()
+def test_labels_stand_for_the_truth(known):
+    kept = known[known["keep"]]
+    assert set(known.columns) >= set(SCHEMAS["labelled"].names)
+    assert kept[["e_y", "sigma_e_y", "t_known"]].notna().all(axis=None)
+    assert (kept["t_known"] > kept["t_j"]).all()

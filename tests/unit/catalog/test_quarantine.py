@@ -149,14 +149,6 @@ def test_what_is_told_at_a_track_rests_on_tracks_up_to_it(burnt, seen, estimates
     pd.testing.assert_frame_equal(until, after_burn.iloc[: last + 1])
 
 
-def test_smoothed_fits_do_without_what_was_held_back(orbit, estimates, foreign):
-    rows, track = foreign
-    found = estimates(orbit, rows, WATCHING.evolve(after_hours=3.0))
-    assert found.loc[~found["converged"], "track"].tolist() == [track]
-    assert found["tracks_left_out"].iloc[track - 1] == 1
-    assert found["off"].iloc[track - 2 : track].max() < 100.0
-
-
 def test_filters_pass_over_what_is_held_back(
     orbit, burnt, seen, estimates, foreign, after_burn, propagator, earth_orientation, three_stations
 ):

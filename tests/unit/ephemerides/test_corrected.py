@@ -122,7 +122,7 @@ def test_columns_on_the_grid_are_those_at_tracks(propagator, known):
     """What the tables say of pairs of tracks, they say of the grid's epochs, too."""
     grid = Grid(step=0.01 * DAY, max_days=0.8, end=2.0 * DAY)
     part = TaskPart(propagator, known, known.estimates.iloc[1:3], grid)
-    dense = part.columns(("v_y", "l_y", "h_arc_y"), arc=(24.0, 30.0)).set_index(["i", "j"])
+    dense = part.columns(("v_y", "l_y"), arc=(24.0, 30.0)).set_index(["i", "j"])
     at_tracks = {"arrivals": known.estimates.set_index("track")["t"], "max_days": 0.8}
     fits = known.estimates, known.other(24.0)
     pairs, long = (prediction.predict(propagator, fit, **at_tracks) for fit in fits)
@@ -131,7 +131,6 @@ def test_columns_on_the_grid_are_those_at_tracks(propagator, known):
         for fit, predicted in zip(fits, (pairs, long), strict=True)
     )
     own = mechanism.build(*arcs, bounds=None, resonances=Resonances(known.resonances, 24.0, known.gm))
-    held = other_windows.build_held(propagator, pairs, arc_estimates=known.other(24.0), memory_days=30.0)
     for row in np.flatnonzero(pairs["i"].isin([1, 2])):
         there = dense.loc[(pairs["i"][row], round(pairs["t_j"][row] / grid.step))]
         assert there["t_j"] == pytest.approx(pairs["t_j"][row], abs=1e-6)
@@ -139,7 +138,6 @@ def test_columns_on_the_grid_are_those_at_tracks(propagator, known):
             ("x", pairs, 0.05),
             ("v_y", own, 5.0),
             ("l_y", own, 0.1),
-            ("h_arc_y", held, 0.5),
         ):
             assert there[column] == pytest.approx(at_track[column][row], abs=close, rel=1e-4)
 
@@ -149,12 +147,11 @@ def test_arcs_that_fly_together_are_those_that_fly_alone(degree, known, iss):
     """In a large field they fly beside the first, 40 m ahead of it and with another Cd, to a decimetre."""
     propagator, start = Propagator(force_model(degree), iss), known.estimates.iloc[1:2]
     together, alone = (TaskPart(propagator, known, start, replace(GRID, step=300.0)) for _ in range(2))
-    together.propagate_together([24.0], [24.0], [(24.0, 30.0)])
+    together.propagate_together([24.0], [24.0])
     np.testing.assert_array_equal(together.pairs()[STATE], alone.pairs()[STATE])
     for found, expected in (
         (together.predictions(24.0), alone.predictions(24.0)),
         (together.perturbed(24.0), alone.perturbed(24.0)),
-        (together.held_predictions(24.0, 30.0), alone.held_predictions(24.0, 30.0)),
     ):
         assert np.abs(expected[STATE[:3]] - alone.pairs()[STATE[:3]]).to_numpy().max() > 40.0
         pd.testing.assert_frame_equal(found[["i", "j"]], expected[["i", "j"]])

@@ -31,7 +31,6 @@ from opml.tables import COMPONENTS, SCHEMAS, STATE, read_table, write_table
 LAW = learners.of_job({"kind": "linear_law", "terms": ["duration*duration"], "variables": ["duration"]})
 NONE = learners.of_job({"kind": "none", "variables": []})
 ARC = {"window_hours": 12.0, "memory_days": 30.0}
-HELD = learners.of_job({"kind": "held", "variables": ["h_arc_y"], **ARC})
 RUNS = {"kind": "running", "variables": ["l_arc_y", "v_arc_y", "cd_arc", "cd_past"], **ARC}
 RUNNING = learners.of_job(RUNS)
 TRAIN = (0.0, 2.0)
@@ -142,9 +141,9 @@ def test_a_law_waits_until_half_of_the_training_is_over(table):
 
 def test_learners_share_their_arcs_and_keep_their_tables(propagator, tables, table, monkeypatch):
     """Each has the table that it has alone; what several ask for is flown once a part."""
-    settings = [NONE, LAW, HELD, RUNNING, learners.of_job(RUNS | {"memory_days": 3.0})]
+    settings = [NONE, LAW, RUNNING, learners.of_job(RUNS | {"memory_days": 3.0})]
     known = replace(tables["known"], others={12.0: tables["known"].estimates})
-    beside = dict.fromkeys([*HELD.variables, *RUNNING.variables], 0.0)
+    beside = dict.fromkeys(RUNNING.variables, 0.0)
     tables = tables | {"known": known, "rows": tables["rows"].assign(**beside)}
     alone = [replayed(propagator, tables, learner) for learner in settings]
     flown = []
@@ -160,10 +159,10 @@ def test_learners_share_their_arcs_and_keep_their_tables(propagator, tables, tab
     for one, other in zip(together, alone, strict=True):
         pd.testing.assert_frame_equal(one, other, check_exact=True)
     pd.testing.assert_frame_equal(together[1], table, check_exact=True)
-    # The law's own mornings; all other learners' predictions, theirs by the arcs, arcs nudged and held.
+    # The law's own mornings; all other learners' predictions, theirs by the arcs, and arcs nudged.
     later, earlier = len(series[1].starts), len(series[0].starts)
     assert later < earlier
-    assert sum(flown) == later + 4 * earlier
+    assert sum(flown) == later + 3 * earlier
 
 
 def test_what_is_known_later_changes_no_morning(propagator, tables, table):

@@ -33,12 +33,11 @@ SETTINGS = {
     "boosting": BOOSTING,
     "svr": {"kind": "svr", "kernel_scale": "sigest", "c": 1.0, "epsilon": 0.1, "tol": 1e-3},
     "refitted": {"kind": "refitted", "window_hours": 48},
-    "held": {"kind": "held", "window_hours": 12, "memory_days": 30},
     "running": {"kind": "running", "window_hours": 96, "memory_days": 30},
     "filtered": {"kind": "filtered"},
     "filtered_mean": {"kind": "filtered_mean", "memory_days": 30},
 }
-NOTHING_LEARNED = ("none", "refitted", "held", "running", "filtered", "filtered_mean")
+NOTHING_LEARNED = ("none", "refitted", "running", "filtered", "filtered_mean")
 KINDS = pytest.mark.parametrize("kind", list(SETTINGS))
 
 
@@ -52,7 +51,7 @@ def sample(count, seed=0):
     y = error + 800.0 * np.sin(d_a / 200.0) + 50.0 * rng.standard_t(2, count)
     rows = pd.DataFrame({"duration": duration, "d_a": d_a, "cd": cd, "v_y": v})
     # Arcs whose own Cd is the half of it off, and that know the rest.
-    arcs = {"l_arc_y": 0.5 * error, "h_arc_y": 0.8 * error, "v_arc_y": v, "cd_arc": 2.2 + 0.5 * (cd - 2.2)}
+    arcs = {"l_arc_y": 0.5 * error, "v_arc_y": v, "cd_arc": 2.2 + 0.5 * (cd - 2.2)}
     return rows.assign(**arcs, cd_past=2.2), y
 
 
@@ -140,7 +139,7 @@ def test_what_each_kind_is_worth_on_what_it_can_learn(models):
     mechanism_leaves = np.abs(y - error).sum() / np.abs(y).sum()
     assert left["linear_law"] == pytest.approx(mechanism_leaves, abs=0.01)
     assert left["running"] == pytest.approx(mechanism_leaves)
-    for kind, share in {"refitted": 0.5, "held": 0.8}.items():
+    for kind, share in {"refitted": 0.5}.items():
         assert left[kind] == pytest.approx(np.abs(y - share * error).sum() / np.abs(y).sum())
     assert left["linear_law"] < left["boosting"] < 1.0
 

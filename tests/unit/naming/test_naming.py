@@ -68,15 +68,6 @@ def test_window_in_a_name_and_back():
     assert [one for one in ("_w12", "_w0", "_w024", "_w", "_w24.0") if re.fullmatch(pattern, one)] == []
 
 
-def test_window_on_both_sides_is_for_labels():
-    assert naming.label_window("_smoothed", hours=12) == "_b12"
-    assert naming.label_window("_later", hours=12) == ""
-    assert naming.parse_window("_b12.5", default=12) == naming.parse_both_sides("_b12.5") == 12.5
-    assert naming.parse_both_sides("_w24") == naming.parse_both_sides("") == 0
-    assert re.fullmatch(naming.BOTH_SIDES, "_b12")
-    assert not re.fullmatch(naming.window_pattern(default=12), "_b12")
-
-
 def test_label_stands_with_the_stations():
     one = naming.Experiment(
         "iss", "eglin", "random-80", "svr", "e_y", "iss", "rest", window="_w24", label="_later"

@@ -119,7 +119,7 @@ def test_models_that_a_short_run_has_no_morning_of_are_left_out():
     own.study.settings.values["duration_days"] = 6
     # Fits of four days would begin on day 4, laws when half of the training is over.
     assert [name for *_, name in own.replayed] == [
-        *("none", "fit48", "held", "running24m3", "running24", "running48m3", "running"),
+        *("none", "fit48", "running24m3", "running24", "running48m3", "running"),
         *("filter", "filtermean"),
         *("covariance", "mechanism", "twoarcs"),
     ]
@@ -441,5 +441,5 @@ def test_errors_of_a_few_predictions_are_drawn(tmp_path):
 
 
 def test_windows_of_the_fits_that_models_ask_for():
-    own = own_of(learners=["svr", "fit96", "running", "held"])
+    own = own_of(learners=["svr", "fit96", "running", "fit48"])
     assert own.windows == {"12-hour fits": "", "48-hour fits": "_w48", "96-hour fits": "_w96"}

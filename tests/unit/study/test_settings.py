@@ -165,7 +165,7 @@ def test_what_was_measured_and_has_no_truth_learns_from_later_estimates(kind):
     checks.check_study(source, settings)
     assert Study(settings).label == "later"
     source.values["study"]["label"] = "truth"
-    with pytest.raises(InputError, match=r"study\.label: expected later or smoothed, as iss was measured"):
+    with pytest.raises(InputError, match=r"study\.label: expected later, as iss was measured"):
         checks.check_study(source, settings)
     source.values["orbits"] = {"iss": ["an.orbit"]}
     checks.check_study(source, with_sheets(source.values))

@@ -31,7 +31,7 @@ STUDY = {
     "station_sets": ["eglin"],
     "days": {"train": [0, 9], "test": [9, 12]},
     "label": "later",
-    "learners": ["none", "held", "running", "svr"],
+    "learners": ["none", "fit96", "running", "svr"],
 }
 USERS = {
     "orbits": {"flown": "flown.sp3", "judged": "judged.sp3"},
@@ -189,7 +189,7 @@ def test_only_a_path_is_a_file_of_the_users(source, paths):
         ("arc", ["_l48", "_lfilter"], ["", "_l48_m30", "_l48filter"]),
         ("memory", ["_m30"], ["", "_l48"]),
         ("reading", ["", "_track"], ["_kept"]),
-        ("label", ["", "_later", "_smoothed"], ["_early"]),
+        ("label", ["", "_later"], ["_early"]),
         ("train", ["random-80", "days-0-30_split43"], ["random-80_split42", "rest", "random--5"]),
         ("test", ["rest", "days-30-40-unseen", "rest-zscore"], ["random-80", "rest-together"]),
         ("learner", ["svr", "svr_s2"], ["svr_s2.0", "svr_s0", "mechanism_s2"]),
@@ -253,7 +253,6 @@ def test_stations_in_another_order_are_refused():
     [
         ("", {}),
         ("_w24", {"window_hours": 24.0}),
-        ("_b6", {"window_hours": 6.0, "after_hours": 6.0}),
         ("_tol1_cd0.5_light", {"convergence": 1.0, "cd_sigma": 0.5, "light_time": True}),
     ],
 )
@@ -266,11 +265,6 @@ def test_the_suffix_of_estimates_changes_the_fit(window, changed):
 
 def test_a_study_without_bounds_on_cd_has_none():
     assert params(study=None).cd_bounds is None
-
-
-def test_labels_are_made_of_estimates_with_tracks_on_both_sides():
-    assert params().label_window(wildcards(label="_later")) == ""
-    assert params().label_window(wildcards(label="_smoothed")) == "_b12"
 
 
 def test_an_arc_has_a_window_and_a_memory():
@@ -296,7 +290,7 @@ def test_a_learner_of_no_component_corrects_along_the_path():
 def test_a_name_without_a_learner_is_of_all_that_the_study_replays():
     jobs = params(study=STUDY)
     assert list(jobs.learners(wildcards(learner="svr_s2"))) == ["svr_s2"]
-    assert list(jobs.learners(wildcards(train="days-0-9"))) == ["none", "held", "running"]
+    assert list(jobs.learners(wildcards(train="days-0-9"))) == ["none", "fit96", "running"]
     assert params(study={}).plan.own_study.replayed_models == []
 
 
@@ -472,10 +466,9 @@ def test_the_activity_of_a_measured_rso_is_the_assumed_one():
     assert files.activity(wildcards(rso="iss")) == table("true_solar_activity")
 
 
-@pytest.mark.parametrize(("label", "window"), [("_later", ""), ("_smoothed", "_b12")])
-def test_labels_read_later_estimates(label, window):
+def test_labels_read_later_estimates():
     find = inputs().later_estimates(Pattern(ESTIMATES))
-    assert find(wildcards(label=label)) == f"estimates/iss/eglin{window}.parquet"
+    assert find(wildcards(label="_later")) == "estimates/iss/eglin.parquet"
     assert find(wildcards()) == []
 
 
@@ -521,7 +514,6 @@ def test_labels_of_measured_tracks_have_no_true_errors():
         ("twoarcs", ["arcs/lares/eglin_w24_l48", "mechanism/lares/eglin_w24"]),
         ("fit48", ["arcs/lares/eglin_w24_l48"]),
         ("running", ["arcs/lares/eglin_w24_l48", "cd_past/lares/eglin_w24_l48_m30"]),
-        ("held", ["held/lares/eglin_w24_l12_m30"]),
     ],
 )
 def test_a_learner_reads_the_tables_of_its_variables(learner, files):

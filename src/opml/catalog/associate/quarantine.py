@@ -269,7 +269,7 @@ def with_noise(
         return estimation.with_noise(propagator, starts, measured, settings=settings)
     run = Run.of_starts(propagator, starts, measured, settings)
     method = run.method(run.free_parameters())
-    watch = Watch(replace(run, settings=settings.evolve(after_hours=0.0)), method)
+    watch = Watch(run, method)
     rows, estimates = [], []
     for track in range(measured.tracks):
         estimate, burn = watch.take(track)
@@ -277,18 +277,7 @@ def with_noise(
         estimates.append(estimate)
         if propagator.progress:
             propagator.progress((track + 1) / measured.tracks)
-    table = pd.DataFrame(rows if settings.after_hours == 0.0 else _smoothed(run, method, watch, rows))
-    return table, biases.instrument_residuals(measured, estimates, run.residuals)
-
-
-def _smoothed(run: Run, method: Method, watch: Watch, rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Return rows of fits with tracks behind them, too, which know all that the watch held back."""
-    taken = [track for track in range(len(rows)) if track not in watch.quarantined]
-    windows = [run.window(track, without=watch.excluded(track)) for track in taken]
-    fitted = dict(zip(taken, estimation.in_turn(run, method, windows), strict=True))
-    return [
-        row | (_row(run, fitted[track], False) if track in fitted else {}) for track, row in enumerate(rows)
-    ]
+    return pd.DataFrame(rows), biases.instrument_residuals(measured, estimates, run.residuals)
 
 
 def _row(run: Run, estimate: Estimate, is_held_back: bool) -> dict[str, Any]:

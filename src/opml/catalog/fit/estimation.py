@@ -95,8 +95,7 @@ class Run:
 
     def window(self, track: int, *, without: Collection[int] = ()) -> Window:
         """Return the window of the settings at a track; `without`: tracks that are left out."""
-        after = self.settings.after_hours * HOUR
-        return self.measured.window(track, self._window, after, without=without)
+        return self.measured.window(track, self._window, without=without)
 
     def fit_windows(
         self, windows: Sequence[Window], candidates: Iterable[np.ndarray], methods: Sequence[Method]

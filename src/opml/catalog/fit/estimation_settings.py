@@ -55,6 +55,3 @@ class Estimation(EstimationSettings):
     cd_bounds: Annotated[tuple[float, float] | None, Strict(False)] = absent(
         "Cd of an estimate that others may start from; None where its formal uncertainty decides"
     )
-    after_hours: float = setting(
-        "tracks that begin up to so long after the estimate are used, too", unit="h", default=0.0
-    )

@@ -1,7 +1,6 @@
 """Labels from later estimates: what a catalogue without a truth holds its predictions against.
 
-The prediction from t_i to t_j is compared with the estimate at t_j. That estimate is known when its last
-track is over: the track of t_j, or a later track where the estimate is smoothed.
+The prediction from t_i to t_j is compared with the estimate at t_j, which is known when its track is over.
 """
 
 import numpy as np
@@ -14,14 +13,11 @@ from opml.tables import COMPONENTS, PARAMETER_COVARIANCES, SCHEMAS, SIGMAS, STAT
 NO_LATER_ESTIMATE = "later estimate"  # what a label's reason begins with; the reason of the fit follows
 
 
-def build(
-    predictions: pd.DataFrame, estimates: pd.DataFrame, tracking: pd.DataFrame, *, after: float = 0.0
-) -> pd.DataFrame:
+def build(predictions: pd.DataFrame, estimates: pd.DataFrame, tracking: pd.DataFrame) -> pd.DataFrame:
     """Return the `labels` table: one row per pair of `predictions`, in their order.
 
     estimates: of the tracks that are predicted to
     tracking: that table, or `fixes` in its place
-    after: an estimate is made of tracks that begin at most so long after it [s]
 
     The error is the predicted state less the estimate, in RSW of the estimate [m, m/s], with the formal
     uncertainty of the estimate in that frame. A pair without a prediction or without an estimate that
@@ -29,7 +25,7 @@ def build(
     """
     failed = estimates["reason"].to_numpy() != ""  # states of failed fits may be no orbits at all
     fitted = estimates.assign(**{name: estimates[name].mask(failed) for name in STATE})
-    at_end = with_sigmas(fitted).assign(t_known=_known_at(estimates, tracking, after=after))
+    at_end = with_sigmas(fitted).assign(t_known=_known_at(estimates, tracking))
     later = at_end.set_index("track").reindex(predictions["j"]).reset_index(drop=True)
     error = in_rsw(predictions[STATE].to_numpy() - later[STATE].to_numpy(), later[STATE].to_numpy())
     table = later.assign(
@@ -42,13 +38,10 @@ def build(
     return table[SCHEMAS["labels"].names]
 
 
-def _known_at(estimates: pd.DataFrame, tracking: pd.DataFrame, *, after: float) -> np.ndarray:
-    """Return when each estimate (n,) is known [s]: when the last track is over, or made, that it is made of.
-
-    after: as in `build`
-    """
+def _known_at(estimates: pd.DataFrame, tracking: pd.DataFrame) -> np.ndarray:
+    """Return when each estimate (n,) is known [s]: when its track is over, or made."""
     tracks = kinds.track_times(tracking)
-    newest = np.searchsorted(tracks["at"], estimates["t"].to_numpy() + after, side="right") - 1
+    newest = np.searchsorted(tracks["at"], estimates["t"].to_numpy(), side="right") - 1
     return np.asarray(tracks["known"].to_numpy()[newest])
 
 

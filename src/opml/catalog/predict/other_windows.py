@@ -1,4 +1,4 @@
-"""Alternatives that need no truth: fits over another window, and Cd held by its own past.
+"""Alternatives that need no truth: fits over another window, and the mean of their Cd.
 
 All of it comes from estimates that are over at t_i and from the assumed model.
 """
@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import ArrayLike
 
 from opml.base.constants import DAY, HOUR
 from opml.catalog.associate.innovations import CD_SPREAD
@@ -103,61 +102,13 @@ def arc_departures(
 def build_past(
     predictions: pd.DataFrame, *, arc_estimates: pd.DataFrame, apriori: float, memory_days: float
 ) -> pd.DataFrame:
-    """Return the `cd_past` table: the `mean` of `past_cd` at t_i of each pair of `predictions`.
+    """Return the `cd_past` table: `past_cd` at t_i of each pair of `predictions`.
 
     arc_estimates: of the same tracks, estimated over another window, or over the same
     apriori, memory_days: as for `past_cd`
     """
     past = past_cd(arc_estimates, apriori=apriori, memory_days=memory_days)
-    mean = past["mean"].to_numpy()[_estimate_of(predictions, arc_estimates)]
-    return _of_pairs(predictions, {"cd_past": mean})
-
-
-def build_held(
-    propagator: Propagator, predictions: pd.DataFrame, *, arc_estimates: pd.DataFrame, memory_days: float
-) -> pd.DataFrame:
-    """Return the `held` table of `held_table_of`, whose arcs are propagated here."""
-    departing = with_held_cd(
-        arc_estimates, np.unique(predictions["i"]), apriori=propagator.rso.cd, memory_days=memory_days
-    )
-    # Cd as held may be far from the estimate's own, so these arcs need the whole field.
-    propagated, _ = propagator.propagate_pairs(
-        predictions, departing[STATE].to_numpy(), cd=departing["cd"].to_numpy()
-    )
-    return held_table_of(predictions, _propagated(predictions, propagated), arc_estimates=arc_estimates)
-
-
-def with_held_cd(
-    arc_estimates: pd.DataFrame, tracks: ArrayLike, *, apriori: float, memory_days: float
-) -> pd.DataFrame:
-    """Return the estimates of `tracks`, ascending, with Cd held by its past and the states that go with it.
-
-    arc_estimates: estimates over another window, or over the same
-    apriori, memory_days: as for `past_cd`
-    """
-    past = past_cd(arc_estimates, apriori=apriori, memory_days=memory_days)
-    first = np.searchsorted(arc_estimates["track"], tracks)
-    free = arc_estimates.iloc[first]
-    change = held_cd(free, past.iloc[first]) - free["cd"].to_numpy()
-    moved = free[STATE].to_numpy() + change[:, None] * shift_with_cd(free)
-    return free.assign(**dict(zip(STATE, moved.T, strict=True)), cd=free["cd"].to_numpy() + change)
-
-
-def held_table_of(
-    predictions: pd.DataFrame, held_predictions: pd.DataFrame, *, arc_estimates: pd.DataFrame
-) -> pd.DataFrame:
-    """Return the `held` table: one row per pair of `predictions`, in their order.
-
-    held_predictions: of the same pairs, from `with_held_cd`
-    arc_estimates: of the same tracks, estimated over another window, or over the same
-
-    h_arc_* is the prediction less that of the arc with its Cd held by its past, in RSW of the predicted state
-    [m, m/s]; 0 where the arc did not converge or does not reach t_j.
-    """
-    predicted = predictions[STATE].to_numpy()
-    differences = {"h_arc": predicted - held_predictions[STATE].to_numpy()}
-    usable = _usable(_estimate_of(predictions, arc_estimates), arc_estimates, differences)
-    return _of_pairs(predictions, _turned(differences, predicted, usable))
+    return _of_pairs(predictions, {"cd_past": past[_estimate_of(predictions, arc_estimates)]})
 
 
 def perturbed_predictions(
@@ -228,8 +179,8 @@ def _turned(
     return columns
 
 
-def past_cd(estimates: pd.DataFrame, *, apriori: float, memory_days: float) -> pd.DataFrame:
-    """Return what is known of Cd at each estimate: `mean` with its own Cd, `prior` and `variance` without.
+def past_cd(estimates: pd.DataFrame, *, apriori: float, memory_days: float) -> np.ndarray:
+    """Return the mean (n,) of Cd as it is known at each estimate, by its own fit and all before.
 
     Each estimate that converged counts by 1 / (its formal variance + spread^2), fading by e in memory_days,
     until a burn in its window is known, where burns are excluded. `apriori`, the value of the sheet, counts
@@ -247,26 +198,12 @@ def past_cd(estimates: pd.DataFrame, *, apriori: float, memory_days: float) -> p
     fading = np.where(counts, np.exp(-np.maximum(age, 0.0)), 0.0)
     apriori_weight = (APRIORI_SIGMA * apriori) ** -2.0
 
-    def weighted(spread: np.ndarray) -> pd.DataFrame:
-        weight = fading / (np.where(trusted, formal, 0.0) + np.square(spread)[:, None])
-        earlier = np.tril(weight, -1)
-        mean, prior = (
+    def mean(fading: np.ndarray, spread: np.ndarray) -> np.ndarray:
+        weights = fading / (np.where(trusted, formal, 0.0) + np.square(spread)[:, None])
+        return np.asarray(
             (weights @ values + apriori_weight * apriori) / (weights.sum(axis=1) + apriori_weight)
-            for weights in (weight, earlier)
         )
-        variance = np.square(spread) + 1.0 / (earlier.sum(axis=1) + apriori_weight)
-        return pd.DataFrame({"mean": mean, "prior": prior, "variance": variance})
 
     # With the spread of the sheet's Cd the mean is near enough to take the spread of.
-    first = weighted(np.full(len(t), CD_SPREAD * apriori))
-    return weighted(CD_SPREAD * first["prior"].to_numpy())
-
-
-def held_cd(estimates: pd.DataFrame, past: pd.DataFrame) -> np.ndarray:
-    """Return Cd (n,) of fits that know its past: mean of their own Cd and the prior, weighted by 1/variance.
-
-    For a linear fit it is what an a-priori value of Cd with that variance gives.
-    """
-    cd, formal = estimates["cd"].to_numpy(), estimates["cov_cd_cd"].to_numpy()
-    prior, variance = past["prior"].to_numpy(), past["variance"].to_numpy()
-    return (cd * variance + prior * formal) / (variance + formal)
+    before = mean(np.tril(fading, -1), np.full(len(t), CD_SPREAD * apriori))
+    return mean(fading, CD_SPREAD * before)

@@ -90,4 +90,4 @@ def build(
 def mean_cd(estimates: pd.DataFrame, apriori: float) -> pd.Series:
     """Return the mean of the past Cd at each estimate, by its track; apriori: of the sheet."""
     past = past_cd(estimates, apriori=apriori, memory_days=_MEMORY_DAYS)
-    return pd.Series(past["mean"].to_numpy(), index=estimates["track"])
+    return pd.Series(past, index=estimates["track"])

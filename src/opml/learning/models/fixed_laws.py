@@ -1,6 +1,6 @@
 """No correction, and what a well-run catalogue does without learning: laws without a number of their own.
 
-A catalogue fits over longer windows, or holds Cd by its past.
+A catalogue fits over longer windows, or takes the mean of its past Cd.
 P_ML then says what the catalogue itself would leave of the errors of its short fits.
 """
 
@@ -57,7 +57,7 @@ class MemorySettings(LearnerSettings):
     memory_days: Positive
 
 
-class HeldSettings(WindowSettings):
+class RunningSettings(WindowSettings):
     memory_days: Positive
 
 
@@ -93,18 +93,11 @@ NONE = _law("none", "no correction", law=NoCorrection)
 
 REFITTED = _law("refitted", "fit over another window, nothing learned", "l_arc", settings=WindowSettings)
 
-HELD = _law(
-    "held",
-    "Cd held by its own past: a-priori mean and variance from earlier estimates",
-    "h_arc",
-    settings=HeldSettings,
-)
-
 RUNNING = _law(
     "running",
     "law without a truth: l_arc + v_arc (cd_arc - cd_past), with the running mean of Cd",
     *("l_arc", "v_arc", "cd_arc", "cd_past"),
-    settings=HeldSettings,
+    settings=RunningSettings,
 )
 
 FILTERED = _law("filtered", "sequential filter, nothing learned", "l_arc", window_hours=WHOLE_PAST)

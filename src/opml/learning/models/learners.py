@@ -43,14 +43,13 @@ LEARNERS: tuple[Learner[Any], ...] = (
     linear_law.LEARNER,
     boosting.LEARNER,
     fixed_laws.REFITTED,
-    fixed_laws.HELD,
     fixed_laws.RUNNING,
     fixed_laws.FILTERED,
     fixed_laws.FILTERED_MEAN,
 )
 """The kinds."""
 
-ARC_TABLES = ("arcs", "cd_past", "held")
+ARC_TABLES = ("arcs", "cd_past")
 """Kinds of further tables that are made for the window, and the memory, of a learner's arcs.
 
 All further columns are the mechanism's.

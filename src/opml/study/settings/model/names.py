@@ -61,7 +61,7 @@ Variables = Annotated[list[Variable], MinLen(1), Unique()]
 
 Component = Annotated[str, OneOf(COMPONENTS)]
 
-Label = Annotated[str, OneOf(tuple(naming.LABELS)), Expected("truth, later or smoothed")]
+Label = Annotated[str, OneOf(tuple(naming.LABELS)), Expected("truth or later")]
 
 Standardisation = Annotated[str, OneOf(tuple(naming.STANDARDISATIONS))]
 

@@ -237,7 +237,7 @@ class OwnStudySettings(Section):
         "models to compare; by default the baselines, `svr`, `covariance`, `mechanism` and `twoarcs`"
     )
     label: Absent[Label] = absent(
-        "reference of the errors to learn from: `truth`, or estimates, `later` or `smoothed`; by default"
+        "reference of the errors to learn from: `truth`, or `later` estimates; by default"
         " `truth`, or `later` where an RSO of the study was measured",
         see="labels.md",
     )
