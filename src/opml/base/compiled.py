@@ -14,6 +14,7 @@ from typing import Any
 import numba
 import platformdirs
 from numba.core.caching import UserProvidedCacheLocator
+from numba.extending import register_jitable
 
 from opml.base.errors import InputError
 from opml.base.provenance import script_digest
@@ -25,7 +26,7 @@ Decorator = Callable[[Callable[..., Any]], Any]
 def decorators(**options: Any) -> tuple[Decorator, Decorator]:
     """Return the decorators (compiled, entry) under Numba's `options`.
 
-    compiled: of a kernel that other kernels call
+    compiled: of a kernel that other kernels call; for Python it is the function as written
     entry: of a kernel that Python calls; its machine code is kept. Raises InputError where no folder
         can hold it: each process would compile again.
     """
@@ -37,7 +38,7 @@ def decorators(**options: Any) -> tuple[Decorator, Decorator]:
             folder = numba.config.CACHE_DIR  # type: ignore[attr-defined]  # made at run time
             raise InputError(f"{folder}: expected a folder for compiled kernels: set OPML_CACHE") from error
 
-    return numba.njit(**options), entry
+    return register_jitable(inline="never", **options), entry
 
 
 def kernel_folder(source: str | Path) -> str:

@@ -18,7 +18,7 @@ def gcrf_to_itrf(earth_orientation: pd.DataFrame, t: np.ndarray) -> np.ndarray:
     nodes = earth_orientation["t"].to_numpy()
     # Copies, whose type does not depend on where an array is from: the kernel is compiled once.
     orientation = np.array(earth_orientation[ORIENTATION], float, order="C")
-    return _rotations(np.array(t, float), nodes[0], nodes[1] - nodes[0], orientation)
+    return _rotations(np.array(t, float), nodes[0], nodes[1] - nodes[0], orientation).reshape(-1, 3, 3)
 
 
 def spin(earth_orientation: pd.DataFrame) -> np.ndarray:
@@ -50,9 +50,7 @@ def states_to_gcrf(
 
 @_entry
 def _rotations(t: np.ndarray, first: float, step: float, orientation: np.ndarray) -> np.ndarray:
-    out = np.empty((t.shape[0], 3, 3))
-    values = np.empty(9)
+    out = np.empty((t.shape[0], 9))
     for n in range(t.shape[0]):
-        orient(t[n], first, step, orientation, values)
-        out[n] = values.reshape(3, 3)
+        orient(t[n], first, step, orientation, out[n])
     return out

@@ -51,7 +51,7 @@ def by_scipy(model, epochs, state, max_step):
 
 def orbit(model, altitude, across):
     """A nearly circular orbit over the subsolar point, its plane `across` [rad] from the Sun's direction."""
-    sun = surroundings.sun.py_func(0.0, model)
+    sun = surroundings.sun(0.0, model)
     raan, height = np.arctan2(sun[1], sun[0]), np.arcsin(sun[2] / np.linalg.norm(sun))
     coe = np.array([WGS84_A + altitude, 0.001, 0.5 * np.pi - across, 0.0, raan, height])
     turned = coe.copy()

@@ -57,13 +57,14 @@ def workspace(model: ForceModel) -> Workspace:
 
 @entry
 def advance(
-    model, times, wanted, state, coefficients, join, leave, offsets, out, status, tolerance, min_step, work
+    model, times, wanted, state, bodies, join, leave, offsets, out, status, tolerance, min_step, work
 ):
     """Propagate the lanes of a block along the grid, each from where it joins to where it leaves.
 
     times: (n,) of the grid [s], ascending or descending
     wanted: (n,) whether to put out the states at each time
     state: (6, WIDTH) GCRF [m, m/s], at the lanes' first times; takes those at their last times
+    bodies: (3, WIDTH) Cd A/m and Cr A/m [m2/kg], kind of activity
     join: (WIDTH,) indices of the lanes' first times
     leave: (WIDTH,) indices of the lanes' last times; a lane that leaves where it joins stays idle
     offsets: (WIDTH,) first rows of the lanes in `out`
@@ -73,6 +74,15 @@ def advance(
     min_step: shortest step of a lane that repeats a step alone [s]
     work: memory for one block
     """
+    _advance(
+        model, times, wanted, state, bodies, join, leave, offsets, out, status, tolerance, min_step, work
+    )
+
+
+@compiled  # what an entry itself calls is compiled for it alone, under its own flags
+def _advance(
+    model, times, wanted, state, bodies, join, leave, offsets, out, status, tolerance, min_step, work
+):
     values, factors, scratch, new, slopes = work.values, work.factors, work.scratch, work.new, work.slopes
     # The part of the grid on which any lane is propagated.
     begin, end = join[0], leave[0]
@@ -93,13 +103,13 @@ def advance(
         # last step, so the rates of all lanes go to rows that the step will overwrite, and are copied.
         if joining:
             look_up(t, model, values, factors)
-            dop853.derivative(state, 0, model, coefficients, values, factors, scratch, slopes, RATES)
+            dop853.derivative(state, model, bodies, values, factors, scratch, slopes[RATES:])
             for lane in range(WIDTH):
                 if join[lane] == g:
                     for k in range(RATES):
                         slopes[k, lane] = slopes[RATES + k, lane]
         # Step and error, of all lanes at once; those of idle and retired lanes are ignored.
-        altitude = dop853.step(t, h, state, new, model, coefficients, values, factors, scratch, slopes)
+        altitude = dop853.step(t, h, state, new, model, bodies, values, factors, scratch, slopes)
         store(work.height, 0, altitude)
         ratio = dop853.error(h, new, slopes, tolerance, model.gm)
         good = lanes_set(ratio < 1.0)
@@ -110,7 +120,7 @@ def advance(
             # `not ... <` is true of NaN, too.
             if not (good >> lane) & 1:
                 status[lane] = _repeat_in_smaller_steps(
-                    lane, t, h, state, model, coefficients, tolerance, min_step, work
+                    lane, t, h, state, model, bodies, tolerance, min_step, work
                 )
             elif not work.height[0, lane] < _FARTHEST:
                 status[lane] = _NOT_FINITE
@@ -135,7 +145,7 @@ def _repeat_in_smaller_steps(lane, t, h, state, model, coefficients, tolerance, 
     """Repeat a step of the grid for one lane in smaller steps, and return the lane's status.
 
     lane: index of the lane
-    state, coefficients: of all lanes, as in `advance`
+    state, coefficients: of all lanes, as `state` and `bodies` in `advance`
     model, tolerance, min_step, work: as in `advance`
 
     The arc fills all lanes of a second block. State and rates at its end replace those of the lane in `work`.

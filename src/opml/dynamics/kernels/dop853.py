@@ -14,26 +14,22 @@ ORDER_OF_ERROR = 8.0  # power of the step's length to which the estimated error 
 
 
 @compiled
-def derivative(state, row, model, coefficients, values, factors, scratch, slopes, target):
-    """Write the rates of states to slopes, and return the geodetic altitude [m].
+def derivative(state, model, coefficients, values, factors, scratch, rates):
+    """Write the rates of states, and return the geodetic altitude [m].
 
-    state, row: rows row to row + 5 are position [m] and velocity [m/s] in GCRF
+    state: (6, WIDTH) position [m] and velocity [m/s] in GCRF
     values, factors: surroundings at the time of the states
-    slopes, target: rows target to target + 6 take velocity, acceleration and illumination
+    rates: (RATES, WIDTH) takes velocity, acceleration and illumination
     """
-    x, y, z = load(state, row), load(state, row + 1), load(state, row + 2)
-    vx, vy, vz = load(state, row + 3), load(state, row + 4), load(state, row + 5)
+    x, y, z = load(state, 0), load(state, 1), load(state, 2)
+    vx, vy, vz = load(state, 3), load(state, 4), load(state, 5)
     ballistic, reflection, kind = load(coefficients, 0), load(coefficients, 1), load(coefficients, 2)
     ax, ay, az, altitude, lit = acceleration(
         x, y, z, vx, vy, vz, ballistic, reflection, kind, model, values, factors, scratch
     )
-    store(slopes, target, vx)
-    store(slopes, target + 1, vy)
-    store(slopes, target + 2, vz)
-    store(slopes, target + 3, ax)
-    store(slopes, target + 4, ay)
-    store(slopes, target + 5, az)
-    store(slopes, target + LIT, lit)
+    for k, rate in enumerate((vx, vy, vz, ax, ay, az)):
+        store(rates, k, rate)
+    store(rates, LIT, lit)
     return altitude
 
 
@@ -55,7 +51,7 @@ def step(t, h, state, new, model, coefficients, values, factors, scratch, slopes
                     total = total + INNER[stage, j] * load(slopes, RATES * j + k)
             store(new, k, load(state, k) + h * total)
         look_up(t + NODES[stage] * h, model, values, factors)
-        derivative(new, 0, model, coefficients, values, factors, scratch, slopes, RATES * stage)
+        derivative(new, model, coefficients, values, factors, scratch, slopes[RATES * stage :])
     # The end of the step from the rates of all stages, then the light at edges of the shadow.
     for k in range(6):
         total = splat(0.0)
@@ -65,7 +61,7 @@ def step(t, h, state, new, model, coefficients, values, factors, scratch, slopes
         store(new, k, load(state, k) + h * total)
     count_light(t, h, state, new, model, coefficients, values, slopes, scratch)
     # The last stage was at t + h, so the surroundings are those of the end already.
-    return derivative(new, 0, model, coefficients, values, factors, scratch, slopes, RATES * STAGES)
+    return derivative(new, model, coefficients, values, factors, scratch, slopes[RATES * STAGES :])
 
 
 @compiled
