@@ -11,7 +11,7 @@ from support import REPOSITORY
 from opml.base.constants import DAY
 from opml.base.yaml_files import read_yaml
 from opml.catalog.associate import innovations
-from opml.catalog.fit import apriori, sequential
+from opml.catalog.fit import apriori
 from opml.conjunctions import likeliest_collision, long_encounter, probability
 from opml.element_sets import corrector, corrector_scores, features, weighting
 from opml.learning.data import cleaning
@@ -51,8 +51,6 @@ def test_the_learning_variables_are_those_of_the_settings():
         f"dual differ by {SETTINGS['learners']['svr']['tol']}.",
         f"({innovations.CD_SPREAD}\\,\\bar{{c}})^2",
         f"({apriori.APRIORI_SIGMA}\\,C_0)^2",
-        f"$\\Delta$ = {sequential.STEP:.0f} s",
-        f"All {len(sequential.BANK)} combinations",
         f"e^{{-(t - t_j) / {error_sizes.MEMORY_DAYS:g}\\,\\mathrm d}}",
         f"{error_sizes.OVERLAP}\\,T / (1 + D)",
         f"({metrics.DRAWS} draws, {metrics.PERCENTILES[0]:g} to {metrics.PERCENTILES[1]:g} %",
@@ -70,16 +68,6 @@ def test_the_learning_variables_are_those_of_the_settings():
 )
 def test_its_numbers_are_those_of_the_code(phrase):
     assert phrase in PLAIN
-
-
-def test_the_noises_of_the_filters_are_those_of_the_bank():
-    rows = re.findall(r"^\| (?:walk|gust|impulse) .*\| ([\d., ]+) (?:%|mm/s) \|$", TEXT, re.MULTILINE)
-    told = [[float(number) for number in row.split(", ")] for row in rows]
-    scales = {"walk": 100.0, "gust": 100.0, "impulse": 1000.0}
-    for (name, scale), numbers in zip(scales.items(), told, strict=True):
-        np.testing.assert_allclose(
-            numbers, sorted({scale * getattr(noise, name) for noise in sequential.BANK})
-        )
 
 
 def test_a_learned_model_has_to_be_better_with_the_confidence_that_is_told():

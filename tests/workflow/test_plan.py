@@ -122,8 +122,6 @@ PLANNED = [  # products and settings, and what has to run but for the tables of 
         ["metrics/iss/eglin_cd1_light/days-0-30/svr/e_y/iss_i50/days-30-40-zscore.parquet"],
         {**dict.fromkeys(CHAIN, 2), "truths": 1, "train": 1, "evaluate": 1},
     ),
-    # A filter begins at the fits of the run.
-    (["predictions/iss/eglin_filter.parquet"], dict.fromkeys([*CHAIN[:-1], "filter"], 1)),
     # Outlooks of every three hours for the fit, of every day for the prediction; the truth has neither.
     (
         ["predictions/iss/eglin_w24.parquet", OBSERVED],

@@ -23,7 +23,6 @@ from opml.ephemerides.known_tables import KnownTables
 from opml.ephemerides.task_part import Grid, TaskPart
 from opml.learning.data.splits import known_at
 from opml.learning.judge.error_sizes import as_known
-from opml.learning.models.contract import hours_to_fill
 from opml.learning.models.daily_training import DailyLearner
 from opml.learning.models.learners import needed_tables
 from opml.orbits.elements import in_rsw
@@ -55,7 +54,7 @@ def first_day(daily: DailyLearner, known: KnownTables, *, train_days: Sequence[f
     """Return the day of the first morning.
 
     A learner that learns waits until half of the days to train on are over, any other until a window of
-    tracks is full, a filter until it has forgotten how it began.
+    tracks is full.
     """
     begin, end = train_days
     if daily.learns:
@@ -64,7 +63,7 @@ def first_day(daily: DailyLearner, known: KnownTables, *, train_days: Sequence[f
     if "mechanism" in needed_tables(daily.variables):
         hours.append(known.long_window_hours)
     if daily.arc:
-        hours.append(hours_to_fill(daily.arc[0]))
+        hours.append(daily.arc[0])
     return begin + max(hours) / 24.0
 
 

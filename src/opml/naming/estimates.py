@@ -1,6 +1,5 @@
 """Suffixes of estimates in names: window, fit, arc, reading of t_b, label."""
 
-import math
 import re
 
 from opml.naming.spelling import POSITIVE, number
@@ -15,12 +14,9 @@ LABELS = {"truth": "", "later": "_later"}
 
 MEMBERS = r"[2-9]|[1-9][0-9]{1,2}"  # regular expression of the number of futures of an ensemble
 
-ARC_PATTERN = f"_l(?:{POSITIVE}|filter)"
-"""Regular expression of the suffix of arcs; a filter's window is all that came before."""
+ARC_PATTERN = f"_l{POSITIVE}"  # regular expression of the suffix of arcs
 
 MEMORY_PATTERN = f"_m{POSITIVE}"  # regular expression of the suffix of a memory of the arcs' Cd
-
-FILTERED = "_filter"  # suffix of estimates by a sequential filter, which has no window
 
 
 def other_reading(previous: str) -> str:
@@ -34,12 +30,7 @@ def parse_reading(suffix: str, *, previous: str) -> str:
 
 
 def window_suffix(hours: float, *, default: float) -> str:
-    """Return the suffix of estimates over a window [h]: `''` for the run's own window, `default`.
-
-    A filter's window is infinite.
-    """
-    if math.isinf(hours):
-        return FILTERED
+    """Return the suffix of estimates over a window [h]: `''` for the run's own window, `default`."""
     return "" if hours == default else f"_w{number(hours)}"
 
 
@@ -72,13 +63,12 @@ def fit_pattern(*, convergence: float, light_time: bool = False) -> str:
 
 def arc_suffix(hours: float) -> str:
     """Return the suffix of arcs over a window [h]."""
-    return "_lfilter" if math.isinf(hours) else f"_l{number(hours)}"
+    return f"_l{number(hours)}"
 
 
 def parse_arc(suffix: str) -> float:
     """Return the window [h] of a suffix of arcs."""
-    hours = suffix.removeprefix("_l")
-    return math.inf if hours == "filter" else float(hours)
+    return float(suffix.removeprefix("_l"))
 
 
 def memory_suffix(days: float) -> str:

@@ -21,7 +21,7 @@ from opml.learning.data.error_components import CORRECTED
 from opml.learning.models import learners
 from opml.orbits import sheets
 from opml.study import catalogue_checks, source_coverage
-from opml.study.experiments import FILTERS, Study
+from opml.study.experiments import Study
 from opml.study.settings.merging import Settings, with_sheets
 from opml.study.settings.overlay import MISSING, Key, Source, mappings, value_at
 from opml.study.settings.validation import validated
@@ -109,7 +109,6 @@ def check_study(source: Source, settings: Settings, *, last_day: float | None = 
             raise source.wrong(("study", "label"), message)
     _check_stations(source, study)
     _check_variables(source, study)
-    _check_filters(source, study)
 
 
 def _check_day(source: Source, settings: Settings) -> None:
@@ -275,15 +274,6 @@ def _check_kinds(source: Source, study: Study) -> None:
         if study.kind_of(rso) is kinds.ELEMENTS:
             instead = "`opml predict` predicts from them, `opml day --since` replays past mornings"
             raise source.wrong(("study", "rsos"), f"expected RSOs without elements, got {rso}: {instead}")
-
-
-def _check_filters(source: Source, study: Study) -> None:
-    """Raise InputError for a sequential filter beside a setting of the fits that filters know nothing of."""
-    for part in ("learners", "replayed"):
-        for name in study.settings.study.get(part, ()):
-            if study.not_filtered and naming.parse_learner(name, study.learners).kind in FILTERS:
-                expected = f"as filters know no estimation.{study.not_filtered}"
-                raise source.wrong(("study", part), f"expected fits over windows, {expected}, got {name}")
 
 
 def _check_stations(source: Source, study: Study) -> None:

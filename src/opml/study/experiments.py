@@ -15,9 +15,6 @@ from opml.orbits.sheets import Rso
 from opml.study.settings.merging import Settings, with_sheets
 
 SIMULATED, FILES, MEASURED = "simulated", "files", "measured"  # where an RSO's orbit comes from
-FILTERS = ("filtered", "filtered_mean")  # kinds of learners that are sequential filters
-
-"""How often learners are trained anew, and on how many days' labels, where a study does not say [days]."""
 
 
 def fence_of(word: str | float) -> float | None:
@@ -101,12 +98,6 @@ class Study:
         """
         default = "later" if any(self.is_measured(rso) for rso in self.rsos) else "truth"
         return str(self.settings.study.get("label", default))
-
-    @property
-    def not_filtered(self) -> str:
-        """The setting of the fits that sequential filters know nothing of, '' where there is none."""
-        given = self.settings.run.estimation.model_fields_set
-        return next((name for name in ("reject_sigma", "bias_sigma") if name in given), "")
 
     def is_measured(self, rso: str) -> bool:
         """Return whether measurements of an RSO are real, so that none are simulated."""

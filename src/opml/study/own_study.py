@@ -7,17 +7,16 @@ from functools import cached_property
 from opml import naming
 from opml.learning.data.error_components import CORRECTED, UNCORRECTED
 from opml.learning.judge.calibration import marks
-from opml.learning.models.contract import hours_to_fill
 from opml.learning.models.learners import arc_of, learns, resolved
 from opml.naming import Experiment
 from opml.report.answer import ALL_MODELS, Sources
 from opml.report.own_study import OwnStudyReport, RunFacts
-from opml.study.experiments import FILES, FILTERS, MEASURED, SIMULATED, Study
+from opml.study.experiments import FILES, MEASURED, SIMULATED, Study
 
 RUNNING = ("running24m3", "running24", "running48m3", "running", "running96m3", "running96")
 """Laws on the running mean of Cd. Those of one window share their arcs: another memory costs nothing."""
 
-BASELINES = ("none", "fit24", "fit48", "fit96", *RUNNING, "filter", "filtermean")
+BASELINES = ("none", "fit24", "fit48", "fit96", *RUNNING)
 """Models of what a good engineer would do without learning."""
 
 MODELS = (*BASELINES, "svr", "covariance", "mechanism", "twoarcs")
@@ -26,7 +25,7 @@ MODELS = (*BASELINES, "svr", "covariance", "mechanism", "twoarcs")
 MARKS = (1, 2, 4, 7)  # prediction durations that the report states errors at [days]
 
 REPLAYED = (
-    *("none", "fit48", "fit96", *RUNNING, "filter", "filtermean"),
+    *("none", "fit48", "fit96", *RUNNING),
     *("covariance", "mechanism", "twoarcs"),
 )
 """The models whose mornings are replayed where a study names none: they are trained in seconds."""
@@ -72,8 +71,7 @@ class OwnStudy:
     def learners(self) -> list[str]:
         """The models that are compared."""
         settings = self.study.learners
-        unusable = FILTERS if self.study.not_filtered else ()
-        known = [name for name in MODELS if name in settings and settings[name].kind not in unusable]
+        known = [name for name in MODELS if name in settings]
         return list(self.study.settings.study.get("learners") or known)
 
     @cached_property
@@ -156,8 +154,7 @@ class OwnStudy:
             return math.ceil(first + 0.5 * (last - first))
         needed = resolved(settings, component=CORRECTED, variables=())
         arc = arc_of(needed)
-        longest = hours_to_fill(arc[0]) if arc else 0.0
-        hours = max(self.study.settings.run.estimation.window_hours, longest)
+        hours = max(self.study.settings.run.estimation.window_hours, arc[0] if arc else 0.0)
         return float(first + hours / 24.0)
 
     def mornings(self, rso: str, stations: str) -> dict[str, dict[str, str]]:

@@ -200,11 +200,6 @@ class Params:
                 f"truth of '{wildcards.rso}': expected an RSO without own measurements, as {known}"
             )
 
-    def check_filtered(self, _: Wildcards) -> None:
-        """Raise InputError for a filter with a setting of the fits that filters know nothing of."""
-        if name := self.plan.study.not_filtered:
-            raise InputError(f"estimation.{name}: expected none for sequential filters, which know no such")
-
     def mornings_of(self, wildcards: Wildcards) -> dict[str, Any]:
         """Return the params of the mornings of the wildcard `batch`, up to the wildcard `date`."""
         day = self.plan.settings.day

@@ -169,7 +169,7 @@ class Plan:
             "rso": rso,
             "target": rso,
             "stations": f"(?:{naming.stations_pattern(self.settings.stations)}{noise}|{in_place})",
-            "window": f"(?:{self.window_pattern}|{naming.FILTERED})",
+            "window": self.window_pattern,
             "arc": naming.ARC_PATTERN,
             "memory": naming.MEMORY_PATTERN,
             "reading": f"(?:{naming.other_reading(self.study.cleaning.previous)})?",

@@ -9,7 +9,7 @@ from support import BOUNDED_ESTIMATION
 
 from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
-from opml.catalog.fit import estimation, fixes, sequential
+from opml.catalog.fit import estimation, fixes
 from opml.catalog.fit.first import first_orbit
 from opml.catalog.propagator import Propagator
 from opml.catalog.simulate import truth
@@ -118,13 +118,6 @@ def test_estimates_depend_neither_on_threads_nor_on_later_fixes(propagator, orbi
     found = estimates(propagator, table)
     other = estimates(replace(propagator, threads=2), table[table["track"] < 5])
     pd.testing.assert_frame_equal(other, found.iloc[:5], check_exact=True)
-
-
-def test_a_filter_takes_fixes_too(propagator, orbit):
-    table = stretched(orbit, sigmas=TEN, seed=3)
-    found = sequential.filter_all(propagator, estimates(propagator, table), fixes.Fixes(table))
-    assert np.linalg.norm(off(found.iloc[-2:], orbit), axis=1).max() < 10.0
-    assert found["measurements_used"].iloc[-1] == len(table)
 
 
 def test_stretches_are_cut_from_the_epoch_so_that_gaps_and_more_points_move_none(orbit):

@@ -5,13 +5,12 @@ from types import SimpleNamespace
 import numpy as np
 import pandas as pd
 import pytest
-from fits import distances, fitted
+from fits import fitted
 from support import BOUNDED_ESTIMATION as SETTINGS
 
 from opml.base.constants import DAY, HOUR
 from opml.catalog.associate import quarantine
 from opml.catalog.associate.innovations import ReferenceOrbit
-from opml.catalog.fit import observations, sequential
 from opml.catalog.fit.least_squares import Method
 from opml.catalog.simulate import tracking, truth
 from opml.catalog.simulate.observing import QUANTITIES, sigmas, wrapped
@@ -147,22 +146,6 @@ def test_what_is_told_at_a_track_rests_on_tracks_up_to_it(burnt, seen, estimates
     last = int(after_burn.loc[after_burn["held_back"], "track"].iloc[0])
     until = estimates(burnt, rows[rows["track"] <= last])
     pd.testing.assert_frame_equal(until, after_burn.iloc[: last + 1])
-
-
-def test_filters_pass_over_what_is_held_back(
-    orbit, burnt, seen, estimates, foreign, after_burn, propagator, earth_orientation, three_stations
-):
-    def filtered(rows, table):
-        measured = observations.Measured(rows, earth_orientation, three_stations)
-        return sequential.filter_all(propagator, table, measured, bank=sequential.BANK[:1])
-
-    rows, track = foreign
-    table = estimates(orbit, rows).drop(columns="off")
-    found = filtered(rows, table)
-    assert found.loc[~found["converged"], "track"].tolist() == [track]
-    assert distances(found, orbit)[track + 1 :].max() < 200.0
-    behind = filtered(seen(burnt), after_burn.drop(columns="off"))
-    assert distances(behind, burnt)[-4:].max() < 200.0
 
 
 def test_what_nothing_explains_for_longer_than_a_window_counts_again(orbit, seen, estimates, monkeypatch):

@@ -2,7 +2,6 @@
 
 import importlib.util
 import json
-import math
 import re
 import sys
 
@@ -34,10 +33,8 @@ SETTINGS = {
     "svr": {"kind": "svr", "kernel_scale": "sigest", "c": 1.0, "epsilon": 0.1, "tol": 1e-3},
     "refitted": {"kind": "refitted", "window_hours": 48},
     "running": {"kind": "running", "window_hours": 96, "memory_days": 30},
-    "filtered": {"kind": "filtered"},
-    "filtered_mean": {"kind": "filtered_mean", "memory_days": 30},
 }
-NOTHING_LEARNED = ("none", "refitted", "running", "filtered", "filtered_mean")
+NOTHING_LEARNED = ("none", "refitted", "running")
 KINDS = pytest.mark.parametrize("kind", list(SETTINGS))
 
 
@@ -149,7 +146,6 @@ def test_the_arcs_that_a_learner_asks_for():
         return learners.arc_of(resolved(settings))
 
     assert arc_of(**SETTINGS["running"]) == (96.0, 30.0)
-    assert arc_of(**SETTINGS["filtered"]) == (math.inf, 30.0)
     assert arc_of(kind="refitted", window_hours=48) == (48.0, 30.0)
     assert arc_of(**MECHANISM) is None
     assert arc_of(**MECHANISM, window_hours=48) is None  # of whose columns it reads none
@@ -253,7 +249,7 @@ def test_settings_are_resolved_for_a_component():
 
 
 def test_an_unknown_kind_is_named():
-    with pytest.raises(InputError, match=r"kind: expected svr, .*filtered_mean, got oracle"):
+    with pytest.raises(InputError, match=r"kind: expected svr, .*running, got oracle"):
         learners.settings_of({"kind": "oracle"})
     with pytest.raises(InputError, match="got oracle"):
         learners.schema({"kind": "oracle", "variables": []})

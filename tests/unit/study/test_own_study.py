@@ -120,7 +120,6 @@ def test_models_that_a_short_run_has_no_morning_of_are_left_out():
     # Fits of four days would begin on day 4, laws when half of the training is over.
     assert [name for *_, name in own.replayed] == [
         *("none", "fit48", "running24m3", "running24", "running48m3", "running"),
-        *("filter", "filtermean"),
         *("covariance", "mechanism", "twoarcs"),
     ]
 

@@ -28,7 +28,6 @@ from opml.catalog import kinds
 from opml.dynamics.settings import Integrator
 from opml.study import checks
 from opml.study.experiments import Study
-from opml.study.own_study import OwnStudy
 from opml.study.settings import editor_schema
 from opml.study.settings.json_schema import json_schema
 from opml.study.settings.merging import merged, with_sheets
@@ -442,20 +441,6 @@ def test_manoeuvres_may_stand_in_a_file(tmp_path):
     assert settings.manoeuvres("mine") == ["2016-09-29T01:00:00"]
     assert settings.manoeuvre_files == {"mine": f"{tmp_path}/burns.yaml"}
     assert settings.manoeuvres("iss") == []
-
-
-@pytest.mark.parametrize("known", ["reject_sigma", "bias_sigma"])
-def test_filters_are_refused_what_they_know_nothing_of(tmp_path, known):
-    study = "study: {{rsos: [iss], station_sets: [eglin], days: {{train: [0, 8], test: [8, 12]}}{}}}\n"
-    fits = f"estimation: {{{known}: 5}}\n"
-    checked(given(tmp_path, study.format(", learners: [filter]")))
-    usual = OwnStudy(Study(checked(given(tmp_path, fits + study.format("")))))
-    assert {"filter", "filtermean"}.isdisjoint(usual.learners)
-    assert {"fit48", "running"} < {*usual.learners}
-    for part in ("learners", "replayed"):
-        line = refused(given(tmp_path, fits + study.format(f", {part}: [none, filtermean]")))
-        said = f"study.{part}: expected fits over windows, as filters know no estimation.{known}"
-        assert f"mine.yaml: {said}, got filtermean" in line
 
 
 def test_messages_are_of_objects_that_were_measured(tmp_path):

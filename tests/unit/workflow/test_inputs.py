@@ -185,8 +185,7 @@ def test_only_a_path_is_a_file_of_the_users(source, paths):
         ("rso", ["iss", "iss_i50_a+50"], ["mir", "iss_i050", "inclinations-without-iss", "*", "../../evil"]),
         ("stations", ["eglin", "kaena-eglin", "eglin_noise43"], ["oz", "eglin_noise42", "eglin_noise1.5"]),
         ("window", ["", "_w24", "_w24_tol1_cd0.5_light"], ["_w12", "_w0", "_b12", "_light_cd1"]),
-        ("window", ["_filter"], ["_w24_filter", "_filter_light"]),
-        ("arc", ["_l48", "_lfilter"], ["", "_l48_m30", "_l48filter"]),
+        ("arc", ["_l48"], ["", "_l48_m30"]),
         ("memory", ["_m30"], ["", "_l48"]),
         ("reading", ["", "_track"], ["_kept"]),
         ("label", ["", "_later"], ["_early"]),
@@ -327,12 +326,6 @@ def test_what_was_measured_has_no_truth():
     jobs.check_simulated(wildcards(rso="judged"))
     with pytest.raises(InputError, match="truth of 'mine': expected an RSO without own measurements"):
         jobs.check_simulated(wildcards(rso="mine"))
-
-
-def test_filters_are_told_what_they_know_nothing_of():
-    params().check_filtered(wildcards())
-    with pytest.raises(InputError, match=r"estimation\.bias_sigma: expected none for sequential filters"):
-        params(estimation={"bias_sigma": 3}).check_filtered(wildcards())
 
 
 def test_fixes_have_no_stations_and_learners_none_of_what_these_measure():

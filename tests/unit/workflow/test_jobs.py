@@ -56,7 +56,7 @@ def test_a_table_does_not_tell_what_was_made_with_it(snakemake):
 
 
 def test_a_table_does_not_tell_which_learners_were_replayed_with_its_own(snakemake):
-    learners = [{"kind": "none"}, {"kind": "filtered"}]
+    learners = [{"kind": "none"}, {"kind": "refitted"}]
     for learner, told in zip(learners, metadata_of_each(SETTINGS | {"learners": learners}), strict=True):
         snakemake.params.settings = SETTINGS | {"learners": [learner]}
         with job(snakemake) as alone:

@@ -1,6 +1,5 @@
 """The interface of learners and of their models: all that the rest of the package knows of a kind."""
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any, Generic, Protocol, TypeVar
@@ -138,15 +137,6 @@ def table_of(row: str, *columns: Column) -> Table:
 ARC_MEMORY_DAYS = 30.0
 """Memory of the arcs' mean Cd where a learner does not ask for another [days]: about a turn of the Sun."""
 
-WHOLE_PAST = math.inf  # window of the arcs of a sequential filter [h]
-
-_SETTLED = 48.0
-
-
-def hours_to_fill(window_hours: float) -> float:
-    """Return after how many hours of tracks a window is full, or a filter has forgotten how it began."""
-    return _SETTLED if math.isinf(window_hours) else window_hours
-
 
 @dataclass(frozen=True)
 class Learner(Generic[S]):
@@ -160,4 +150,3 @@ class Learner(Generic[S]):
     load: Load  # makes the model again from its table and metadata, bit for bit
     resolve: Resolve[S] = choose_variables  # finds the variables to learn from
     learns: bool = True  # whether it takes anything from the errors that it is trained on
-    window_hours: float | None = None  # of its arcs, where no setting has it [h]

@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from opml.base.setting_types import Positive
-from opml.learning.models.contract import WHOLE_PAST, Learner, LearnerSettings, Metadata, fixed, table_of
+from opml.learning.models.contract import Learner, LearnerSettings, Metadata, fixed, table_of
 from opml.learning.models.metadata import describe, restore
 from opml.learning.models.training_inputs import Training, check_rows
 
@@ -53,10 +53,6 @@ class WindowSettings(LearnerSettings):
     window_hours: Positive
 
 
-class MemorySettings(LearnerSettings):
-    memory_days: Positive
-
-
 class RunningSettings(WindowSettings):
     memory_days: Positive
 
@@ -67,9 +63,8 @@ def _law(
     *variables: str,
     settings: type[LearnerSettings] = LearnerSettings,
     law: type[FixedLaw] = FixedLaw,
-    window_hours: float | None = None,
 ) -> Learner[LearnerSettings]:
-    """Return the learner of a law; window_hours: of its arcs, where no setting has it [h]."""
+    """Return the learner of a law."""
 
     def fit(training: Training, _: LearnerSettings) -> FixedLaw:
         check_rows(training.x, training.variables)
@@ -84,7 +79,6 @@ def _law(
         load=law.from_table,
         resolve=fixed(*variables),
         learns=False,
-        window_hours=window_hours,
     )
 
 
@@ -98,14 +92,4 @@ RUNNING = _law(
     "law without a truth: l_arc + v_arc (cd_arc - cd_past), with the running mean of Cd",
     *("l_arc", "v_arc", "cd_arc", "cd_past"),
     settings=RunningSettings,
-)
-
-FILTERED = _law("filtered", "sequential filter, nothing learned", "l_arc", window_hours=WHOLE_PAST)
-
-FILTERED_MEAN = _law(
-    "filtered_mean",
-    "sequential filter, with the running mean of its Cd",
-    *("l_arc", "v_arc", "cd_arc", "cd_past"),
-    settings=MemorySettings,
-    window_hours=WHOLE_PAST,
 )

@@ -44,8 +44,6 @@ LEARNERS: tuple[Learner[Any], ...] = (
     boosting.LEARNER,
     fixed_laws.REFITTED,
     fixed_laws.RUNNING,
-    fixed_laws.FILTERED,
-    fixed_laws.FILTERED_MEAN,
 )
 """The kinds."""
 
@@ -173,7 +171,7 @@ def arc_of(settings: ResolvedSettings) -> tuple[float, float] | None:
     """
     if {*needed_tables(settings.variables)}.isdisjoint(ARC_TABLES):
         return None
-    hours = settings.own.get("window_hours") or by_kind(settings.own.kind).window_hours
+    hours = settings.own.get("window_hours")
     if not hours:
         raise InputError("learners: expected window_hours with columns of the arcs, got none")
     return float(hours), float(settings.own.get("memory_days") or ARC_MEMORY_DAYS)
