@@ -98,7 +98,7 @@ if "distribution" in STUDY:
         input:
             path_of(
                 rules.dataset.output[0],
-                **(STUDY.defaults | dict(STUDY.entry("distribution"))),
+                **(STUDY.defaults | {"stations": STUDY.entry("distribution")}),
                 window="",
                 reading="",
             ),
@@ -118,7 +118,7 @@ if "distribution" in STUDY:
                 {
                     "epoch": config["epoch"],
                     "days": STUDY.span_days,
-                    **(STUDY.defaults | dict(STUDY.entry("distribution"))),
+                    **(STUDY.defaults | {"stations": STUDY.entry("distribution")}),
                 },
             ),
         message:
@@ -222,7 +222,7 @@ if "individual" in STUDY:
                     "published": next(
                         (
                             claim["limit"]
-                            for claim in STUDY.entry("individual").get("claims", [])
+                            for claim in STUDY.entry("evaluations")[STUDY.entry("individual")].get("claims", [])
                             if claim["holds"] == "share_of_points_near"
                         ),
                         None,

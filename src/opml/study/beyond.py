@@ -43,12 +43,12 @@ class Beyond:
     @cached_property
     def transfers(self) -> dict[tuple[str, str, str], Experiment]:
         """One model on other RSOs, by curve, learner and target."""
-        entry = self.entry["transfers"]
-        split = {"train": entry["train"], "test": entry["test"]}
+        train, test = self.entry["transfer_split"]
+        split = {"train": train, "test": test}
         return {
             (name, learner, target): self.study.experiment({}, learner=learner, target=target, **split)
             for name, curve in self.paper.curves.items()
-            for learner in entry["learners"]
+            for learner in self.entry["transfers"]
             for target in curve.targets
         }
 

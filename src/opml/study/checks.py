@@ -301,7 +301,7 @@ def _check_variables(source: Source, study: Study) -> None:
 def _check_references(source: Source, settings: Settings) -> None:
     study = settings.study
     for key, known in (
-        (("individual", "evaluation"), study.get("evaluations", {})),
+        (("individual",), study.get("evaluations", {})),
         (("partition", "shown"), study.get("partition", {}).get("ratios", [])),
         (("reproduction", "calibrated"), study.get("evaluations", {})),
         (("reproduction", "fixed"), settings.run.learners),
@@ -316,10 +316,7 @@ def _check_references(source: Source, settings: Settings) -> None:
         raise source.wrong(("learners", fixed, "kernel_scale"), "expected a number, as it is one fixed scale")
 
 
-_ENTRIES = (
-    *((), ("defaults",), ("orbit",), ("distribution",), ("partition",)),
-    *(("beyond",), ("beyond", "transfers")),
-)
+_ENTRIES = (*((), ("defaults",), ("orbit",), ("partition",), ("beyond",)),)
 _MAPPINGS_OF_ENTRIES = (("evaluations",), ("grids",), ("curves",), ("reproduction", "readings"))
 
 
@@ -331,8 +328,9 @@ def _parts(study: Mapping[str, Any]) -> Iterator[tuple[Key, str, Any]]:
     for key in keys:
         entry = _mapping(study, key)
         for part, value in entry.items():
-            varies = part in ("inclinations", "offsets")
-            yield (*key, part), part, (entry.get("rso"), value) if varies else value
+            varies = part == "values"
+            kind = str(key[-1]) if varies else part
+            yield (*key, part), kind, (entry.get("rso"), value) if varies else value
 
 
 def _mapping(values: Mapping[str, Any], key: Key) -> Mapping[str, Any]:
@@ -350,18 +348,21 @@ class _Checks:
             "rso": self._rso,
             "target": self._rso,
             "rsos": _each(self._rso),
-            "inclinations": lambda pair: self._varied(sheets.name_at_inclination, *pair),
-            "offsets": lambda pair: self._varied(sheets.name_at_offset, *pair),
+            "inclination": lambda pair: self._varied(sheets.name_at_inclination, *pair),
+            "semi_major_axis": lambda pair: self._varied(sheets.name_at_offset, *pair),
             "stations": self._stations,
+            "distribution": self._stations,
             "station_sets": _each(self._stations),
             "learner": self._learner,
             "learners": _each(self._learner),
+            "transfers": _each(self._learner),
             "replayed": _each(self._learner),
             "rules": _each(self._learner),
             "train": self._train,
             "test": self._test,
             "tests": _each(self._test),
             "split": self._pair,
+            "transfer_split": self._pair,
             "splits": lambda pairs: _each(self._pair)(
                 list(pairs.values()) if isinstance(pairs, Mapping) else pairs
             ),

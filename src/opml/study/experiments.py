@@ -154,8 +154,7 @@ class Study:
         return [self.with_seeds(experiment, noise=seed) for seed in self._seeds("noise")]
 
     def _seeds(self, kind: str) -> Sequence[int]:
-        spread = self.entry("seeds").get("spread", {})
-        return spread.get(kind) or [getattr(self.settings.run.seed, kind)]
+        return self.entry("seeds").get(kind) or [getattr(self.settings.run.seed, kind)]
 
 
 def read_study(values: Mapping[str, Any]) -> Study:

@@ -50,7 +50,7 @@ class Paper:
     @cached_property
     def individual(self) -> Experiment:
         """The experiment whose errors are drawn prediction by prediction."""
-        return self.evaluations[self.study.entry("individual")["evaluation"]]
+        return self.evaluations[self.study.entry("individual")]
 
     @cached_property
     def grids(self) -> dict[str, dict[str, Experiment]]:
@@ -82,9 +82,8 @@ class Paper:
     def _targets(self, name: str, entry: Mapping[str, Any]) -> dict[str, float]:
         """Return by a curve's RSOs the inclination [deg], or what is added to the semi-major axis [km]."""
         rso, sheet = entry.get("rso", self.study.defaults["rso"]), self.study.sheet
-        if name == "inclination":
-            return {sheets.name_at_inclination(rso, value, sheet): value for value in entry["inclinations"]}
-        return {sheets.name_at_offset(rso, value, sheet): value for value in entry["offsets"]}
+        named = sheets.name_at_inclination if name == "inclination" else sheets.name_at_offset
+        return {named(rso, value, sheet): value for value in entry["values"]}
 
     def published_p_ml(self, experiment: Experiment) -> float | None:
         """Return the paper's P_ML [%] of an experiment, whatever the learner; None where it gives none."""
@@ -248,6 +247,3 @@ class Paper:
             for claim in entry.get("claims", []):
                 values = (value for value in sorted(first) if value > claim.get("beyond", -1e9))
                 yield claim, {f"{value:g} {unit}": first[value] for value in values}
-        individual = self.study.entry("individual")
-        for claim in individual.get("claims", []):
-            yield claim, {individual["evaluation"]: self.individual}

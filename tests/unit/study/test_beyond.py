@@ -26,7 +26,7 @@ ENTRY = PAPER.entry
 @pytest.fixture
 def values():
     values = paper_values()
-    values["study"]["curves"]["semi_major_axis"]["offsets"] = [0, 50]
+    values["study"]["curves"]["semi_major_axis"]["values"] = [0, 50]
     return values
 
 

@@ -29,6 +29,13 @@ FigureName = Annotated[EntryName, Placeholder("figure")]
 
 RsoName = Annotated[str, Placeholder("rso")]
 
+CurveName = Annotated[
+    str,
+    Field(pattern="^(?:inclination|semi_major_axis)$"),
+    Expected("inclination or semi_major_axis"),
+    Placeholder("curve"),
+]
+
 Folder = Annotated[
     str,
     # Snakemake reads braces as wildcards, and shells end a word at a space.
@@ -99,17 +106,6 @@ Tests = Annotated[list[Test], MinLen(1), Unique(), Expected("a list of days-<fir
 SplitPair = Annotated[tuple[Train, Test], Strict(False), Expected("a pair of a training and a test split")]
 
 Splits = Annotated[dict[EntryName, SplitPair], MinLen(1)]
-
-Degrees = Annotated[
-    list[Annotated[float, Ge(0), Le(180), Expected("degrees from 0 to 180")]],
-    MinLen(1),
-    Unique(),
-    Expected("a list of inclinations in degrees"),
-]
-
-Kilometres = Annotated[list[float], MinLen(1), Unique(), Expected("a list of kilometres")]
-
-Scales = Annotated[list[Positive], MinLen(1), Unique(), Expected("a list of kernel scales")]
 
 Ratio = Annotated[int, Ge(1), Le(99), Expected("a whole percentage from 1 to 99")]
 

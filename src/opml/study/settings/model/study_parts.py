@@ -5,22 +5,22 @@ from typing import Annotated, Literal
 from annotated_types import MinLen
 
 from opml.base.section import Item, Section, absent, setting
-from opml.base.setting_types import Absent, Days, Expected, Positive, Share, Text
+from opml.base.setting_types import Absent, Days, Expected, Positive, Share, Text, Unique
 from opml.learning.data.cleaning import Cleaning, Previous
 from opml.study.settings.model.names import (
     Component,
-    Degrees,
+    CurveName,
     EntryName,
     Fence,
     FigureName,
     Holds,
-    Kilometres,
     Label,
     Names,
     PublishedByRatio,
     PublishedByValue,
     Ratios,
     SeedList,
+    SplitPair,
     Splits,
     Standardisation,
     Test,
@@ -44,45 +44,13 @@ class ClaimSettings(Item):
 Claims = Annotated[list[ClaimSettings], Expected("a list of claims")]
 
 
-class OfRso(Section):
-    """An entry that may name its RSO."""
-
-    rso: Absent[str] = absent("RSO, in place of the default one", unit="name", shared=True)
-
-
-class ByStations(Section):
-    """An entry that may name its stations."""
+class Entry(Section):
+    """A model on an RSO."""
 
     stations: Absent[str] = absent("station set, in place of the default one", unit="name", shared=True)
-
-
-class OfModel(Section):
-    """An entry that may name its model."""
-
     learner: Absent[str] = absent("learner, in place of the default one", unit="name", shared=True)
     component: Absent[Component] = absent("error component, in place of the default one", shared=True)
-
-
-class Trained(Section):
-    """Training rows of a model."""
-
-    train: Train = setting("training split", see="wildcards.md", shared=True)
-
-
-class Tested(Trained):
-    """Training and test rows of a model."""
-
-    test: Test = setting("rows to test on", see="wildcards.md", shared=True)
-
-
-class Claimed(Section):
-    """An entry that the paper says something of."""
-
     claims: Claims = setting("what the paper says in words", default=[], shared=True)
-
-
-class Entry(Claimed, Tested, OfModel, ByStations, OfRso):
-    """A model on a test."""
 
 
 class TrainAndTestDays(Section):
@@ -112,70 +80,44 @@ class Orbit(Section):
     zoom_days: Days = setting("window of the zoom into the elements")
 
 
-class Distribution(ByStations, OfRso):
-    """A figure of true errors against the prediction's duration."""
-
-    stations: str = setting("station set whose true errors are drawn", unit="name")
-
-
 class EvaluationSettings(Entry):
     """One model on one test."""
 
+    rso: Absent[str] = absent("RSO, in place of the default one", unit="name")
+    train: Train = setting("training split", see="wildcards.md")
+    test: Test = setting("rows to test on", see="wildcards.md")
     target: Absent[str] = absent("RSO to test on, where it is another one", unit="name")
     label: Absent[Label] = absent("reference of the errors, in place of `study.label`")
     published: Absent[Positive] = absent("the paper's P_ML", unit="%")
 
 
-class Partition(Claimed, OfModel, ByStations, OfRso):
+class Partition(Entry):
     """A curve of P_ML against the share that is trained on."""
 
+    rso: Absent[str] = absent("RSO, in place of the default one", unit="name")
     ratios: Ratios = setting("shares that are trained on", unit="%")
     shown: Absent[Ratios] = absent("ratios that are figures of their own", unit="%")
     published: PublishedByRatio = setting("the paper's P_ML", unit="%", default={})
 
 
-class Individual(Claimed):
-    """An evaluation, drawn point by point."""
-
-    evaluation: str = setting("evaluation that is drawn point by point", unit="name")
-
-
-class GridSettings(Claimed, Tested, OfModel, ByStations):
+class GridSettings(Entry):
     """RSOs side by side."""
 
+    train: Train = setting("training split", see="wildcards.md")
+    test: Test = setting("rows to test on", see="wildcards.md")
     rsos: Names = setting("RSOs that are drawn side by side, each trained on itself")
 
 
-class CurveSettings(Claimed, Trained, OfModel, ByStations, OfRso):
-    """One model on other RSOs."""
+class CurveSettings(Entry):
+    """One model on RSOs that differ in one element."""
 
+    rso: Absent[str] = absent("RSO, in place of the default one", unit="name")
+    train: Train = setting("training split", see="wildcards.md")
+    values: Annotated[list[float], MinLen(1), Unique(), Expected("a list of numbers")] = setting(
+        "inclinations, or offsets of the semi-major axis", unit="deg or km"
+    )
     tests: Tests = setting("windows to test on, a curve each", see="wildcards.md")
     published: PublishedByValue = setting("the paper's P_ML", unit="%", default={})
-
-
-class InclinationCurve(CurveSettings):
-    """One model on other inclinations."""
-
-    inclinations: Degrees = setting("inclinations of the curve")
-
-
-class AxisCurve(CurveSettings):
-    """One model on other semi-major axes."""
-
-    offsets: Kilometres = setting("offsets of the semi-major axis")
-
-
-class Curves(Section):
-    """One model on other RSOs."""
-
-    inclination: Absent[InclinationCurve] = absent("one model on other inclinations")
-    semi_major_axis: Absent[AxisCurve] = absent("one model on other semi-major axes")
-
-
-class Transfers(Tested):
-    """Models on the curves' RSOs."""
-
-    learners: Names = setting("models that are carried over to the curves' RSOs")
 
 
 class BeyondSettings(Section):
@@ -184,7 +126,8 @@ class BeyondSettings(Section):
     station_sets: Names = setting("station sets that models are compared for")
     learners: Names = setting("models to compare")
     splits: Splits = setting("training and test split", see="wildcards.md")
-    transfers: Transfers = setting("models on the curves' RSOs")
+    transfers: Names = setting("models that are carried over to the curves' RSOs")
+    transfer_split: SplitPair = setting("their training and test split", see="wildcards.md")
 
 
 class SpreadSeeds(Section):
@@ -192,12 +135,6 @@ class SpreadSeeds(Section):
 
     split: Absent[SeedList] = absent("seeds of the splits that the reproduction states a spread over")
     noise: Absent[SeedList] = absent("seeds of the noise that the reproduction states a spread over")
-
-
-class StudySeeds(Section):
-    """Seeds of the spreads."""
-
-    spread: Absent[SpreadSeeds] = absent("seeds of the spreads in the reproduction")
 
 
 class ReadingSettings(Section):
@@ -257,15 +194,15 @@ class PaperStudy(Section):
 
     defaults: Absent[Defaults] = absent("what entries do not name")
     orbit: Absent[Orbit] = absent("figures of an orbit and its fit")
-    distribution: Absent[Distribution] = absent("a figure of true errors by duration")
+    distribution: Absent[str] = absent("station set whose true errors are drawn by duration", unit="name")
     evaluations: Absent[Annotated[dict[FigureName, EvaluationSettings], MinLen(1)]] = absent(
         "one model on one test"
     )
     partition: Absent[Partition] = absent("P_ML against the share that is trained on")
-    individual: Absent[Individual] = absent("an evaluation, drawn point by point")
+    individual: Absent[str] = absent("an evaluation, drawn point by point", unit="name")
     grids: Absent[dict[EntryName, GridSettings]] = absent("RSOs side by side")
-    curves: Absent[Curves] = absent("one model on other RSOs")
-    seeds: Absent[StudySeeds] = absent("seeds of the spreads")
+    curves: Absent[dict[CurveName, CurveSettings]] = absent("one model on other RSOs")
+    seeds: Absent[SpreadSeeds] = absent("seeds of the spreads in the reproduction")
     reproduction: Absent[ReproductionSettings] = absent("the paper's numbers and ours")
 
 
