@@ -285,8 +285,9 @@ def read_fixes(
     """
     orientation = environment.earth_orientation
     files = OrbitFiles(paths, environment.epoch, orientation["t"].iloc[-1] - MARGIN_S)
-    points = points_from_files.read(files, orientation, points_from_files.Sampling(sigmas, every))
-    return fixes.arcs(points, length=stretch)
+    options = {"sigma_m": sigmas[:3], "every_s": every} | ({"sigma_mps": sigmas[3:]} if sigmas[3:] else {})
+    settings = points_from_files.FixSettings.read(options, "read_fixes")
+    return fixes.arcs(points_from_files.read(files, orientation, settings), length=stretch)
 
 
 def read_laser_ranges(

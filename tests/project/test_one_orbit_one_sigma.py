@@ -104,7 +104,7 @@ def test_day_says_what_predict_says(paths, predicted):
         (history,) = known_sets.by_object([path]).values()
         left = ObjectOfSets(plan, sets, history).morning(Records.empty(), now=0.0)
         assert left.records.issued["model"].iloc[0] == made.model
-        told = [[one[name] for name in SIGMAS] for one in left.figures(plan)["expected"]]
+        told = [[one[name] for name in SIGMAS] for one in left.figures["expected"]]
         np.testing.assert_allclose(told, made.sigmas(DAY * days)[:, [1, 0, 2]], atol=0.051)
 
 

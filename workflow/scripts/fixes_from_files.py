@@ -5,7 +5,7 @@ from opml.base.section import JobSettings
 from opml.catalog.fit import fixes
 from opml.interop import object_ids, points_from_files
 from opml.interop.orbit_from_files import OrbitFiles
-from opml.interop.points_from_files import FixTaking
+from opml.interop.points_from_files import FixSettings
 from opml.orbits import manoeuvres
 from opml.tables import read_table, write_table
 from opml.workflow.jobs import job
@@ -14,7 +14,7 @@ from opml.workflow.jobs import job
 class Settings(JobSettings):
     epoch: str
     duration_days: float
-    options: FixTaking
+    options: FixSettings
     manoeuvres: list[str]
 
 
@@ -23,11 +23,7 @@ with job(snakemake) as metadata:
     orientation = snakemake.input.earth_orientation
     paths = [path for path in snakemake.input if path != orientation]
     files = OrbitFiles(paths, settings.epoch, DAY * settings.duration_days)
-    points = points_from_files.read(
-        files,
-        read_table(orientation, "earth_orientation"),
-        settings.options.sampling,
-    )
+    points = points_from_files.read(files, read_table(orientation, "earth_orientation"), settings.options)
     table = fixes.arcs(points, length=HOUR * settings.options.stretch_hours)
     identity, burns = points_from_files.identity_and_burns(files)
     named = manoeuvres.at_times(settings.manoeuvres, epoch=settings.epoch)

@@ -5,13 +5,16 @@ They are taken as they are, without a curve through them: a fit weighs each by i
 
 import logging
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import Annotated
 
 import numpy as np
 import pandas as pd
+from pydantic import Strict
 
 from opml.base.errors import InputError
-from opml.base.section import JobSettings
+from opml.base.section import Section, absent, setting
+from opml.base.setting_types import Absent, Expected, NotNegative, Positive
 from opml.interop import ccsds
 from opml.interop.curves.orbit_curve import rotate_to_gcrf
 from opml.interop.object_ids import ObjectId
@@ -29,40 +32,41 @@ Those of an orbit miss one of MOST_APART by a hundredth; the Earth's turn is 0.0
 _log = logging.getLogger(__name__)
 
 
-@dataclass(frozen=True)
-class Sampling:
-    """Options of reading points.
-
-    sigmas: (3,) or (6,) standard deviations in RSW [m, m/s] of points whose file has none; velocities count
-        where theirs are known
-    every: least time from a point to the next [s]: one point is kept of each such step since the epoch
-    """
-
-    sigmas: Sequence[float]
-    every: float = 0.0
+Sigmas = Annotated[tuple[Positive, Positive, Positive], Strict(False), Expected("three numbers above 0")]
 
 
-class FixTaking(JobSettings):
-    """Options of a job for the fixes of an object; satellite: which one, where files have several."""
+class FixSettings(Section):
+    """Reading of an RSO's fixes."""
 
-    sigmas: tuple[float, ...]
-    every_s: float
-    stretch_hours: float
-    satellite: str | None = None
+    sigma_m: Sigmas = setting(
+        "standard deviations of positions if the file has none: radial, along-track, cross-track",
+        unit="m",
+        default=(10.0, 10.0, 10.0),
+    )
+    sigma_mps: Absent[Sigmas] = absent(
+        "the same of velocities; without them, and without columns of theirs, positions alone are fitted",
+        unit="m/s",
+    )
+    every_s: NotNegative = setting(
+        "step of time of which one fix is taken, the first; 0 takes all", unit="s", default=60.0
+    )
+    stretch_hours: Positive = setting(
+        "fixes of so long make a track, whose estimate is at the first of them", unit="h", default=1.0
+    )
 
     @property
-    def sampling(self) -> Sampling:
-        """The options of reading points."""
-        return Sampling(self.sigmas, self.every_s)
+    def sigmas(self) -> tuple[float, ...]:
+        """Standard deviations in RSW of positions [m], and of velocities [m/s] where they count."""
+        return (*self.sigma_m, *(self.sigma_mps or ()))
 
 
-def check(files: OrbitFiles, sampling: Sampling) -> None:
+def check(files: OrbitFiles, settings: FixSettings) -> None:
     """Raise InputError where no points could be made of these files, as `read` does, without the frames."""
-    for arc in _within(files, sampling):
+    for arc in _within(files, settings):
         _check_velocities(arc)
 
 
-def read(files: OrbitFiles, orientation: pd.DataFrame, sampling: Sampling) -> pd.DataFrame:
+def read(files: OrbitFiles, orientation: pd.DataFrame, settings: FixSettings) -> pd.DataFrame:
     """Return points within the run, in the order of time: t, state in GCRF, standard deviations in RSW.
 
     orientation: table `earth_orientation` over the run
@@ -72,7 +76,7 @@ def read(files: OrbitFiles, orientation: pd.DataFrame, sampling: Sampling) -> pd
     velocities that are not those of the positions.
     """
     parts = []
-    for arc in _within(files, sampling):
+    for arc in _within(files, settings):
         _check_velocities(arc)
         parts.append(pd.DataFrame(rotate_to_gcrf(arc, orientation), columns=STATE).assign(t=arc.t))
         parts[-1][FIX_SIGMAS] = arc.sigmas
@@ -91,13 +95,13 @@ def identity_and_burns(files: OrbitFiles) -> tuple[ObjectId, list[Manoeuvre]]:
     return arcs[0].owner, [Manoeuvre(t, known=t) for t in sorted({t for arc in arcs for t in arc.burns})]
 
 
-def _within(files: OrbitFiles, sampling: Sampling) -> list[Arc]:
+def _within(files: OrbitFiles, settings: FixSettings) -> list[Arc]:
     """Return the points within the run by arc, with their sigmas, without overlap, and thinned.
 
     Where velocities count, a point without one is left out.
     """
     arcs = arcs_of_files(files)
-    sigmas = [_sigmas(arc, sampling) for arc in arcs]
+    sigmas = [_sigmas(arc, settings) for arc in arcs]
     counting = [
         np.isfinite(np.hstack([arc.velocities, own[:, 3:]])).all(axis=1)
         for arc, own in zip(arcs, sigmas, strict=True)
@@ -112,7 +116,7 @@ def _within(files: OrbitFiles, sampling: Sampling) -> list[Arc]:
             rows &= counting[k]
         else:
             sigmas[k][:, 3:] = np.nan
-        rows &= _thinned(arc.t, rows, sampling.every)
+        rows &= _thinned(arc.t, rows, settings.every_s)
         if rows.any():
             kept.append(replace(arc, sigmas=sigmas[k]).part(rows))
     if not kept:
@@ -132,10 +136,10 @@ def _tell_outside(arcs: Sequence[Arc], files: OrbitFiles) -> None:
         _log.warning(text, *run, count, one.path, begin, end)
 
 
-def _sigmas(arc: Arc, sampling: Sampling) -> np.ndarray:
-    """Return the standard deviations (n, 6) of an arc's points: its own, else those of the sampling."""
+def _sigmas(arc: Arc, settings: FixSettings) -> np.ndarray:
+    """Return the standard deviations (n, 6) of an arc's points: its own, else those of the settings."""
     usual = np.full(len(FIX_SIGMAS), np.nan)
-    usual[: len(sampling.sigmas)] = sampling.sigmas
+    usual[: len(settings.sigmas)] = settings.sigmas
     own = np.nan if arc.sigmas is None else arc.sigmas
     return np.where(np.isfinite(own), own, np.tile(usual, (len(arc.t), 1)))
 

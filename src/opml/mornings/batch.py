@@ -33,7 +33,7 @@ from opml.interop.element_sets.element_set import ElementSet
 from opml.learning.models.learners import JobLearner
 from opml.mornings import days, measurement_files
 from opml.mornings.calendar import Calendar
-from opml.mornings.days import BatchTask, UnderWay
+from opml.mornings.days import UnderWay
 from opml.mornings.kept.store import Store
 from opml.mornings.measurement_files import MeasurementSource, Span
 from opml.mornings.morning import TrackedObject
@@ -283,7 +283,8 @@ def _begin(
     known = max(surroundings.seen_until, watched.last_known)
     days.check_reached(settings.calendar, settings.date, known)
     digest = settings_digest(settings.shared | one.model_dump(include={"rso", "options"}))
-    return UnderWay.begin(BatchTask(name, settings.calendar, settings.date, digest), watched, store, done)
+    shared = name, watched, settings.calendar, store, digest
+    return UnderWay.begin(*shared, done=done, until=settings.date)
 
 
 def _of_sets(
@@ -301,7 +302,7 @@ def _tracked(
 ) -> TrackedObject:
     """Return an object of tracks or fixes; since: earlier tracks are left out [s]."""
     span = Span(plan.epoch, plan.end)
-    source = MeasurementSource(one.kind, one.files, one.options, one.start, one.manoeuvres)
+    source = MeasurementSource(one.kind, one.files, one.options, start=one.start, manoeuvres=one.manoeuvres)
     found = measurement_files.read(source, span, surroundings.stations, surroundings.orientation, since=since)
     model = surroundings.model(one.rso)
     given = measurement_files.given_state(source, span, one.rso, found.tracking, model.predictions.model.gm)

@@ -3,7 +3,7 @@
 import logging
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import date, timedelta
 from itertools import pairwise
 from pathlib import Path
@@ -39,16 +39,6 @@ _DATE = len("2016-09-28")
 _log = logging.getLogger(__name__)
 
 
-@dataclass(frozen=True)
-class BatchTask:
-    """What is asked of an object."""
-
-    rso: str
-    calendar: Calendar
-    until: date  # date of its last morning
-    settings: str  # digest of those that its mornings are made with
-
-
 class WatchedObject(Protocol):
     """An object of whose mornings each leaves something: of what tracks it, or of its public sets."""
 
@@ -68,73 +58,85 @@ class WatchedObject(Protocol):
     def stations(self) -> dict[str, str]:
         """Digests of the stations that measured it, by name."""
 
-    def morning(self, records: Records, *, now: float) -> "MorningLeft":
+    def morning(self, records: Records, *, now: float) -> "MorningResult":
         """Return what the morning at a time [s] leaves; records: of earlier ones."""
 
 
-class MorningLeft(Protocol):
-    """What a morning left; ephemeris: of an object whose verdict lets it go."""
+@dataclass(frozen=True)
+class MorningResult:
+    """What a morning left.
 
-    @property
-    def records(self) -> Records:
-        """Tables of this morning alone."""
+    figures: what its ephemeris starts from, its orbit, and its errors to expect, as JSON values
+    write: writes the ephemeris as a message at a path, of an object of a name; None where none goes
+    """
 
-    @property
-    def verdict(self) -> Verdict:
-        """Whether to trust its ephemeris."""
-
-    def figures(self, plan: MorningPlan) -> dict[str, Any]:
-        """Return what the ephemeris starts from, its orbit, and its errors to expect, as JSON values."""
-
-    def write(self, path: Path, name: str, plan: MorningPlan) -> bool:
-        """Write the ephemeris as a message of an object of a name; return whether there is one."""
+    records: Records  # tables of this morning alone
+    verdict: Verdict
+    figures: Mapping[str, Any]
+    write: Callable[[Path, str], None] | None
 
 
 @dataclass
 class UnderWay:
-    """An object on its way through its mornings; records: of those before `next`."""
+    """An object on its way through its mornings."""
 
-    task: BatchTask
+    rso: str
     watched: WatchedObject
+    calendar: Calendar
     store: Store
-    records: Records
+    settings: str  # digest of those that its mornings are made with
     next: date
+    records: Records = field(default_factory=Records.empty)  # of the mornings before
 
     @classmethod
-    def begin(cls, task: BatchTask, watched: WatchedObject, store: Store, done: Sequence[date]) -> Self:
-        """Return an object before the first of its mornings that are not over; done: dates of those that are.
+    def begin(
+        cls,
+        rso: str,
+        watched: WatchedObject,
+        calendar: Calendar,
+        store: Store,
+        settings: str,
+        *,
+        done: Sequence[date],
+        until: date,
+    ) -> Self:
+        """Return an object before the first of its mornings that are not over.
+
+        done: dates of those that are; until: date of the last
 
         Raises InputError where a morning between others is gone, and where settings or stations changed.
         """
+        shared = rso, watched, calendar, store, settings
         if not done:
-            first = min(task.calendar.first(watched.first_known), task.until)
-            return cls(task, watched, store, Records.empty(), first)
+            return cls(*shared, min(calendar.first(watched.first_known), until))
         for before, after in pairwise(done):
-            store.check_next(before, after, task.rso)
-        store.check_made(done[-1], task.rso, task.settings, watched.stations)
+            store.check_next(before, after, rso)
+        store.check_made(done[-1], rso, settings, watched.stations)
         longest = timedelta(days=_days_ahead(watched))
-        records = store.records(task.rso, done, since=done[-1] - longest)
-        return cls(task, watched, store, records, done[-1] + timedelta(days=1))
+        records = store.records(rso, done, since=done[-1] - longest)
+        return cls(*shared, done[-1] + timedelta(days=1), records)
 
     def run(self) -> FinishedMorning:
         """Run the next morning."""
-        rso, day, plan = self.task.rso, self.next, self.watched.plan
-        now = self.task.calendar.time(day)
+        rso, day, plan = self.rso, self.next, self.watched.plan
+        now = self.calendar.time(day)
         left = self.watched.morning(self.records, now=now)
         self.records = self.records.and_then(left.records, since=now - DAY * self.watched.judged_for)
         message = self.store.message(day, rso)
-        is_written = plan.has_message and left.write(message, rso, plan)
-        if is_written and plan.passes:
-            station_passes.write_beside(message, plan.passes)
+        write = left.write if plan.has_message else None
+        if write:
+            write(message, rso)
+            if plan.passes:
+                station_passes.write_beside(message, plan.passes)
         told = outcome(rso, day, left, plan) | {
-            "message": message.name if is_written else None,
+            "message": message.name if write else None,
             "past": past(self.records),
             "mornings": strip(self.records, plan),
             "beside_sgp4": verdicts.medians_with_sgp4(self.records.judged),
         }
         self.next = day + timedelta(days=1)
         _log.info("%s, %s: %s, %s", rso, day, left.verdict.word, left.verdict.reason)
-        return FinishedMorning(left.records, told, self.task.settings, self.watched.stations)
+        return FinishedMorning(left.records, told, self.settings, self.watched.stations)
 
 
 def since(done: Sequence[date], calendar: Calendar, plan: MorningPlan) -> float:
@@ -181,7 +183,7 @@ def catch_up(
     first = min((one.next for one in under_way), default=until)
     while under_way:
         day = min(one.next for one in under_way)
-        if made := together({one.task.rso: one.run for one in under_way if one.next == day}):
+        if made := together({one.rso: one.run for one in under_way if one.next == day}):
             store.write(day, made, metadata=metadata)
             _drop_paths(store, objects, day)
         under_way = [one for one in under_way if day < one.next <= until]
@@ -196,7 +198,7 @@ def _drop_paths(store: Store, objects: Sequence[UnderWay], day: date) -> None:
     store.drop_paths(day - timedelta(days=longest + AGAIN), until=day)
 
 
-def outcome(rso: str, day: date, left: MorningLeft, plan: MorningPlan) -> dict[str, Any]:
+def outcome(rso: str, day: date, left: MorningResult, plan: MorningPlan) -> dict[str, Any]:
     """Return what became of an object on a morning, as JSON values."""
     row = left.records.issued.iloc[0]
     age = (row["morning"] - row["t_i"]) / HOUR
@@ -209,7 +211,7 @@ def outcome(rso: str, day: date, left: MorningLeft, plan: MorningPlan) -> dict[s
         "newest_estimate": _utc(plan.epoch, row["t_i"]),
         "age_hours": round(age, 1) if np.isfinite(age) else None,
         "burn": _utc(plan.epoch, row["burn_t"]),
-        **left.figures(plan),
+        **left.figures,
         "scores": scores(_selected(left.records.judged)),
     }
 

@@ -13,7 +13,7 @@ from opml.catalog.fit.first.first_orbit import TimedState
 from opml.interop import first_state, points_from_files, tdm
 from opml.interop.object_ids import UNKNOWN, ObjectId, most_specific
 from opml.interop.orbit_from_files import OrbitFiles
-from opml.interop.points_from_files import FixTaking
+from opml.interop.points_from_files import FixSettings
 from opml.orbits import manoeuvres
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.orbits.sheets import Rso, Station
@@ -23,12 +23,13 @@ from opml.orbits.sheets import Rso, Station
 class MeasurementSource:
     """Where the measurements of an object are.
 
-    options: how fixes are taken; of fixes and tracks also the satellite, of several
+    options: of reading fixes
     """
 
     kind: str  # tracks or fixes
     files: list[str]  # of them
     options: Mapping[str, Any]
+    satellite: str | None = None  # name or number, of several
     start: str = ""  # file of a state that the very first fits may start from, if any
     manoeuvres: Sequence[str] = ()  # UTC texts
 
@@ -66,14 +67,13 @@ def read(
     """
     known = manoeuvres.at_times(source.manoeuvres, epoch=span.epoch)
     if source.kind == "tracks":
-        satellite = source.options.get("satellite")
-        found = tdm.measurements(source.files, epoch=span.epoch, wanted=satellite)
+        found = tdm.measurements(source.files, epoch=span.epoch, wanted=source.satellite)
         tracking = measured_tracks.tracks(found[found["t"] >= since], stations)
         started = [first_state.identity(source.start)] if source.start else []
         return ObjectMeasurements(tracking, known, most_specific([*started, tdm.identity(found)]))
-    options = FixTaking.model_validate(source.options)
-    files = OrbitFiles(source.files, span.epoch, span.duration, options.satellite)
-    points = points_from_files.read(files, orientation, options.sampling)
+    options = FixSettings.model_validate(source.options)
+    files = OrbitFiles(source.files, span.epoch, span.duration, source.satellite)
+    points = points_from_files.read(files, orientation, options)
     tracking = fixes.arcs(points, length=HOUR * options.stretch_hours)
     identity, burns = points_from_files.identity_and_burns(files)
     return ObjectMeasurements(tracking, known + burns, identity)

@@ -5,6 +5,7 @@ never made again.
 """
 
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -16,8 +17,8 @@ from opml.base.errors import InputError
 from opml.base.provenance import settings_digest
 from opml.ephemerides import corrected
 from opml.interop import oem
-from opml.interop.object_ids import UNKNOWN, ObjectId
 from opml.mornings import candidates, fits, issued, outcomes, verdicts
+from opml.mornings.days import MorningResult
 from opml.mornings.fits import Recent
 from opml.mornings.issued import SelectedModel
 from opml.mornings.outcomes import DO_NOT_USE, UNPROVEN
@@ -29,40 +30,6 @@ from opml.tables import SCHEMAS, STATE
 
 _OF_EPHEMERIS = ("height_km", "inclination_deg", "expected")
 _NOT_ISSUED = Verdict(UNPROVEN, "nothing was issued yet")
-
-
-@dataclass(frozen=True)
-class MorningResult:
-    """What a morning left."""
-
-    records: Records  # of this morning alone
-    recent: Recent  # the tracks of the last days that were over
-    verdict: Verdict
-    ephemeris: pd.DataFrame | None = None  # table `corrected`; None where none left; sparse without a message
-    basis: str = ""  # what its covariances rest on, in words
-    identity: ObjectId = UNKNOWN
-
-    def figures(self, plan: MorningPlan) -> dict[str, Any]:
-        """Return as `days.MorningLeft`; errors to expect are those of days after the estimate."""
-        fits = self.records.estimates
-        base = fits[fits["window_hours"] == plan.base]
-        counts = {"tracks": len(base), "converged": int(base["converged"].sum()), "late": self.recent.late}
-        if self.ephemeris is None:
-            return counts | {name: outcomes.NOTHING[name] for name in _OF_EPHEMERIS}
-        t, begin = self.ephemeris["t"].to_numpy(), float(self.ephemeris["t_i"].iloc[0])
-        leads = np.arange(1.0, np.round((t[-1] - begin) / DAY, 2) + 1e-9)
-        variances = [self.ephemeris[f"cov_{axis}_{axis}"] for axis in "xyz"]
-        sigmas = np.stack([np.interp(begin + DAY * leads, t, np.sqrt(one)) for one in variances], axis=1)
-        orbit = outcomes.orbit(self.ephemeris[STATE].to_numpy()[0])
-        return counts | orbit | {"expected": outcomes.expected(leads, sigmas)}
-
-    def write(self, path: Path, name: str, plan: MorningPlan) -> bool:
-        """Write the ephemeris as `days.MorningLeft`."""
-        if self.ephemeris is None:
-            return False
-        segments = oem.segments_of(self.ephemeris, "corrected", replace(self.identity, name=name))
-        oem.write(path, segments, epoch=plan.epoch, comment=self.basis)
-        return True
 
 
 @dataclass(frozen=True)
@@ -100,11 +67,13 @@ class TrackedObject:
 
     def morning(self, records: Records, *, now: float) -> MorningResult:
         """Return what the morning at a time [s] leaves; records: of earlier ones."""
-        return morning(self.watched, records, now=now)
+        result = morning(self.watched, records, now=now)
+        write = partial(result.write, self.plan.epoch) if result.ephemeris is not None else None
+        return MorningResult(result.records, result.verdict, result.figures, write)
 
 
-def morning(watched: Watched, records: Records, *, now: float) -> MorningResult:
-    """Return what a morning leaves.
+def morning(watched: Watched, records: Records, *, now: float) -> "TrackMorning":
+    """Return a morning that is over.
 
     records: of earlier mornings
     now: when it is [s]
@@ -112,18 +81,18 @@ def morning(watched: Watched, records: Records, *, now: float) -> MorningResult:
     What cannot be made of what was measured is told by the verdict: a morning that raised an error for it
     would be tried again for ever.
     """
-    one = _Morning(watched.aware_of(records.burns), records, now)
+    one = TrackMorning(watched.aware_of(records.burns), records, now)
     try:
         one.fit()
         one.issue(one.select())
     except InputError as reason:
         if one.verdict.word != DO_NOT_USE:
             one.verdict = Verdict(DO_NOT_USE, str(reason))
-    return one.outcome
+    return one
 
 
 @dataclass
-class _Morning:
+class TrackMorning:
     """A morning as far as it came: each step adds what it made, or raises InputError where it makes nothing.
 
     estimates, judged, paths: of this morning
@@ -196,10 +165,29 @@ class _Morning:
         self.selected = selected
 
     @property
-    def outcome(self) -> MorningResult:
-        """What the morning leaves."""
+    def records(self) -> Records:
+        """What it leaves to later mornings."""
         row = issued.row(self.now, self.starts, self.selected, self.verdict.word, burn=self.burn)
-        basis = corrected.basis(self.selected.replay, self.now) if self.selected else ""
-        records = Records(self.estimates, self.judged, row, self.paths)
-        identity = self.watched.identity
-        return MorningResult(records, self.recent, self.verdict, self.ephemeris, basis, identity)
+        return Records(self.estimates, self.judged, row, self.paths)
+
+    @property
+    def figures(self) -> dict[str, Any]:
+        """What its ephemeris starts from, its orbit, and errors to expect days after the estimate."""
+        fits = self.estimates
+        base = fits[fits["window_hours"] == self.watched.plan.base]
+        counts = {"tracks": len(base), "converged": int(base["converged"].sum()), "late": self.recent.late}
+        if self.ephemeris is None:
+            return counts | {name: outcomes.NOTHING[name] for name in _OF_EPHEMERIS}
+        t, begin = self.ephemeris["t"].to_numpy(), float(self.ephemeris["t_i"].iloc[0])
+        leads = np.arange(1.0, np.round((t[-1] - begin) / DAY, 2) + 1e-9)
+        variances = [self.ephemeris[f"cov_{axis}_{axis}"] for axis in "xyz"]
+        sigmas = np.stack([np.interp(begin + DAY * leads, t, np.sqrt(one)) for one in variances], axis=1)
+        orbit = outcomes.orbit(self.ephemeris[STATE].to_numpy()[0])
+        return counts | orbit | {"expected": outcomes.expected(leads, sigmas)}
+
+    def write(self, epoch: str, path: Path, name: str) -> None:
+        """Write the ephemeris as a message of an object of a name."""
+        assert self.ephemeris is not None
+        assert self.selected is not None
+        segments = oem.segments_of(self.ephemeris, "corrected", replace(self.watched.identity, name=name))
+        oem.write(path, segments, epoch=epoch, comment=corrected.basis(self.selected.replay, self.now))

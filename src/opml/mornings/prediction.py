@@ -42,7 +42,7 @@ from opml.learning.models.learners import JobLearner, arc_of
 from opml.mornings import issued, measurement_files, usual_errors, verdicts
 from opml.mornings.issued import SelectedModel
 from opml.mornings.measurement_files import MeasurementSource, Span
-from opml.mornings.morning import MorningResult, morning
+from opml.mornings.morning import TrackMorning, morning
 from opml.mornings.records import Records
 from opml.mornings.verdicts import OLDEST, Verdict
 from opml.mornings.watched_object import MorningPlan, ObjectPropagators, Watched
@@ -297,13 +297,8 @@ def _watched(request: Request, settings: OrbitSettings, times: _Times) -> Watche
     max_days = request.days + (OLDEST + _AFTER) / DAY
     rso = Rso("object", **_NO_ELEMENTS, area_to_mass=request.area_to_mass or GUESS, cd=2.2, cr=1.25)
     model = _object_propagators(rso, request.weather, settings, times, max_days)
-    sampling = {
-        "sigmas": [SIGMA] * 3,
-        "every_s": _EVERY,
-        "stretch_hours": times.stretch,
-        "satellite": request.object,
-    }
-    source = MeasurementSource(request.kind, list(map(str, request.files)), sampling)
+    sampling = {"sigma_m": (SIGMA,) * 3, "every_s": _EVERY, "stretch_hours": times.stretch}
+    source = MeasurementSource(request.kind, list(map(str, request.files)), sampling, request.object)
     span = Span(times.epoch, times.date)
     found = measurement_files.read(source, span, request.stations, model.orientation, since=0.0)
     estimation = settings.estimation
@@ -377,7 +372,7 @@ class _Issued:
 
 
 def _issued_last(
-    watched: Watched, left: MorningResult, records: Records, *, now: float, light: float
+    watched: Watched, left: TrackMorning, records: Records, *, now: float, light: float
 ) -> _Issued:
     """Return what the newest morning issued that could: the model that erred least.
 
@@ -405,7 +400,7 @@ def _holds_cd(model: ResolvedSettings) -> bool:
 
 
 def _verdict(
-    watched: Watched, left: MorningResult, records: Records, past: pd.DataFrame, *, now: float
+    watched: Watched, left: TrackMorning, records: Records, past: pd.DataFrame, *, now: float
 ) -> Verdict:
     """Return the verdict on the last morning's ephemeris, by these sizes; its own where it has none."""
     start = left.records.issued.rename(columns={"t_i": "t"})

@@ -7,6 +7,7 @@ itself.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +33,7 @@ from opml.interop.element_sets import mean_elements, sgp4_errors
 from opml.interop.element_sets.element_set import ElementSet, seconds_since
 from opml.mornings import outcomes, verdicts
 from opml.mornings.candidates import STEP
+from opml.mornings.days import MorningResult
 from opml.mornings.outcomes import DO_NOT_USE
 from opml.mornings.records import Paths, Records, below
 from opml.mornings.verdicts import SGP4, Verdict
@@ -106,7 +108,7 @@ class ObjectOfSets:
         """When the last of its sets was known [s]."""
         return max(self.times_known)
 
-    def morning(self, records: Records, *, now: float) -> "SetMorning":
+    def morning(self, records: Records, *, now: float) -> MorningResult:
         """Return what the morning at a time [s] leaves; records: of earlier ones."""
         (date,) = ccsds.utc_texts(self.plan.epoch, np.array([now]))
         row = {"morning": now, "i": -1, "t_i": np.nan, "model": "", "burn_t": np.nan}
@@ -114,7 +116,8 @@ class ObjectOfSets:
             prediction = self.sets.on(date).predict(self.history, days=self.plan.max_days)
         except InputError as reason:
             refused = Verdict(DO_NOT_USE, str(reason))
-            return SetMorning(_left(row, refused), refused)
+            nothing = {name: outcomes.NOTHING[name] for name in _FIGURES}
+            return MorningResult(_left(row, refused), refused, nothing, None)
         later = _later(prediction, self.plan.epoch, now)
         burns = prediction.manoeuvres
         judged = _without_burns(_judged(later, records), burns, now)
@@ -126,38 +129,26 @@ class ObjectOfSets:
             verdict = replace(verdict, reason=f"{verdict.reason}; {shown}")
         row |= {"i": later["j"], "t_i": later["t_set"], "model": prediction.model}
         paths = _paths(prediction, later["j"], now, days=self.plan.max_days)
-        return SetMorning(_left(row, verdict, judged, [paths]), verdict, prediction)
+        write = None if verdict.word == DO_NOT_USE else partial(_write, prediction)
+        figures = _figures(prediction, judged, self.plan.max_days)
+        return MorningResult(_left(row, verdict, judged, [paths]), verdict, figures, write)
 
 
-@dataclass(frozen=True, eq=False)
-class SetMorning:
-    """What a morning left, as `days.MorningLeft`."""
+def _figures(prediction: Prediction, judged: pd.DataFrame, max_days: float) -> dict[str, Any]:
+    """Return what a prediction starts from, its orbit, and errors to expect days after the morning."""
+    days, new = np.arange(1.0, max_days + 1e-9), len(judged["j"].unique())
+    return {
+        "tracks": new,
+        "converged": new,
+        "late": 0,
+        **outcomes.orbit(prediction.states(np.zeros(1))[0]),
+        "expected": outcomes.expected(days, prediction.sigmas(DAY * days)),
+    }
 
-    records: Records
-    verdict: Verdict
-    prediction: Prediction | None = None
 
-    def figures(self, plan: MorningPlan) -> dict[str, Any]:
-        """Return as `days.MorningLeft`; errors to expect are those of days after the morning."""
-        if self.prediction is None:
-            return {name: outcomes.NOTHING[name] for name in _FIGURES}
-        days = np.arange(1.0, plan.max_days + 1e-9)
-        new = len(self.records.judged["j"].unique())
-        return {
-            "tracks": new,
-            "converged": new,
-            "late": 0,
-            **outcomes.orbit(self.prediction.states(np.zeros(1))[0]),
-            "expected": outcomes.expected(days, self.prediction.sigmas(DAY * days)),
-        }
-
-    def write(self, path: Path, name: str, plan: MorningPlan) -> bool:
-        """Write the ephemeris as `days.MorningLeft`."""
-        if self.prediction is None or self.verdict.word == DO_NOT_USE:
-            return False
-        identity = replace(self.prediction.identity, name=name)
-        replace(self.prediction, identity=identity).to_oem(path)
-        return True
+def _write(prediction: Prediction, path: Path, name: str) -> None:
+    """Write a prediction as a message of an object of a name."""
+    replace(prediction, identity=replace(prediction.identity, name=name)).to_oem(path)
 
 
 def history_of(

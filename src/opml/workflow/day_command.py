@@ -16,7 +16,6 @@ from opml.base.errors import InputError
 from opml.base.progress import counted
 from opml.catalog.kinds import ELEMENTS
 from opml.mornings import outcomes
-from opml.mornings.kept import older_days
 from opml.mornings.kept.store import Store
 from opml.mornings.outcomes import DO_NOT_USE
 from opml.report.day import document, summary
@@ -97,7 +96,6 @@ def run(call: Call) -> int:
     folders = [Path(settings.results, "days", text) for text in dates]
     if not call.dry:
         with lock.hold(Path(settings.results)):
-            older_days.convert(Path(settings.results, "days"))
             for folder in folders:
                 _forget_failed(folder)
     if any((ahead := mornings_ahead(call.day, whole)).values()):

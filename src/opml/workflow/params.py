@@ -161,7 +161,10 @@ class Params:
         kind = settings.kind_of(rso)
         if kind is None:
             raise InputError(f"{rso}: expected an RSO that has {kinds.names()}")
-        options = settings.options(kind, rso).of_job()
+        # The files of ranges' stations are inputs of their job.
+        options = settings.options(kind, rso).model_dump(
+            exclude={"coordinates", "eccentricities"}, exclude_none=True
+        )
         return {"kind": kind.name, "files": settings.files_of(kind)[rso], "options": options}
 
     def split(self, wildcards: Wildcards) -> dict[str, Any]:

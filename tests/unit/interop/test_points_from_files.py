@@ -14,13 +14,13 @@ from opml.catalog.simulate.truth import initial_state
 from opml.interop import ccsds, fixes_csv, points_from_files
 from opml.interop.object_ids import UNKNOWN, ObjectId
 from opml.interop.orbit_from_files import OrbitFiles
-from opml.interop.points_from_files import Sampling
+from opml.interop.points_from_files import FixSettings
 from opml.orbits.elements import rsw_rotation
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import FIX_SIGMAS, STATE
 
-PLACES = Sampling((3.0, 6.0, 4.0))
-MOVING = Sampling((3.0, 6.0, 4.0, 0.03, 0.06, 0.04))
+PLACES = FixSettings(sigma_m=(3.0, 6.0, 4.0), every_s=0.0)
+MOVING = PLACES.evolve(sigma_mps=(0.03, 0.06, 0.04))
 
 
 @pytest.fixture(scope="module")
@@ -107,9 +107,7 @@ def test_sigmas_of_a_csv_replace_those_that_are_told(read, t, states):
 
 
 def test_points_are_thinned_by_steps_since_the_epoch_and_cut_to_the_run(read, t, states):
-    points = read(
-        csv, t + 30.0, states, frame="gcrf", sampling=Sampling(PLACES.sigmas, every=600.0), duration=3000.0
-    )
+    points = read(csv, t + 30.0, states, frame="gcrf", sampling=PLACES.evolve(every_s=600.0), duration=3000.0)
     assert points["t"].tolist() == [30.0, 630.0, 1230.0, 1830.0, 2430.0]
 
 

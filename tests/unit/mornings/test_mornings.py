@@ -1,6 +1,5 @@
 """Mornings of an object: each once, from nothing that came after it, the same in whatever pieces they run."""
 
-import json
 import shutil
 from dataclasses import replace
 from datetime import date, timedelta
@@ -25,15 +24,14 @@ from opml.interop.object_ids import ObjectId
 from opml.learning.models import learners
 from opml.mornings import candidates, days, fits
 from opml.mornings.calendar import Calendar
-from opml.mornings.days import BatchTask, UnderWay
-from opml.mornings.kept import older_days
+from opml.mornings.days import UnderWay
 from opml.mornings.kept.store import Store
 from opml.mornings.morning import TrackedObject
 from opml.mornings.outcomes import DO_NOT_USE, UNPROVEN
 from opml.mornings.records import Records
 from opml.mornings.watched_object import MorningPlan, ObjectPropagators, Watched
 from opml.orbits.manoeuvres import Manoeuvre
-from opml.tables import FIX_SIGMAS, SCHEMAS, STATE, paths_schema, write_table
+from opml.tables import FIX_SIGMAS, SCHEMAS, STATE
 
 ARC = {"window_hours": 18.0, "memory_days": 30.0}
 MODELS = {
@@ -72,8 +70,8 @@ def watched(orbit, assumed_model, iss, earth_orientation, three_stations):
 
 def begin(store, name, watched, until):
     """An object before the first of its mornings that are not over."""
-    task, object_ = BatchTask(name, CALENDAR, until, "digest"), TrackedObject(watched)
-    return UnderWay.begin(task, object_, store, store.done(until)[name])
+    shared = name, TrackedObject(watched), CALENDAR, store, "digest"
+    return UnderWay.begin(*shared, done=store.done(until)[name], until=until)
 
 
 def run(watched, folder, until=LAST):
@@ -154,36 +152,6 @@ def test_a_morning_that_was_cut_short_runs_again(watched, whole, tmp_path):
     run(watched, tmp_path)
     assert contents(tmp_path) == contents(whole)
     assert (before / "done.json").stat().st_mtime_ns == made
-
-
-def as_an_older_release(whole, folder, until):
-    """Mornings up to a date as they were kept once: a folder of each day and object."""
-    for day in (day for day in done(whole) if day <= until):
-        place, old = left(whole, day), folder / day.isoformat() / "iss"
-        metadata = METADATA | {"stations": dict(place.marks["iss"].stations)}
-        for table in Records.TABLES:
-            write_table(old / f"{table}.parquet", place.rows(table, "iss"), table, metadata=metadata)
-        for paths in place.paths("iss"):
-            schema = paths_schema(paths.models)
-            told_of = metadata | {"models": paths.models}
-            write_table(old / "paths.parquet", paths.table, schema, metadata=told_of)
-        (old / "morning.json").write_text(json.dumps(place.outcomes["iss"]))
-
-
-def test_mornings_of_an_older_release_are_built_on(watched, whole, tmp_path):
-    before = LAST - timedelta(days=1)
-    as_an_older_release(whole, tmp_path, before)
-    older_days.convert(tmp_path)
-    assert not [*tmp_path.rglob("morning.json")]
-    run(watched, tmp_path)
-    assert done(tmp_path) == done(whole)
-    assert told(tmp_path, before) == told(whole, before)
-    last = f"{LAST.isoformat()}/"
-    now, then = (
-        {path: made for path, made in contents(folder).items() if path.startswith(last)}
-        for folder in (tmp_path, whole)
-    )
-    assert now == then
 
 
 def test_every_track_is_estimated_once_and_judges_what_was_flown_before(watched, whole):

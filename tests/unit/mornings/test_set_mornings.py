@@ -17,7 +17,7 @@ from opml.element_sets.inside import inside_forces, inside_now
 from opml.interop import orbit_segments
 from opml.mornings import days, set_mornings
 from opml.mornings.calendar import Calendar
-from opml.mornings.days import BatchTask, UnderWay
+from opml.mornings.days import UnderWay
 from opml.mornings.kept.store import Store
 from opml.mornings.outcomes import UNPROVEN
 from opml.mornings.set_mornings import ObjectOfSets, RunSets
@@ -50,8 +50,8 @@ def run(path, folder, until=LAST):
     sets = RunSets.read([path], "OBSERVED", since=modified_julian_day(EPOCH))
     watched = ObjectOfSets(PLAN, sets, known_sets.by_object([path])[NUMBER])
     store = Store(folder, "0", ["mine"])
-    task = BatchTask("mine", CALENDAR, until, "digest")
-    under_way = UnderWay.begin(task, watched, store, store.done(until)["mine"])
+    shared = "mine", watched, CALENDAR, store, "digest"
+    under_way = UnderWay.begin(*shared, done=store.done(until)["mine"], until=until)
     days.catch_up(store, [under_way], until, metadata={"epoch": EPOCH, "settings": "digest"})
     return folder
 

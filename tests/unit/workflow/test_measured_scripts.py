@@ -70,10 +70,10 @@ def test_fixes_are_thinned_and_gathered_as_the_settings_say(taken, tmp_path, ori
     segments = oem.segments_of(orbit, "truth", ObjectId("iss", "1998-067A"))
     oem.write(tmp_path / "iss.oem", segments, epoch=EPOCH)
     read = files(points=str(tmp_path / "iss.oem"), earth_orientation=orientation)
-    fixing = {"sigmas": [1.0, 2.0, 3.0], "every_s": 600.0, "stretch_hours": 2.0}
+    fixing = {"sigma_m": [1.0, 2.0, 3.0], "every_s": 600.0, "stretch_hours": 2.0}
     table, facts = taken("fixes_from_files", read, duration_days=0.5, options=fixing)
     assert table.groupby("track").size().tolist() == [12] * 6 + [1]
-    assert (table[["sigma_r", "sigma_s", "sigma_w"]].to_numpy() == fixing["sigmas"]).all()
+    assert (table[["sigma_r", "sigma_s", "sigma_w"]].to_numpy() == fixing["sigma_m"]).all()
     measured = fitted_to(tmp_path, orientation)
     assert (measured.tracks, measured.numbers) == (7, 3)
     assert facts["object"] == {"name": "iss", "designator": "1998-067A", "number": 0}

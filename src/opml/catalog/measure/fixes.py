@@ -8,6 +8,4 @@ from opml.interop.orbit_from_files import OrbitFiles
 def check(request: MeasurementRequest) -> None:
     """Look at files of points: whether they fit the run and each other."""
     files = OrbitFiles(request.paths, request.epoch, request.duration)
-    points_from_files.check(
-        files, points_from_files.Sampling(request.options.sigmas, request.options.every_s)
-    )
+    points_from_files.check(files, request.options)

@@ -11,6 +11,7 @@ from typing import Any
 from opml import naming
 from opml.base.errors import InputError
 from opml.base.files import FilePath, project_file
+from opml.base.section import Section
 from opml.catalog.kinds import KINDS, Kind, in_place_of_stations, of_fits
 from opml.orbits.manoeuvres import read_times
 from opml.orbits.sheets import (
@@ -26,9 +27,9 @@ from opml.study.settings.model.catalogue import CatalogueSettings
 from opml.study.settings.model.run import (
     MORNING_MODELS,
     DaySettings,
+    RangeSettings,
     Sheets,
-    TakingSettings,
-    taking_section,
+    reading_options,
 )
 from opml.study.settings.model.whole import RunSettings
 from opml.study.settings.overlay import MISSING, Key, Layer, Source, laid_over, read_layer
@@ -69,14 +70,15 @@ class Settings:
         """Return how an RSO of the sheet was measured; None where its measurements are simulated."""
         return next((kind for kind in KINDS if rso in self.values.get(kind.name, {})), None)
 
-    def options(self, kind: Kind, rso: str) -> TakingSettings:
-        """Return how an RSO's files of a kind are taken, relative paths in the folder of the data."""
-        given = self.values.get(kind.options, {}).get(rso, {})
-        return taking_section(kind.options).model_validate(given).within(self.values.get("data", ""))
+    def options(self, kind: Kind, rso: str) -> Section:
+        """Return the options of reading an RSO's files, relative paths in the folder of the data."""
+        options = reading_options(kind.options).model_validate(self.values.get(kind.options, {}).get(rso, {}))
+        return options.within(self.values.get("data", "")) if isinstance(options, RangeSettings) else options
 
     def companion_files(self, kind: Kind) -> dict[str, list[str]]:
         """Return the files that are read beside those of a kind, such as of where stations are, by RSO."""
-        return {rso: self.options(kind, rso).files for rso in self.values.get(kind.options, {})}
+        options = {rso: self.options(kind, rso) for rso in self.values.get(kind.options, {})}
+        return {rso: one.files for rso, one in options.items() if isinstance(one, RangeSettings)}
 
     @property
     def day(self) -> DaySettings:

@@ -1,16 +1,16 @@
 """The run: what is simulated, and how learners learn. Every key, what it means, its unit and its limits."""
 
 import os
-from typing import Annotated, Any, Self, get_args
+from typing import Annotated, Self, get_args
 
 from annotated_types import Ge, Le, Lt, MinLen
-from pydantic import Strict
 
 from opml.base.section import Section, absent, setting
 from opml.base.setting_types import Absent, Expected, NotNegative, Positive, Text, Unique
 from opml.catalog.fit.estimation_settings import EstimationSettings
 from opml.dynamics.settings import ForceModels, Integrator
 from opml.environment.settings import EnvironmentSettings
+from opml.interop.points_from_files import FixSettings
 from opml.learning.models.learners import AnyLearner
 from opml.study.settings.model.catalogue import CatalogueSettings
 from opml.study.settings.model.names import (
@@ -41,56 +41,7 @@ class Tracking(Section):
     step_s: Positive = setting("time between measurements, and of the truth's grid", unit="s")
 
 
-Sigmas = Annotated[tuple[Positive, Positive, Positive], Strict(False), Expected("three numbers above 0")]
-
-
-class TakingSettings(Section):
-    """Reading of an RSO's measurement files."""
-
-    @property
-    def files(self) -> list[str]:
-        """Files that are read beside these."""
-        return []
-
-    def within(self, folder: str) -> Self:
-        """Return the same with relative paths in a folder."""
-        return self
-
-    def of_job(self) -> dict[str, Any]:
-        """Return what a job that reads the files is told."""
-        return self.model_dump()
-
-
-class FixSettings(TakingSettings):
-    """Reading of an RSO's fixes."""
-
-    sigma_m: Sigmas = setting(
-        "standard deviations of positions if the file has none: radial, along-track, cross-track",
-        unit="m",
-        default=(10.0, 10.0, 10.0),
-    )
-    sigma_mps: Absent[Sigmas] = absent(
-        "the same of velocities; without them, and without columns of theirs, positions alone are fitted",
-        unit="m/s",
-    )
-    every_s: NotNegative = setting(
-        "step of time of which one fix is taken, the first; 0 takes all", unit="s", default=60.0
-    )
-    stretch_hours: Positive = setting(
-        "fixes of so long make a track, whose estimate is at the first of them", unit="h", default=1.0
-    )
-
-    @property
-    def sigmas(self) -> tuple[float, ...]:
-        """Standard deviations of positions, and of velocities where they count."""
-        return (*self.sigma_m, *(self.sigma_mps or ()))
-
-    def of_job(self) -> dict[str, Any]:
-        """Return the same with all sigmas in one list."""
-        return {"sigmas": list(self.sigmas), **self.model_dump(include={"every_s", "stretch_hours"})}
-
-
-class RangeSettings(TakingSettings):
+class RangeSettings(Section):
     """Reading of an RSO's laser ranges."""
 
     coordinates: Text = setting("SINEX of the stations' coordinates and velocities", unit="path")
@@ -117,12 +68,8 @@ class RangeSettings(TakingSettings):
         coordinates, eccentricities = (os.path.join(folder, path) for path in self.files)
         return self.model_copy(update={"coordinates": coordinates, "eccentricities": eccentricities})
 
-    def of_job(self) -> dict[str, Any]:
-        """Return the same without the paths, which are inputs."""
-        return self.model_dump(exclude={"coordinates", "eccentricities"})
 
-
-class HistorySettings(TakingSettings):
+class HistorySettings(Section):
     """Reading of the history of an RSO's mean elements."""
 
     number: Absent[Annotated[int, Ge(1), Expected("a catalogue number from 1")]] = absent(
@@ -307,6 +254,6 @@ class RunAlone(Section):
     )
 
 
-def taking_section(name: str) -> type[TakingSettings]:
-    """Return what an RSO's entry is in a setting of how files are taken; an empty mapping for ''."""
-    return get_args(RunAlone.model_fields[name].annotation)[1] if name else TakingSettings
+def reading_options(name: str) -> type[Section]:
+    """Return the section of an RSO's entry in a setting with options of reading; an empty one for ''."""
+    return get_args(RunAlone.model_fields[name].annotation)[1] if name else Section
