@@ -36,7 +36,7 @@ from opml.element_sets import prediction as set_prediction
 from opml.element_sets.prediction import Prediction
 from opml.environment import MARGIN_S, nodes, solar_activity
 from opml.ephemerides import corrected, replays
-from opml.ephemerides.ephemeris_task import Task, departures
+from opml.ephemerides.ephemeris_task import Task, departure
 from opml.ephemerides.known_tables import KnownTables
 from opml.ephemerides.task_part import Grid
 from opml.interop import comparison, crd, formats, known_orbits, points_from_files, sinex, tdm
@@ -660,14 +660,14 @@ def ephemeris(
     True
     """
     known, until = _known(catalogue), DAY * until_days
-    starts = departures(known, known_until=until)
+    starts = departure(known, known_until=until)
     end = float(catalogue.environment.earth_orientation["t"].iloc[-1]) - MARGIN_S
     return corrected.build(
         Task(propagator, known, starts, Grid(step, max_days, end)),
         daily,
         replay,
         spreads=_spreads(propagator, catalogue),
-        first_morning=until,
+        now=until,
     )
 
 

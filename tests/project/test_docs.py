@@ -193,7 +193,7 @@ def test_every_folder_of_results_is_told():
     )
     page = (REPOSITORY / "docs" / "wildcards.md").read_text(encoding="utf-8")
     folders = {"logs", "benchmarks", *re.findall(r'product\(\s*f?"([a-z_\d]+)', rules)}
-    assert folders > {"truth", "figs", "fit_calibration", "study"}
+    assert folders > {"truth", "figs", "metrics", "study"}
     assert [name for name in sorted(folders) if not re.search(rf"`{name}[/.]", page)] == []
 
 

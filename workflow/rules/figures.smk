@@ -222,7 +222,9 @@ if "individual" in STUDY:
                     "published": next(
                         (
                             claim["limit"]
-                            for claim in STUDY.entry("evaluations")[STUDY.entry("individual")].get("claims", [])
+                            for claim in STUDY.entry("evaluations")[STUDY.entry("individual")].get(
+                                "claims", []
+                            )
                             if claim["holds"] == "share_of_points_near"
                         ),
                         None,

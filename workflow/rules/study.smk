@@ -46,10 +46,9 @@ if OWN.is_asked:
                 for rso, stations in OWN.datasets
             ],
             replays=[path_of(rules.replay.output[0], **parts) for parts in OWN.replayed.values()],
-            fits=paths_of(rules.fit_calibration.output[0], *OWN.fits.values()),
             pictures=[
                 path_of(rules.study_residuals.output.png[0], rso=rso, stations=stations)
-                for rso, stations in OWN.fits
+                for rso, stations in OWN.replayed_datasets
             ],
         output:
             **documents(STUDY_REPORT, section=SECTIONS["study"]),
@@ -84,9 +83,6 @@ if OWN.is_asked:
 
     use rule errors as study_calibration with:
         input:
-            fit=lambda wildcards: path_of(
-                rules.fit_calibration.output[0], **OWN.fits[wildcards.rso, wildcards.stations].names()
-            ),
             replays=rules.study_residuals.input.replays,
             judge=rules.study_residuals.input.judge,
         output:

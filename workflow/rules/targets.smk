@@ -57,7 +57,7 @@ STUDY_FILES = (
         ),
         *(
             path_of(file, rso=rso, stations=stations)
-            for rso, stations in OWN.fits
+            for rso, stations in OWN.replayed_datasets
             for file in [
                 *rules.study_residuals.output,
                 *rules.study_calibration.output,

@@ -25,7 +25,7 @@ with job(snakemake) as metadata:
         DailyLearner(labelled, learner, settings.seed, settings.train_days[0]),
         replay,
         spreads=corrected.spreading(files, settings, task.known, threads=snakemake.threads),
-        first_morning=DAY * settings.known_until_days,
+        now=DAY * settings.known_until_days,
     )
     metadata |= {"covariance": corrected.basis(replay, DAY * settings.known_until_days)}
     write_table(snakemake.output[0], table, "corrected", metadata=metadata)

@@ -18,8 +18,7 @@ with job(snakemake):
         noise=dict(zip(study.datasets, map(read_noise, files.estimates), strict=True)),
         replays=read_by_key(study.replayed, files.replays, "replay"),
         truths=read_by_key(study.datasets_with_truth, files.truths, "dataset"),
-        calibration=read_by_key(study.fits, files.fits, "calibration"),
-        pictures=dict(zip(study.fits, files.pictures, strict=True)),
+        pictures=dict(zip(study.replayed_datasets, files.pictures, strict=True)),
     )
     blocks = own_study.document(study.report, tables)
     document.write(blocks, output.md[0], output.tsv[0], output.html[0])

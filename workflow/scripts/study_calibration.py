@@ -5,7 +5,7 @@ from opml.figures.display_names import display_learner
 from opml.learning.data.error_components import CORRECTED
 from opml.learning.judge import calibration
 from opml.learning.judge.model_choice import CHOSEN
-from opml.tables import ELLIPSOID, read_table
+from opml.tables import ELLIPSOID
 from opml.workflow.jobs import job
 from opml.workflow.replayed_mornings import ReplayedSettings, read_mornings
 
@@ -14,7 +14,6 @@ with job(snakemake):
     mornings = read_mornings(files, settings)
     every = {display_learner(name): table for name, table in mornings.tables.items()}
     tables = calibration.of_replays({CHOSEN: mornings.selected, **every}, days=settings.days)
-    tables["the fit's own covariance"] = read_table(files.fit, "calibration")
     figures = [
         reliability.coverage_curves(tables, quantity=quantity, note=settings.note)
         for quantity in (CORRECTED, ELLIPSOID)

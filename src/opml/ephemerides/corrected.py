@@ -5,7 +5,7 @@ The along-track error that the model predicts at each epoch moves the orbit
 """
 
 from collections.abc import Callable, Iterator
-from functools import cache, partial
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -46,35 +46,31 @@ def spreading(files: Any, settings: PropagatorSettings, known: KnownTables, *, t
 
 
 def build(
-    task: Task, daily: DailyLearner, replay: pd.DataFrame, *, spreads: Spreads, first_morning: float
+    task: Task, daily: DailyLearner, replay: pd.DataFrame, *, spreads: Spreads, now: float
 ) -> pd.DataFrame:
     """Return the `corrected` table.
 
     daily: the learner, retrained each morning
     replay: the table of the same learner, from which sizes are learned
     spreads: how far drag and weather may take pairs
-    first_morning: when the first ephemeris is made [s]; later ones know what is known when the day begins
+    now: when ephemerides are made [s]
 
     An ephemeris ends where an arc that it needs does. Raises InputError where none reaches anywhere, where a
     size has no past, and as `along_track_shift.check_smooth` does.
     """
-
-    @cache
-    def sizes(now: float) -> Sizes:
-        return Sizes.learned(replay, now=now)
+    model, sizes = daily(now), Sizes.learned(replay, now=now)
 
     def ephemerides(part: TaskPart) -> Iterator[pd.DataFrame]:
         columns = part.columns(daily.variables, arc=daily.arc)
         sparse = columns[_is_sparse(columns, part.grid)]
         causes = sparse[["i", "t_j"]].join(spreads(sparse)[SPREAD])
         for rows in reached(columns, (*STATE, *daily.variables)):
-            now = morning(rows["t_i"].iloc[0], first=first_morning)
-            along = expected(rows, daily(now))
+            along = expected(rows, model)
             check_smooth(rows["t_j"].to_numpy(), along)
             states = moved(rows, along)
             rate = rates(states)
             caused = interpolate_spread(rows, causes[causes["i"] == rows["i"].iloc[0]]).assign(rate=rate)
-            yield ephemeris_table(rows, states, rsw_covariances(sizes(now).sigmas(caused), rate))
+            yield ephemeris_table(rows, states, rsw_covariances(sizes.sigmas(caused), rate))
 
     return task.joined([table for part in task.parts() for table in ephemerides(part)])
 
@@ -108,12 +104,9 @@ def spread_at(t: np.ndarray, causes: pd.DataFrame) -> dict[str, np.ndarray]:
     return {name: np.interp(t, known, values) for name, values in columns}
 
 
-def morning(t: float, *, first: float = 0.0) -> float:
-    """Return when an ephemeris from an estimate at `t` [s] learns last: at its day's beginning.
-
-    Never before `first`, when the first of a series is made.
-    """
-    return max(first, DAY * float(np.floor(t / DAY)))
+def morning(t: float) -> float:
+    """Return when an ephemeris from an estimate at `t` [s] learns last: at its day's beginning."""
+    return max(0.0, DAY * float(np.floor(t / DAY)))
 
 
 def expected(rows: pd.DataFrame, model: Model) -> np.ndarray:

@@ -42,13 +42,13 @@ class Task:
     def read(
         cls, files: Any, settings: TaskSettings, *, threads: int = 1, progress: Progress | None = None
     ) -> Self:
-        """Read the task of a job; raises InputError as `KnownTables.read` and `departures` do."""
+        """Read the task of a job; raises InputError as `KnownTables.read` and `departure` do."""
         known = KnownTables.read(files, settings)
         step, max_days, duration_days = settings.grid
         return cls(
             Propagator.read(files, settings, threads=threads, progress=progress),
             known,
-            departures(known, known_until=DAY * settings.known_until_days),
+            departure(known, known_until=DAY * settings.known_until_days),
             Grid(step, max_days, DAY * duration_days),
         )
 
@@ -70,8 +70,8 @@ class Task:
         return pd.concat(tables, ignore_index=True)
 
 
-def departures(known: KnownTables, *, known_until: float) -> pd.DataFrame:
-    """Return the estimate that an ephemeris starts from: the newest usable one up to `known_until` [s].
+def departure(known: KnownTables, *, known_until: float) -> pd.DataFrame:
+    """Return the row of the newest estimate up to `known_until` [s] that an ephemeris may start from.
 
     Raises InputError where there is none.
     """
@@ -80,7 +80,7 @@ def departures(known: KnownTables, *, known_until: float) -> pd.DataFrame:
     if not newest.size:
         last = f"day {known_until / DAY:g}, the last to learn from"
         raise InputError(f"ephemeris: expected a usable estimate up to {last}, got none")
-    return known.estimates[newest[-1] : newest[-1] + 1]
+    return known.estimates.iloc[newest[-1:]]
 
 
 def reached(columns: pd.DataFrame, names: Sequence[str]) -> Iterator[pd.DataFrame]:

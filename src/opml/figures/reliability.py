@@ -19,7 +19,7 @@ def coverage_curves(tables: Mapping[str, pd.DataFrame], *, quantity: str, note: 
 
     Raises InputError without a table.
 
-    tables: `calibration` tables by the panel's title
+    tables: shares by the panel's title
     quantity: of those tables
     """
     if not tables:

@@ -56,22 +56,10 @@ _log = logging.getLogger(__name__)
 Made = TypeVar("Made")
 
 
-class CatalogueFiles(JobSettings):
-    """Where the mean elements of all objects of a run are, and the weather under which they are improved."""
-
-    files: list[str]
-    weather: str
-
-
-class ObjectSettings(JobSettings):
-    """What is known of an object, and where its measurements are and how they are taken."""
+class ObjectSettings(MeasurementSource):
+    """An object, and the source of its measurements."""
 
     rso: Rso
-    kind: str
-    files: list[str]
-    options: dict[str, Any]
-    start: str
-    manoeuvres: list[str]
     has_message: bool
 
 
@@ -92,7 +80,8 @@ class BatchSettings(JobSettings):
     step_s: float
     models: dict[str, JobLearner]
     passes: list[str]
-    catalogue: CatalogueFiles
+    element_files: list[str]  # mean elements of all objects, with which each set is improved
+    weather: str  # under which they are improved
     objects: dict[str, ObjectSettings]
 
     @property
@@ -248,10 +237,10 @@ class _Attempts:
 
 def _run_sets(settings: BatchSettings, since: float) -> RunSets | None:
     """Return the public sets of a run, None without any; since: a time before all mornings to be run [s]."""
-    if not settings.catalogue.files:
+    if not settings.element_files:
         return None
     first = modified_julian_day(settings.epoch) + (since / DAY if np.isfinite(since) else 0.0)
-    return RunSets.read(settings.catalogue.files, settings.catalogue.weather, since=first)
+    return RunSets.read(settings.element_files, settings.weather, since=first)
 
 
 def _futures(path: FilePath, *, since: float) -> pd.DataFrame:
@@ -302,9 +291,8 @@ def _tracked(
 ) -> TrackedObject:
     """Return an object of tracks or fixes; since: earlier tracks are left out [s]."""
     span = Span(plan.epoch, plan.end)
-    source = MeasurementSource(one.kind, one.files, one.options, start=one.start, manoeuvres=one.manoeuvres)
-    found = measurement_files.read(source, span, surroundings.stations, surroundings.orientation, since=since)
+    found = measurement_files.read(one, span, surroundings.stations, surroundings.orientation, since=since)
     model = surroundings.model(one.rso)
-    given = measurement_files.given_state(source, span, one.rso, found.tracking, model.predictions.model.gm)
+    given = measurement_files.given_state(one, span, one.rso, found.tracking, model.predictions.model.gm)
     stations, burns = surroundings.stations, found.manoeuvres
     return TrackedObject(Watched(model, plan, found.tracking, stations, burns, given, found.identity))

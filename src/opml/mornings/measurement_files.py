@@ -1,12 +1,13 @@
 """What was measured of an object, from its files: tracks or fixes."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import pandas as pd
 
 from opml.base.constants import HOUR
+from opml.base.section import JobSettings
 from opml.catalog.fit import fixes, measured_tracks
 from opml.catalog.fit.first import first_orbit
 from opml.catalog.fit.first.first_orbit import TimedState
@@ -19,16 +20,12 @@ from opml.orbits.manoeuvres import Manoeuvre
 from opml.orbits.sheets import Rso, Station
 
 
-@dataclass(frozen=True)
-class MeasurementSource:
-    """Where the measurements of an object are.
-
-    options: of reading fixes
-    """
+class MeasurementSource(JobSettings):
+    """Files of an object's measurements, and what else is known of them."""
 
     kind: str  # tracks or fixes
-    files: list[str]  # of them
-    options: Mapping[str, Any]
+    files: list[str]
+    options: dict[str, Any]  # of reading them
     satellite: str | None = None  # name or number, of several
     start: str = ""  # file of a state that the very first fits may start from, if any
     manoeuvres: Sequence[str] = ()  # UTC texts

@@ -298,7 +298,8 @@ def _watched(request: Request, settings: OrbitSettings, times: _Times) -> Watche
     rso = Rso("object", **_NO_ELEMENTS, area_to_mass=request.area_to_mass or GUESS, cd=2.2, cr=1.25)
     model = _object_propagators(rso, request.weather, settings, times, max_days)
     sampling = {"sigma_m": (SIGMA,) * 3, "every_s": _EVERY, "stretch_hours": times.stretch}
-    source = MeasurementSource(request.kind, list(map(str, request.files)), sampling, request.object)
+    files = list(map(str, request.files))
+    source = MeasurementSource(kind=request.kind, files=files, options=sampling, satellite=request.object)
     span = Span(times.epoch, times.date)
     found = measurement_files.read(source, span, request.stations, model.orientation, since=0.0)
     estimation = settings.estimation

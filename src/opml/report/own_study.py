@@ -74,7 +74,6 @@ class OwnStudyTables:
     noise: Mapping[Dataset, pd.DataFrame]  # what residuals tell of instruments, of what was measured
     replays: Mapping[ModelKey, pd.DataFrame]
     truths: Mapping[Dataset, pd.DataFrame]  # datasets with true errors, where others hold labels
-    calibration: Mapping[Dataset, pd.DataFrame]  # of the fits' own covariances
     pictures: Mapping[Dataset, FilePath]  # PNGs of the errors of all models
 
 
@@ -110,7 +109,7 @@ def document(report: OwnStudyReport, tables: OwnStudyTables) -> list[Block]:
         *absurd_fits.section(absurd, report.settings.estimation.window_hours),
         *_errors(report, tables),
         *mornings.section(replays, report.marks, report.laws),
-        *uncertainty.section(replays, tables.calibration, report.durations),
+        *uncertainty.section(replays, report.durations),
         *_splits(report, Results(tables.metrics), tables.evaluations, papers),
         *_rows(report, tables, papers),
         *measurement_residuals.section(tables.noise, tables.estimates, epoch=report.settings.epoch),

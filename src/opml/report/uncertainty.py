@@ -24,12 +24,9 @@ TOO_SHORT = "No morning had a past that was long enough to state a covariance fr
 HOLDS = (0.85, 0.95)  # shares at which an ellipsoid of 90 % counts as true
 
 
-def section(
-    replays: Mapping[Dataset, Mornings], fits: Mapping[Dataset, pd.DataFrame], days: Sequence[float]
-) -> Iterator[Block]:
+def section(replays: Mapping[Dataset, Mornings], days: Sequence[float]) -> Iterator[Block]:
     """Yield the section, nothing where no morning was replayed.
 
-    fits: `calibration` tables of the fits' own covariances
     days: prediction durations that shares are stated at
     """
     if not replays:
@@ -39,9 +36,6 @@ def section(
         tables = {CHOSEN: mornings.selected} | {f"`{name}`": table for name, table in mornings.tables.items()}
         shares = calibration.of_replays(tables, days=days)
         rows = [row for name in shares for row in _rows(name, tables[name], shares[name], days)]
-        if (rso, stations) in fits:
-            fit = fits[rso, stations].groupby("day")
-            rows += [[*_cells("fit", day, table), NO_VALUE, NO_VALUE, NO_VALUE] for day, table in fit]
         verdict = _verdict(mornings.selected, shares[CHOSEN], days) if CHOSEN in shares else TOO_SHORT
         yield from texts.blocks("uncertainty.dataset", rows, rso=rso, stations=stations, verdict=verdict)
 

@@ -3,7 +3,7 @@
 import math
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -27,14 +27,7 @@ from opml.study.settings.overlay import MISSING, Key, Source, mappings, value_at
 from opml.study.settings.validation import validated
 
 
-@dataclass(frozen=True)
-class CheckedSettings(Settings):
-    """Settings that hold."""
-
-    misfit: str  # what the default study asks of days that the run has not; empty where it fits
-
-
-def load_settings(source: Source) -> CheckedSettings:
+def load_settings(source: Source) -> Settings:
     """Check merged settings and read the sheets that they name.
 
     Raises InputError: one line with file and key, for the first thing that is wrong.
@@ -58,7 +51,7 @@ def load_settings(source: Source) -> CheckedSettings:
     learners.check(run.learners, variables=run.learning.variables, resonances=run.mechanism.resonances)
     _check_day(source, settings)
     catalogue_checks.check(source, settings)
-    return CheckedSettings(settings.values, settings.stations, settings.rsos, misfit)
+    return replace(settings, misfit=misfit)
 
 
 def check_data(source: Source, settings: Settings) -> None:

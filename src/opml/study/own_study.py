@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from opml import naming
-from opml.learning.data.error_components import CORRECTED, UNCORRECTED
+from opml.learning.data.error_components import CORRECTED
 from opml.learning.judge.calibration import marks
 from opml.learning.models.learners import arc_of, learns, resolved
 from opml.naming import Experiment
@@ -168,16 +168,10 @@ class OwnStudy:
         names = dict.fromkeys(learner for *_, learner in self.replayed)
         return [name for name in names if learns(naming.parse_learner(name, self.study.learners))]
 
-    @cached_property
-    def fits(self) -> dict[tuple[str, str], Experiment]:
-        """The experiments that test the fits' own covariances, by RSO and station set."""
-        train, test = self.splits[self.shown_split]
-        fit = {"learner": UNCORRECTED, "component": CORRECTED, "train": train, "test": test}
-        return {
-            (rso, stations): self.study.experiment(fit, rso=rso, stations=stations)
-            for rso, stations in self.datasets
-            if self.mornings(rso, stations)
-        }
+    @property
+    def replayed_datasets(self) -> list[tuple[str, str]]:
+        """RSO and station set of the datasets whose mornings are replayed."""
+        return [dataset for dataset in self.datasets if self.mornings(*dataset)]
 
     @cached_property
     def windows(self) -> dict[str, str]:

@@ -219,7 +219,8 @@ class Params:
             "max_days": self.run.prediction.max_days,
             "step_s": self.run.ephemeris.step_s,
             "models": {name: settings.of_job() for name, settings in models.items()},
-            "catalogue": {"files": self.element_files, "weather": self.measured_weather},
+            "element_files": self.element_files,
+            "weather": self.measured_weather,
             "passes": day.passes,
             "objects": {rso: self._watched(rso) for rso in self.plan.watched[wildcards.batch]},
         }

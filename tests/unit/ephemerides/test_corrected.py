@@ -10,13 +10,13 @@ from support import force_model
 
 from opml.base.constants import DAY
 from opml.base.errors import InputError
-from opml.catalog.predict import covariance, mechanism, other_windows, prediction
+from opml.catalog.predict import mechanism, other_windows, prediction
 from opml.catalog.predict.mechanism import FittedArcs
 from opml.catalog.predict.resonance import Resonances
 from opml.catalog.predict.sensitivity import sensitivities
 from opml.catalog.propagator import Propagator
 from opml.ephemerides import corrected
-from opml.ephemerides.ephemeris_task import Task, departures
+from opml.ephemerides.ephemeris_task import Task, departure
 from opml.ephemerides.known_tables import KnownTables
 from opml.ephemerides.task_part import Grid, TaskPart
 from opml.figures import errors_at_later_tracks
@@ -30,7 +30,6 @@ from opml.tables import (
     COMPONENTS,
     DOUBT,
     PARAMETER_COVARIANCES,
-    PARAMETERS,
     SCHEMAS,
     SPREAD,
     STATE,
@@ -80,7 +79,7 @@ def spreads(pairs):
     return pairs[["i", "j"]].assign(**dict.fromkeys(SPREAD, 0.0)).assign(drag_y=100.0 * days**2)
 
 
-OPTIONS = {"spreads": spreads, "first_morning": 0.0}
+OPTIONS = {"spreads": spreads, "now": 0.0}
 
 
 def estimates(gm, cd, ahead=0.0):
@@ -224,16 +223,16 @@ def test_what_comes_after_t_i_changes_nothing(table, propagator, known):
 
 
 def test_it_starts_from_the_newest_usable_estimate(known):
-    newest = departures(known, known_until=1.2 * DAY)
+    newest = departure(known, known_until=1.2 * DAY)
     assert newest["track"].tolist() == [2]  # none has a previous one to be held against at 3
     burnt = replace(known, manoeuvres=[Manoeuvre(0.5 * DAY)])
-    assert departures(burnt, known_until=1.2 * DAY)["track"].tolist() == [1]
+    assert departure(burnt, known_until=1.2 * DAY)["track"].tolist() == [1]
     unknown = replace(known, manoeuvres=[Manoeuvre(0.5 * DAY, 1.3 * DAY)])
-    assert departures(unknown, known_until=1.2 * DAY).equals(newest)
+    assert departure(unknown, known_until=1.2 * DAY).equals(newest)
     with pytest.raises(
         InputError, match=r"expected a usable estimate up to day 0\.2, the last to learn from"
     ):
-        departures(known, known_until=0.2 * DAY)
+        departure(known, known_until=0.2 * DAY)
 
 
 def test_a_learner_needs_the_fits_that_it_asks_for(propagator, known):
@@ -255,21 +254,6 @@ def test_covariances_have_the_sizes_of_the_past_and_no_shape_of_the_fits(table):
         assert (covariance[:, a, b] == 0.0).all()
     tied = covariance[:, 3, 1] / np.sqrt(covariance[:, 3, 3] * covariance[:, 1, 1])
     assert (tied < -0.9).all()
-
-
-def test_a_formal_covariance_is_that_of_many_perturbed_arcs(propagator, known):
-    starts = known.estimates.iloc[[1]]
-    grid = {"arrivals": pd.Series([TIMES[1] + 0.5 * DAY], index=[7]), "max_days": 1.0}
-    pairs = prediction.predict(propagator, starts, **grid)
-    (formal,) = covariance.propagated(propagator, known.estimates, pairs)
-    drawn = np.random.default_rng(1).multivariate_normal(
-        starts[PARAMETERS].to_numpy(float)[0], symmetric_matrices(starts, PARAMETER_COVARIANCES)[0], size=400
-    )
-    perturbed = pd.DataFrame(drawn, columns=PARAMETERS).assign(track=np.arange(400), t=TIMES[1])
-    arrived = prediction.predict(propagator, perturbed, **grid)[STATE].to_numpy()
-    predicted = np.repeat(pairs[STATE].to_numpy(), 400, axis=0)
-    sample = in_rsw(arrived - predicted, predicted).std(axis=0)
-    np.testing.assert_allclose(np.sqrt(np.diag(formal)), sample, rtol=0.15)
 
 
 def test_an_oem_holds_the_table_to_its_digits(table, tmp_path):

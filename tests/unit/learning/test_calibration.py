@@ -1,7 +1,6 @@
 """Shares of errors inside what was stated, in the table, the report and the figure."""
 
 import numpy as np
-import pandas as pd
 import pytest
 from support import refusal
 
@@ -9,9 +8,8 @@ from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.figures import reliability as figures
 from opml.learning.judge import calibration
-from opml.tables import LEVELS, POSITION_COVARIANCES, SCHEMAS, symmetric_matrices
+from opml.tables import LEVELS
 
-NAMES = dict.fromkeys(("rso", "stations", "train", "learner", "component", "target", "test"), "x")
 SIGMA = np.array([30.0, 400.0, 50.0])
 
 
@@ -24,12 +22,11 @@ def errors(count=8000, seed=0):
 def of_normal(scale=1.0):
     found, duration = errors()
     covariance = np.broadcast_to(scale**2 * np.diag(SIGMA**2), (len(found), 3, 3))
-    return calibration.of_covariances(covariance, found, duration, days=[1.0, 3.0, 7.0]).assign(**NAMES)
+    return calibration.of_covariances(covariance, found, duration, days=[1.0, 3.0, 7.0])
 
 
 def test_a_true_covariance_holds_its_shares():
     table = of_normal()
-    assert set(table.columns) == set(SCHEMAS["calibration"].names)
     assert sorted(set(table["day"])) == [1.0, 3.0]  # nothing lasts seven days
     assert table.groupby("quantity").size().tolist() == [2 * len(LEVELS)] * 5
     np.testing.assert_allclose(table["inside"], table["level"], atol=0.03)
@@ -71,12 +68,3 @@ def test_figure_has_a_panel_per_model_and_a_line_per_duration():
     assert (three.get_label(), true.get_label()) == ("3 d", "true")
     assert (figure.axes[1].lines[1].get_ydata() > one.get_ydata()).all()
     assert "at least one model" in refusal(figures.coverage_curves, {}, quantity="e_y")
-
-
-def test_full_covariances_are_symmetric():
-    lower = pd.DataFrame([np.arange(1.0, 7.0)], columns=SCHEMAS["covariances"].names[2:])
-    assert symmetric_matrices(lower, POSITION_COVARIANCES)[0].tolist() == [
-        [1.0, 2.0, 4.0],
-        [2.0, 3.0, 5.0],
-        [4.0, 5.0, 6.0],
-    ]

@@ -125,7 +125,7 @@ def test_the_report_leads_with_what_was_flown(replayed):
     text = document.markdown(
         [
             *mornings.section({key: replayed}, [1, 7], ["law"]),
-            *uncertainty.section({key: replayed}, {}, [1.0, 7.0]),
+            *uncertainty.section({key: replayed}, [1.0, 7.0]),
         ]
     )
     best, least = mornings.best_model(replayed, ["law"])
@@ -142,7 +142,7 @@ def test_the_report_leads_with_what_was_flown(replayed):
     unstated = Mornings.from_replays(
         {"running": replayed.tables["running"].assign(sigma_x=np.nan)}, [], seed=1
     )
-    short = document.markdown(uncertainty.section({key: unstated}, {}, [1.0]))
+    short = document.markdown(uncertainty.section({key: unstated}, [1.0]))
     assert uncertainty.TOO_SHORT in short
 
 
@@ -163,7 +163,7 @@ def test_rows_that_a_burn_spoilt_choose_nothing_once_it_is_known(errors):
 
 def test_a_study_without_replays_has_neither_section():
     assert not list(mornings.section({}, [1], []))
-    assert not list(uncertainty.section({}, {}, [1.0]))
+    assert not list(uncertainty.section({}, [1.0]))
 
 
 def test_a_choice_depends_on_its_seed_only(errors):

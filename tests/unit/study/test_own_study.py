@@ -89,8 +89,7 @@ def test_mornings_are_replayed_of_models_that_are_quick_to_train():
     assert parts == own.replayed["lares", "eglin-clear-kaena", "mechanism"]
     assert (parts["train"], parts["label"]) == ("days-0-18", "")
     assert own.mornings("lares", "eglin") == {}
-    fit = own.fits["lares", "eglin-clear-kaena"]
-    assert (fit.learner, fit.component, fit.test) == ("none", "e_y", "days-18-27-unseen")
+    assert own.replayed_datasets == [("lares", "eglin-clear-kaena")]
     named = own_of(days={"train": [0, 18], "test": [18, 27]}, replayed=["running"], label="later")
     assert [parts["label"] for parts in named.replayed.values()] == ["_later"]
 
@@ -127,7 +126,7 @@ def test_models_that_a_short_run_has_no_morning_of_are_left_out():
 def test_without_days_to_train_on_no_morning_is_replayed():
     own = own_of(splits={"past": ["random-50", "rest"]})
     assert own.replayed == {}
-    assert own.fits == {}
+    assert own.replayed_datasets == []
     assert own.laws == []
 
 
@@ -221,7 +220,7 @@ def report_of(own, table=None, *, evaluations=None, **more):
         datasets={KEY: dataset_of(table)},
         estimates={KEY: estimates_of(table)},
         truths=dict.fromkeys(own.datasets_with_truth, dataset_of(table)),
-        **{name: {} for name in ("noise", "replays", "calibration", "pictures")} | more,
+        **{name: {} for name in ("noise", "replays", "pictures")} | more,
     )
     return document.markdown(report.document(own.report, held))
 

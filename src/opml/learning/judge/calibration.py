@@ -33,7 +33,10 @@ def marks(longest_days: float) -> list[float]:
 def of_covariances(
     covariance: np.ndarray, errors: np.ndarray, duration: np.ndarray, *, days: Sequence[float]
 ) -> pd.DataFrame:
-    """Return the `calibration` table, less the experiment, of errors with stated covariances.
+    """Return shares of errors inside stated covariances, a row per quantity, duration and level.
+
+    Columns: day [d], rows, level, quantity, the share inside, the bound that was stated [m, or a squared
+    distance] and that which holds the level, `found`.
 
     covariance: (n, k, k) of positions (k = 3) or states (k = 6), in RSW [m, m/s]
     errors: (n, k) in RSW [m, m/s]
@@ -87,7 +90,7 @@ def _quantities(
 
 
 def of_replay(replay: pd.DataFrame, *, days: Sequence[float]) -> pd.DataFrame:
-    """Return the `calibration` table of those rows of a `replay` table that have a covariance.
+    """Return the shares of those rows of a `replay` table that have a covariance.
 
     days: durations to state shares at [days]
     """
@@ -97,7 +100,7 @@ def of_replay(replay: pd.DataFrame, *, days: Sequence[float]) -> pd.DataFrame:
 
 
 def of_replays(replays: Mapping[str, pd.DataFrame], *, days: Sequence[float]) -> dict[str, pd.DataFrame]:
-    """Return `calibration` tables of `replay` tables, by name, without those that have no covariance.
+    """Return the shares of `replay` tables, by name, without those that have no covariance.
 
     days: durations to state shares at [days]
     """

@@ -51,6 +51,7 @@ class Settings:
     values: Mapping[str, Any]
     stations: Mapping[str, Station]
     rsos: Mapping[str, Rso]
+    misfit: str = ""  # what the default study asks of days that the run has not; empty where it fits
 
     @cached_property
     def run(self) -> RunSettings:
