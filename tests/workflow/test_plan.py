@@ -35,7 +35,7 @@ def test_default_target_is_every_figure_and_table(papers_plan):
     assert "truth" not in plan
     assert plan["tracking"] == plan["estimation"] == plan["prediction"] == 21 + 1 + 8
     assert plan["dataset"] == 30 + 4  # the other reading of t_b, for two transfers too
-    assert (plan["svr"], plan["partition"], plan["rso"], plan["transfer_curve"]) == (9, 2, 6, 2)
+    assert (plan["svr"], plan["partition"], plan["transfer_curve"]) == (9, 2, 2)
 
 
 FIGURES = {
@@ -44,7 +44,6 @@ FIGURES = {
     "future_15days_absolute.pdf": "errors before and after the correction, future_15days",
     "semi_major_axis_50_signed.pdf": "errors before and after the correction, semi_major_axis_50",
     "partition_40.pdf": "errors after training on 40 % of the dataset",
-    "rso_lageos1.png": "the correction on lageos1",
     "individual_distribution.pdf": "individual performance metric p_ML",
     "orbit_3d.pdf": "orbit in 3D with observations, osculating elements",
     "error_distribution_velocity.pdf": "true prediction error against the prediction duration",
@@ -54,8 +53,8 @@ FIGURES = {
 def test_figures_by_their_names(project):
     told = project.snakemake("-n", *(f"results/figs/{name}" for name in FIGURES)).stdout
     assert sorted(re.findall(r"^Job \d+: Figures?: (.+)$", told, re.MULTILINE)) == sorted(FIGURES.values())
-    drawn = ("svr", "partition", "rso", "individual", "orbit", "error_distribution")
-    assert [jobs(told)[rule] for rule in drawn] == [4, 1, 1, 1, 1, 1]
+    drawn = ("svr", "partition", "individual", "orbit", "error_distribution")
+    assert [jobs(told)[rule] for rule in drawn] == [4, 1, 1, 1, 1]
 
 
 def test_an_experiment_is_one_line(project):
@@ -115,7 +114,7 @@ PLANNED = [  # products and settings, and what has to run but for the tables of 
     ),
     (
         ["metrics/iss/eglin_later/days-0-30/svr/e_y/iss/days-30-40.parquet"],
-        {**dict.fromkeys([*CHAIN, *LABELLED], 1), "estimation": 2, "train": 1, "evaluate": 1},
+        {**dict.fromkeys([*CHAIN, *LABELLED], 1), "train": 1, "evaluate": 1},
     ),
     (["replays/iss/eglin/days-0-30/svr.parquet"], dict.fromkeys([*CHAIN, "spread", "replay"], 1)),
     (
