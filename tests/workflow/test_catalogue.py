@@ -9,7 +9,7 @@ from opml.tables import read_table
 SETTINGS = """
 results: results/few
 catalogue:
-  populations: {payloads: {files: "*.tle"}}
+  populations: {payloads: {files: "*.tle"%s}}
   weather: weather.csv
   learners: [%s]
   tests:
@@ -19,9 +19,9 @@ study: {}
 LAST = '"2016-02-25"'
 
 
-def asked(project, *, learners="trees", population="payloads", last=LAST):
+def asked(project, *, learners="trees", population="payloads", last=LAST, orbits=""):
     """Write the settings of a small study; returns the option that names them."""
-    (project.folder / "few.yaml").write_text(SETTINGS % (learners, population, last))
+    (project.folder / "few.yaml").write_text(SETTINGS % (orbits, learners, population, last))
     return "--configfile=few.yaml"
 
 
@@ -47,6 +47,10 @@ def test_what_is_wrong_with_a_catalogue_is_told_in_one_line(few):
         (
             {"population": "payloads, taught_by: debris"},
             f"{where}.taught_by: expected one of payloads, got 'debris'\n",
+        ),
+        (
+            {"orbits": ", orbits: a.parquet"},
+            "catalogue.populations.payloads.orbits: a.parquet: no such file; ",
         ),
         ({"last": '"2016-03-08"'}, f"{where}: expected dates to train on before those to test on, or "),
         ({"last": '"2016-02-30"'}, f"{where}: "),

@@ -31,6 +31,7 @@ if PLAN.settings.catalogue:
     rule catalogue_rows:
         input:
             sets=lambda wildcards: users(PLAN.settings.catalogue_files[wildcards.population]),
+            orbits=lambda wildcards: users(PLAN.settings.catalogue_orbits[wildcards.population]),
             weather=users(PLAN.catalogue_weather_files),
             densities=rules.catalogue_densities.output[0],
         output:
@@ -51,7 +52,11 @@ if PLAN.settings.catalogue:
             settings=lambda wildcards: {
                 **PARAMS.catalogue_rows(wildcards),
                 **contents(
-                    [*PLAN.settings.catalogue_files[wildcards.population], *PLAN.catalogue_weather_files]
+                    [
+                        *PLAN.settings.catalogue_files[wildcards.population],
+                        *PLAN.settings.catalogue_orbits[wildcards.population],
+                        *PLAN.catalogue_weather_files,
+                    ]
                 ),
             },
             code=code("catalogue_rows.py"),

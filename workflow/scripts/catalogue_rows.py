@@ -2,7 +2,7 @@
 
 from opml.base.section import JobSettings
 from opml.element_sets import corrector_trial
-from opml.tables import read_table, write_table
+from opml.tables import SCHEMAS, read_table, write_table
 from opml.workflow.jobs import job
 
 
@@ -18,6 +18,7 @@ with job(snakemake) as metadata:
         files.sets,
         read_table(files.densities, corrector_trial.DENSITIES),
         corrector_trial.Seasons.of_dates(**settings.seasons),
+        orbits=read_table(files.orbits[0], "set_states") if files.orbits else SCHEMAS["set_states"].empty(),
         weather=settings.weather,
         latency=settings.latency_hours / 24.0,
     )

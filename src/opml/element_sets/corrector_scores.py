@@ -12,7 +12,9 @@ import pandas as pd
 
 from opml.base.seeds import derive
 from opml.element_sets import corrector
+from opml.element_sets.corrector_trial import ORBIT
 from opml.element_sets.weighting import UNCHANGED
+from opml.learning.judge.metrics import p_ml
 
 ALL = -1  # number of the band that stands for all of them
 LEVEL = 100.0 * corrector.LEVEL  # share of the errors [%] that the intervals of the learned sigma are to hold
@@ -51,13 +53,12 @@ def _score(part: pd.DataFrame) -> dict[str, float]:
         "predictions": len(part),
         "objects": part["number"].nunique(),
         "weeks": len(np.unique(_week(part))),
+        "by_orbits": 100.0 * (part["judge"] == ORBIT).mean(),
         "sgp4_median": sgp4.median(),
         "sgp4_p95": sgp4.quantile(0.95),
-        "gain_median": 100.0 * part["learned"].abs().median() / part["scaled"].abs().median(),
         "coverage": coverage(part["learned"], part["sigma"]),
         "improved_coverage": coverage(part["improved"], part["improved_sigma"]),
         "worst_week": worst_week(part),
-        "log_score": log_score(part["improved"], part["improved_sigma"]),
         "unchanged": 100.0 * (part["applied"] == UNCHANGED).mean(),
     }
     for model in _MODELS:
@@ -65,14 +66,9 @@ def _score(part: pd.DataFrame) -> dict[str, float]:
         scores |= {
             f"{model}_median": 100.0 * left.median() / sgp4.median(),
             f"{model}_p95": 100.0 * left.quantile(0.95) / sgp4.quantile(0.95),
-            f"{model}_p_ml": p_ml(part["error"].to_numpy(), part[model].to_numpy()),
+            f"{model}_p_ml": p_ml(part["error"].to_numpy(), (part["error"] - part[model]).to_numpy()),
         }
     return scores
-
-
-def p_ml(error: np.ndarray, left: np.ndarray) -> float:
-    """Return the paper's P_ML [%] (Peng & Bai 2018): the sum of what is left (n,) over that of the errors."""
-    return float(100.0 * np.abs(left).sum() / np.abs(error).sum())
 
 
 def coverage(left: pd.Series, sigma: pd.Series) -> float:
@@ -100,27 +96,24 @@ def _week(part: pd.DataFrame) -> np.ndarray:
 
 
 def intervals(part: pd.DataFrame, rng: np.random.Generator) -> dict[str, float]:
-    """Return the intervals of 95 % of the shares of SGP4's median, and of the learned over the scaled one.
+    """Return the intervals of 95 % of the shares of SGP4's median.
 
     part: residuals of one band and lead
     """
     draws = np.array(list(_drawn_shares(part, rng)))
     low, high = np.percentile(draws, _INTERVAL, axis=0)
-    names = (*_MODELS, "gain")
-    return {f"{name}_low": low[k] for k, name in enumerate(names)} | {
-        f"{name}_high": high[k] for k, name in enumerate(names)
+    return {f"{name}_low": low[k] for k, name in enumerate(_MODELS)} | {
+        f"{name}_high": high[k] for k, name in enumerate(_MODELS)
     }
 
 
-def _drawn_shares(part: pd.DataFrame, rng: np.random.Generator) -> Iterator[tuple[float, ...]]:
+def _drawn_shares(part: pd.DataFrame, rng: np.random.Generator) -> Iterator[list[float]]:
     """Yield the shares [%] of draws of weeks and objects."""
-    sizes = [np.abs(part[name].to_numpy()) for name in ("error", *_MODELS)]
-    orders = [np.argsort(size, kind="stable") for size in sizes]
+    sizes = np.abs(part[["error", *_MODELS]].to_numpy())
+    orders = np.argsort(sizes, axis=0, kind="stable")
     for weights in drawn_weights(part, rng):
-        sgp4, scaled, learned, improved = (
-            weighted_median(size[order], weights[order]) for size, order in zip(sizes, orders, strict=True)
-        )
-        yield (*(100.0 * left / sgp4 for left in (scaled, learned, improved)), 100.0 * learned / scaled)
+        sgp4, *left = map(weighted_median, np.take_along_axis(sizes, orders, 0).T, weights[orders].T)
+        yield [100.0 * one / sgp4 for one in left]
 
 
 def drawn_weights(part: pd.DataFrame, rng: np.random.Generator) -> Iterator[np.ndarray]:

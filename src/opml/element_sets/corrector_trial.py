@@ -19,12 +19,18 @@ from opml.element_sets.features import FEATURES
 from opml.element_sets.training import FIRST_DAY, HOUR_OF_MORNING
 from opml.element_sets.weighting import PAST
 from opml.environment import known_weather
-from opml.tables import catalogue_densities_schema, catalogue_rows_schema
+from opml.interop import ccsds
+from opml.interop.element_sets import mean_elements
+from opml.interop.element_sets.element_set import seconds_since
+from opml.orbits.elements import bent_rsw
+from opml.tables import STATE, catalogue_densities_schema, catalogue_rows_schema
 
 _HEIGHTS = [f"log_density_{height / 1e3:g}km" for height in density.HEIGHTS]
 
 DENSITIES = catalogue_densities_schema(_HEIGHTS)  # schema of the table of mean densities
 ROWS = catalogue_rows_schema([name for name in FEATURES if name != "lead"])  # schema of the table of rows
+SET, ORBIT = "set", "orbit"  # what judges: a later set, or the orbit inside it
+_EPOCH = "2000-01-01T12:00:00"  # UTC from which times count
 _SETS_BEFORE = 30.0  # days of sets before the first morning, for the levels of drag
 _SETS_AFTER = 10.0  # days of sets after the last morning, which judge
 
@@ -70,6 +76,7 @@ def rows(
     table: pd.DataFrame,
     seasons: Seasons,
     *,
+    orbits: pd.DataFrame,
     weather: str | Path,
     latency: float,
 ) -> pd.DataFrame:
@@ -77,6 +84,7 @@ def rows(
 
     files: of element sets
     table: of `densities`; their forecast is learned from what was measured before both seasons
+    orbits: `set_states`, the orbits inside sets that are known
     weather: that of the densities
     latency: days from epoch to publication of sets that do not say when they were made
 
@@ -94,10 +102,23 @@ def rows(
     sets = _about(catalogues.read(files, latency=latency).daily(), seasons.mornings)
     rows = features.build(sets, set_errors.build(sets, seasons.mornings), air)
     rows["bstar"] = sets.table["bstar"].to_numpy()[rows["newest"]]
+    rows["later"] = ahead_of_orbits(sets, orbits)[set_errors.find(sets, seasons.mornings)[1]]
     own = rows[rows["is_fit"] & (_within(rows, seasons.train) | _within(rows, seasons.needed))]
     if own["error"].isna().all():
         raise InputError("element sets: expected sets of the seasons that judge each other, got none")
     return own[ROWS.names]
+
+
+def ahead_of_orbits(sets: ElementCatalogue, orbits: pd.DataFrame) -> np.ndarray:
+    """Return by how much SGP4 is ahead of orbits inside sets at their epochs (sets,) [m]; NaN without one."""
+    t = seconds_since(_EPOCH, sets.satellites)
+    keys = pd.MultiIndex.from_arrays([sets.table["number"], ccsds.utc_texts(_EPOCH, t)])
+    inside = orbits.set_index(["number", "utc"])[[*STATE]].reindex(keys).to_numpy(float)
+    ahead = np.full(len(t), np.nan)
+    for row in np.flatnonzero(np.isfinite(inside).all(axis=1)):
+        own = mean_elements.states(sets.satellites[row], epoch=_EPOCH, t=t[row : row + 1])
+        ahead[row] = bent_rsw(own[:, :3], inside[row : row + 1])[0, 1]
+    return ahead
 
 
 def _about(sets: ElementCatalogue, mornings: np.ndarray) -> ElementCatalogue:
@@ -116,6 +137,9 @@ def residuals(
     table: pd.DataFrame, others: pd.DataFrame, seasons: Seasons, learner: str, *, seed: int
 ) -> pd.DataFrame:
     """Return the table `catalogue_residuals`: what is left of the errors of objects not learned from.
+
+    Later sets teach, and weigh the candidates: they are what a morning knows. The orbits inside them judge
+    where they are known.
 
     table: ROWS of the objects that judge
     others: ROWS of the objects of the training, the same or others
@@ -149,13 +173,19 @@ def _residuals(judged: pd.DataFrame, tried: weighting.Candidates, learner: str) 
     sets = judged.groupby(["number", "morning"]).ngroup()
     displacement = weighting.displacement(combined, sets, judged["bstar"].groupby(sets).first())
     scaled = judged["error"] - judged["density"]
-    return judged[["number", "morning", "lead", "band", "error"]].assign(
-        scaled=scaled,
-        learned=(judged["error"] - learned["correction"]).fillna(scaled),
+    left = {
+        "error": judged["error"],
+        "scaled": scaled,
+        "learned": (judged["error"] - learned["correction"]).fillna(scaled),
+        "improved": judged["error"] - displacement,
+    }
+    later = judged["later"]
+    return judged[["number", "morning", "lead", "band"]].assign(
+        **{name: off + later.fillna(0.0) for name, off in left.items()},
         sigma=learned["sigma"],
-        improved=judged["error"] - displacement,
         improved_sigma=combined["sigma"],
         applied=weighting.main_candidates(weights).str.partition(":")[0],
+        judge=np.where(later.isna(), SET, ORBIT),
     )
 
 

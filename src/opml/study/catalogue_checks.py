@@ -28,14 +28,19 @@ def check(source: Source, settings: Settings) -> None:
 
 
 def check_files(source: Source, settings: Settings) -> None:
-    """Raise InputError where element sets are missing, or the weather is unreadable."""
-    for name, files in settings.catalogue_files.items():
-        key = ("catalogue", "populations", name, "files")
-        for file in files:
-            if "{" in file:
-                raise source.wrong(key, f"expected a path without braces, got {file}")
-            if not Path(file).exists():
-                raise source.wrong(key, f"{file}: no such file; expected element sets (TLE, OMM)")
+    """Raise InputError where element sets or orbits are missing, or the weather is unreadable."""
+    kinds = {
+        ("files", "element sets (TLE, OMM)"): settings.catalogue_files,
+        ("orbits", "a table of `opml orbit`"): settings.catalogue_orbits,
+    }
+    for (kind, expected), populations in kinds.items():
+        for name, files in populations.items():
+            key = ("catalogue", "populations", name, kind)
+            for file in files:
+                if "{" in file:
+                    raise source.wrong(key, f"expected a path without braces, got {file}")
+                if not Path(file).exists():
+                    raise source.wrong(key, f"{file}: no such file; expected {expected}")
     if settings.catalogue:
         with source.naming(("catalogue", "weather")):
             known_weather.read(settings.catalogue.weather)

@@ -23,12 +23,14 @@ def residuals(error, scaled, learned, **columns):
         "improved": learned,
         "improved_sigma": np.nan,
         "applied": "learned",
+        "judge": "set",
     }
     return pd.DataFrame(table | columns)
 
 
 def test_numbers_of_a_band_are_shares_of_sgp4():
-    table = residuals([-10.0, 20.0, 40.0], [5.0, -10.0, 30.0], [4.0, 5.0, -16.0])
+    judges = ["orbit", "set", "set"]
+    table = residuals([-10.0, 20.0, 40.0], [5.0, -10.0, 30.0], [4.0, 5.0, -16.0], judge=judges)
     every, band = corrector_scores.scores(table, seed=1).to_dict("records")
     assert (every["band"], band["band"]) == (corrector_scores.ALL, 2)
     assert {
@@ -37,14 +39,12 @@ def test_numbers_of_a_band_are_shares_of_sgp4():
         {name: band[name] for name in band if name[-4:] not in ("band", "_low", "high")}, nan_ok=True
     )
     assert (band["predictions"], band["objects"], band["weeks"]) == (3, 3, 3)
+    assert band["by_orbits"] == pytest.approx(100.0 / 3.0)
     assert band["sgp4_median"] == 20.0
     assert band["sgp4_p95"] == pytest.approx(38.0)
-    assert (band["scaled_median"], band["learned_median"], band["gain_median"]) == (50.0, 25.0, 50.0)
+    assert (band["scaled_median"], band["learned_median"]) == (50.0, 25.0)
+    assert (band["scaled_p_ml"], band["learned_p_ml"]) == pytest.approx((4500.0 / 70.0, 2500.0 / 70.0))
     assert band["learned_p95"] == pytest.approx(100.0 * 14.9 / 38.0)
-
-
-def test_p_ml_is_the_sum_of_what_is_left():
-    assert corrector_scores.p_ml(np.array([-10.0, 30.0]), np.array([5.0, -5.0])) == 25.0
 
 
 def test_coverage_counts_what_has_a_sigma():
@@ -89,7 +89,6 @@ def test_intervals_of_one_week_and_one_object_are_their_number():
         {
             **{f"scaled_{end}": 50.0 for end in ("low", "high")},
             **{f"{way}_{end}": 40.0 for way in ("learned", "improved") for end in ("low", "high")},
-            **{f"gain_{end}": 80.0 for end in ("low", "high")},
         }
     )
 
@@ -101,7 +100,11 @@ def test_predictions_of_an_object_do_not_narrow_an_interval():
     many = pd.concat([table] * 5)
     one, five = (corrector_scores.intervals(part, np.random.default_rng(5)) for part in (table, many))
     assert five == pytest.approx(one, rel=0.2)
-    assert five["gain_low"] < corrector_scores.scores(many, seed=5)["gain_median"].iloc[0] < five["gain_high"]
+    assert (
+        five["learned_low"]
+        < corrector_scores.scores(many, seed=5)["learned_median"].iloc[0]
+        < five["learned_high"]
+    )
 
 
 def test_the_same_seed_gives_the_same_intervals_in_any_order():

@@ -7,8 +7,11 @@ import pytest
 from support import refusal
 
 from opml.base.errors import InputError
-from opml.element_sets import corrector, corrector_trial, density, training
+from opml.element_sets import catalogue, corrector, corrector_trial, density, training
 from opml.element_sets.corrector_trial import Seasons
+from opml.interop.element_sets import mean_elements
+from opml.interop.element_sets.element_set import elements_epoch
+from opml.tables import SCHEMAS, STATE
 
 DATES = (["2016-01-15", "2016-01-25"], ["2016-02-01", "2016-02-05"])
 LATER = (DATES[0], ["2016-02-20", "2016-02-24"])
@@ -32,7 +35,8 @@ def densities(weather):
 
 
 def made(sets, densities, weather):
-    return corrector_trial.rows([sets], densities, Seasons.of_dates(*LATER), weather=weather, latency=0.25)
+    seasons, orbits = Seasons.of_dates(*LATER), SCHEMAS["set_states"].empty()
+    return corrector_trial.rows([sets], densities, seasons, orbits=orbits, weather=weather, latency=0.25)
 
 
 @pytest.mark.slow
@@ -42,6 +46,7 @@ def test_rows_are_of_the_mornings_of_both_seasons(sets, densities, weather):
     mornings = rows["morning"].unique()
     assert set(np.floor(mornings)) == {*range(57398, 57443)}  # forty before the season that judges
     assert sorted(rows["number"].unique()) == [1, 2, 3, 4, 5, 6]
+    assert rows.pop("later").isna().all()
     assert np.isfinite(rows.to_numpy()).all()
 
 
@@ -76,7 +81,15 @@ def predicted(numbers, mornings):
     rows = pd.DataFrame([(number, morning) for number in numbers for morning in mornings])
     rows = rows.set_axis(["number", "morning"], axis=1).merge(pd.DataFrame({"lead": [5, 7]}), how="cross")
     rows["judged"], rows["tau"] = rows["morning"] + rows["lead"] + 0.5, rows["lead"] + 0.5
-    columns = {"band": 3, "error": 5.0, "density": 2.0, "scale": 10.0, "missed": 1.0, "bstar": 1e-4}
+    columns = {
+        "band": 3,
+        "error": 5.0,
+        "density": 2.0,
+        "scale": 10.0,
+        "missed": 1.0,
+        "bstar": 1e-4,
+        "later": np.nan,
+    }
     return rows.assign(**columns, response=1e6 * rows["tau"] ** 2)
 
 
@@ -102,6 +115,38 @@ def test_half_teaches_in_time_and_the_other_half_judges(recorder):
     assert set(found.loc[~last, "learned"]) == {4.0}
     assert set(found.loc[last, "learned"]) == {3.0}
     assert found.loc[last, "sigma"].isna().all()
+
+
+def test_the_orbit_inside_a_later_set_judges_where_it_is_known_and_chooses_nothing(recorder):
+    """It is 100 m behind the set: all errors grow by that, and no weight changes."""
+    rows = predicted(np.arange(1, 41), np.arange(57399.25, 57424.0))
+    seasons = Seasons.of_dates(*DATES)
+    by_sets = corrector_trial.residuals(rows, rows, seasons, "trees", seed=42)
+    known = rows["lead"] == 7
+    by_orbits = rows.assign(later=rows["later"].mask(known, 100.0))
+    judged = corrector_trial.residuals(by_orbits, by_orbits, seasons, "trees", seed=42)
+    for name in ("error", "scaled", "learned", "improved"):
+        shift = (judged[name] - by_sets[name]).to_numpy()
+        assert shift == pytest.approx(np.where(judged["lead"] == 7, 100.0, 0.0))
+    assert set(judged.loc[judged["lead"] == 7, "judge"]) == {"orbit"}
+    assert set(judged.loc[judged["lead"] == 5, "judge"]) == {"set"}
+    assert judged["applied"].equals(by_sets["applied"])
+
+
+def test_sets_are_ahead_of_the_orbits_inside_them_by_what_a_table_says(sets):
+    known = catalogue.read([sets]).take(np.arange(3))
+    epochs = [elements_epoch(one) for one in known.satellites]
+    states = np.array(
+        [
+            mean_elements.states(one, epoch=at, t=np.zeros(1))[0]
+            for at, one in zip(epochs, known.satellites, strict=True)
+        ]
+    )
+    states[:, :3] -= 50.0 * states[:, 3:] / np.linalg.norm(states[:, 3:], axis=1, keepdims=True)
+    table = known.table[["number"]].assign(utc=epochs, **dict(zip(STATE, states.T, strict=True)))
+    ahead = corrector_trial.ahead_of_orbits(known, table[1:])
+    assert np.isnan(ahead[0])
+    assert ahead[1:] == pytest.approx(50.0, abs=0.1)
 
 
 def test_a_set_is_improved_by_each_way_as_likely_as_its_own_past_makes_it(recorder):

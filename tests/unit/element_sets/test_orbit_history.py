@@ -12,10 +12,12 @@ from opml.base.constants import DAY
 from opml.element_sets import catalogue
 from opml.element_sets.inside import inside_forces, orbit_history, set_orbits, set_states
 from opml.interop import known_orbits
+from opml.interop.curves import orbit_path
 from opml.interop.element_sets import element_set, tle
 from opml.orbits.elements import bent_rsw
 from opml.orbits.state_polynomials import StatePolynomials
 from opml.tables import STATE
+from validation import judges
 
 DAYS = (0.0, 1.5, 3.0, 4.5, 6.0, 7.5, 13.0, 14.5)  # a gap of five and a half days
 
@@ -94,3 +96,17 @@ def test_sets_without_an_orbit_inside_are_told_and_counted(path, caplog):
 
 def geostationary():
     return element_set.satellite(EPOCH, [2.0 * np.pi / 1436.0, 1e-3, 0.1, 0.5, 1.0, 0.3, 0.0])
+
+
+def test_a_precise_orbit_tells_the_errors_of_later_sets_and_of_the_orbits_inside(path, truth, monkeypatch):
+    class Precise:
+        at = staticmethod(
+            StatePolynomials(truth.t - epochs.seconds_between(truth.epoch, orbit_path.EPOCH), truth.states).at
+        )
+
+    monkeypatch.setattr(set_orbits, "usual_half_span", lambda satellite: HALF)
+    errors = judges.errors(Precise, catalogue.read([path]).daily(), "OBSERVED")
+    by_set, by_orbit, sigma = (np.sqrt((one**2).mean(axis=0)) for one in errors.values())
+    assert (by_orbit < [10.0, 60.0, 15.0]).all()
+    assert (by_orbit < 0.5 * by_set).all()
+    assert (by_orbit < 2.0 * sigma).all()

@@ -1,9 +1,6 @@
-"""What the orbits inside the sets of a catalogue tell of each set: how far SGP4 is off at its epoch and after
-it.
+"""The orbits inside the sets of a catalogue at their epochs.
 
-At the epoch the orbit inside is a measurement of where the object was, of metres across and a few tens along:
-it judges what was predicted from older sets. After it the orbit, under the density as it was forecast when
-the set was published, is a prediction of its own, which SGP4's is compared with.
+Each is a measurement of where its object was, which judges what was predicted from older sets.
 """
 
 from collections.abc import Iterator, Sequence
@@ -12,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from opml.base.constants import DAY, HOUR
+from opml.base.constants import DAY
 from opml.dynamics.ensemble import propagate
 from opml.element_sets.catalogue import ElementCatalogue
 from opml.element_sets.inside.inside_forces import Forces
@@ -34,32 +31,13 @@ from opml.element_sets.inside.orbit_inside import (
 from opml.interop.element_sets.element_set import seconds_since
 from opml.tables import STATE
 
-AHEAD = 8  # days after a set's epoch that its orbit is compared with SGP4: seven, and the age of a set
-
-MEANS = tuple(f"ahead_{day}" for day in range(AHEAD + 1))
-"""How far SGP4 is ahead of the orbit so many days after the epoch of the set, the mean of some revolutions
-[m].
-"""
-
-COLUMNS = (*STATE, "ballistic", *MEANS)
-"""GCRF state of the orbit inside at the set's epoch [m, m/s], its Cd A/m [m2/kg], and MEANS."""
-
-_AROUND = 4.5 * HOUR  # a mean is that of a parabola through so much before and after [s]
 _BATCH = 256  # sets at a time, of the same days, so that few lanes of a block idle
 _GAUGED = 30.0  # days for which the Cd A/m of one set begins those of the others
 
 
-def build(catalogue: ElementCatalogue, forces: Forces) -> pd.DataFrame:
-    """Return COLUMNS of the sets of a catalogue, by its rows; NaN where no orbit is found."""
-    times = _Times.of(catalogue, forces)
-    rows = pd.DataFrame(np.nan, index=catalogue.table.index, columns=list(COLUMNS))
-    for row, state, orbit, numbers in _orbits(times, _gauged(times), ahead=AHEAD):
-        rows.loc[row] = [*state, orbit.ballistic(numbers), *_means(orbit, numbers, times.t[row])]
-    return rows
-
-
 def states(catalogue: ElementCatalogue, forces: Forces, ballistic: np.ndarray) -> pd.DataFrame:
-    """Return STATE and ballistic as of COLUMNS.
+    """Return STATE (GCRF) of the orbits inside the sets of a catalogue at their epochs, and `ballistic`,
+    their Cd A/m [m2/kg], by the rows of its table; NaN where there is no orbit.
 
     ballistic: (sets,) Cd A/m that each is sought from, as of the day before [m2/kg]; NaN where none is known
     """
@@ -67,9 +45,13 @@ def states(catalogue: ElementCatalogue, forces: Forces, ballistic: np.ndarray) -
     begin = ballistic.copy()
     if len(unknown):
         begin[unknown] = _gauged(_Times.of(catalogue.take(unknown), forces))
-    rows = pd.DataFrame(np.nan, index=catalogue.table.index, columns=list(COLUMNS[: -len(MEANS)]))
-    for row, state, orbit, numbers in _orbits(_Times.of(catalogue, forces), begin, ahead=0.0):
-        rows.loc[row] = [*state, orbit.ballistic(numbers)]
+    rows = pd.DataFrame(np.nan, index=catalogue.table.index, columns=[*STATE, "ballistic"])
+    times = _Times.of(catalogue, forces)
+    for members in _batches(np.argsort(times.t, kind="stable")):
+        solved = _solved([times.begin(row, begin[row]) for row in members], times, members)
+        rows.loc[members, "ballistic"] = [orbit.ballistic(numbers) for orbit, numbers in solved]
+        again = [orbit.begin_again(numbers) for orbit, numbers in solved]
+        rows.loc[members, [*STATE]] = _at_epochs(forces, again, times.t[members])
     return rows
 
 
@@ -99,19 +81,6 @@ class _Times:
         )
 
 
-def _orbits(
-    times: _Times, ballistic: np.ndarray, *, ahead: float
-) -> Iterator[tuple[int, np.ndarray, NearbyOrbit, np.ndarray]]:
-    """Yield the rows of sets with the states (6,) at their epochs, as of `_solved` in batches."""
-    for members in _batches(np.argsort(times.t, kind="stable")):
-        begins = [times.begin(row, ballistic[row]) for row in members]
-        solved = list(_solved(begins, times, members, ahead=ahead))
-        again = [orbit.begin_again(numbers) for _, orbit, numbers in solved]
-        at_epochs = _at_epochs(times.forces, again, times.t[members])
-        for state, (row, orbit, numbers) in zip(at_epochs, solved, strict=True):
-            yield row, state, orbit, numbers
-
-
 def _batches(rows: np.ndarray) -> Iterator[np.ndarray]:
     yield from (rows[k : k + _BATCH] for k in range(0, len(rows), _BATCH))
 
@@ -127,29 +96,27 @@ def _gauged(times: _Times) -> np.ndarray:
     for members in _batches(first):
         begins = [times.begin(row, ballistic[row]) for row in members]
         for _ in range(2):
-            solved = _solved(begins, times, members, ahead=0.0)
-            begins = [orbit.begin_again(numbers) for _, orbit, numbers in solved]
+            solved = _solved(begins, times, members)
+            begins = [orbit.begin_again(numbers) for orbit, numbers in solved]
         gauged[members] = [one.ballistic for one in begins]
     return pd.Series(gauged).groupby(groups.to_numpy()).transform("max").to_numpy()
 
 
 def _solved(
-    begins: list[Beginning], times: _Times, members: np.ndarray, *, ahead: float
-) -> Iterator[tuple[int, NearbyOrbit, np.ndarray]]:
-    """Yield row, orbit near the set and the changes of its numbers, NaN without a solution.
-
-    ahead: days after the epochs of the sets (members,) that the orbits reach at least
-    """
+    begins: list[Beginning], times: _Times, members: np.ndarray
+) -> list[tuple[NearbyOrbit, np.ndarray]]:
+    """Return orbits near sets (members,) and the changes of their numbers, NaN without a solution."""
     spans = np.array([usual_half_span(one.satellite) for one in begins])
-    after = np.maximum(spans, DAY * ahead + _AROUND) + EVERY
-    orbits = orbits_beside(times.forces, begins, back=spans + EVERY, ahead=after)
+    orbits = orbits_beside(times.forces, begins, back=spans + EVERY, ahead=spans + EVERY)
+    solved = []
     for row, span, orbit in zip(members, spans, orbits, strict=True):
         equations = orbit.equations(orbit.displacements(orbit.beginning.satellite))
         try:
             numbers = solve(orbit, [equations.over(times.t[row] - span, times.t[row] + span)])
         except NoOrbitError:
             numbers = np.full(NUMBERS, np.nan)
-        yield int(row), orbit, numbers
+        solved.append((orbit, numbers))
+    return solved
 
 
 def _at_epochs(forces: Forces, begins: Sequence[Beginning], t: np.ndarray) -> np.ndarray:
@@ -161,14 +128,3 @@ def _at_epochs(forces: Forces, begins: Sequence[Beginning], t: np.ndarray) -> np
     arcs = propagate(forces.model, epochs, departures, integrator=STEPS, threads=forces.threads)
     paths = [np.concatenate([one.state[None], arcs.path(k)]) for k, one in enumerate(begins)]
     return np.array([path[-1] for path in paths])
-
-
-def _means(orbit: NearbyOrbit, numbers: np.ndarray, t: float) -> list[float]:
-    """Return MEANS of a set with its epoch [s], NaN where SGP4 or the orbit ends."""
-    off = orbit.displacements(orbit.beginning.satellite)[:, 1] - orbit.partials[:, 1] @ numbers
-    means = []
-    for day in range(AHEAD + 1):
-        near = np.abs(orbit.t - t - DAY * day) <= _AROUND
-        since = (orbit.t[near] - t - DAY * day) / DAY
-        means.append(float(np.polynomial.polynomial.polyfit(since, off[near], 2)[0]))
-    return means

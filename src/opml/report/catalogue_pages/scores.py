@@ -52,14 +52,13 @@ def _cells(row: Mapping[str, Any]) -> list[str]:
         str(row["lead"]),
         f"`{row['learner']}`",
         *(str(row[name]) for name in ("predictions", "objects", "weeks")),
+        f"{row['by_orbits']:.0f}",
         f"{row['sgp4_median']:.0f} / {row['sgp4_p95']:.0f}",
         *(f"{row[f'{model}_median']:.0f} / {row[f'{model}_p95']:.0f}" for model in ("scaled", "learned")),
-        _with_interval(row, "gain"),
         f"{_with_interval(row, 'improved')} / {row['improved_p95']:.0f}",
         f"{row['unchanged']:.0f}",
         " / ".join(f"{row[f'{model}_p_ml']:.0f}" for model in ("scaled", "learned", "improved")),
         " / ".join(rounded_cell(row[name]) for name in ("coverage", "improved_coverage", "worst_week")),
-        f"{row['log_score']:.2f}",
     ]
 
 

@@ -107,6 +107,13 @@ class Settings:
         known = catalogue.populations if catalogue else {}
         return {name: _files(population.files, folder) for name, population in known.items()}
 
+    @property
+    def catalogue_orbits(self) -> dict[str, list[str]]:
+        """Table of orbits inside sets, or none, by population of the catalogue."""
+        folder, catalogue = self.values.get("data", ""), self.catalogue
+        known = catalogue.populations if catalogue else {}
+        return {name: _files(one.orbits or [], folder) for name, one in known.items()}
+
     def are_radars(self, stations: str) -> bool:
         """Return whether all of a station set are radars; what stands in their place is none."""
         names = naming.strip_seed(stations, naming.NOISE)

@@ -22,6 +22,9 @@ class PopulationSettings(Section):
     """Objects that learn from each other."""
 
     files: PathList = setting("files or folders of element sets (TLE, OMM)", unit="path")
+    orbits: Absent[Text] = absent(
+        "table by `opml orbit` of the orbits inside the sets, which judge where it has them", unit="path"
+    )
     label: Absent[Text] = absent("what figures call them; by default the population's name", unit="text")
 
 
