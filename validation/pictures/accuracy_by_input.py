@@ -19,7 +19,7 @@ LEADS = (1, 3, 7)
 _KINDS = {
     "one element set (TLE, OMM)": ("SGP4, one element set", style.TRUE_COLOR, "o"),
     "the same, improved": ("improved element set", style.ESTIMATE, "D"),
-    "months of element sets": ("months of element sets", style.PREDICTED_COLOR, "s"),
+    "three weeks of element sets": ("orbit inside element sets", style.PREDICTED_COLOR, "s"),
     "radar tracks (TDM)": ("radar tracks", style.RESIDUAL, "^"),
     "positions (GPS, 10 m)": ("GPS positions", style.HIGHLIGHT, "v"),
     "laser ranges (CRD)": ("laser ranges", style.OBSERVED_COLOR, "P"),
@@ -64,7 +64,7 @@ def accuracy(errors: Mapping[tuple[str, str], Mapping[int, float]]) -> Figure:
     axes.yaxis.set_major_formatter(FuncFormatter(metres))
     axes.set_ylabel("median along-track error")
     name_ends(axes, ends, colors)
-    note = "medians of the table below; dotted: not measured in between; months and references differ"
+    note = "numbers of the table below; dotted: not measured in between; months and references differ"
     style.add_head(axes.figure, "Better data and higher orbits: from kilometres to metres", note)
     return figure
 
