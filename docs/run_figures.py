@@ -32,7 +32,7 @@ def read_settings(name):
         "published": None,
         **study["orbit"],
         **study["defaults"],
-        **(study["distribution"] if name.startswith("error_distribution") else {}),
+        **({"stations": study["distribution"]} if name.startswith("error_distribution") else {}),
         **entry,
     }
 

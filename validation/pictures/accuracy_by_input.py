@@ -62,7 +62,7 @@ def accuracy(errors: Mapping[tuple[str, str], Mapping[int, float]]) -> Figure:
     axes.set_xticks(LEADS, [str(lead) for lead in LEADS])
     axes.xaxis.set_minor_locator(NullLocator())
     axes.yaxis.set_major_formatter(FuncFormatter(metres))
-    axes.set_ylabel("median along-track error")
+    axes.set_ylabel("along-track error")
     name_ends(axes, ends, colors)
     note = "numbers of the table below; dotted: not measured in between; months and references differ"
     style.add_head(axes.figure, "Better data and higher orbits: from kilometres to metres", note)
