@@ -1,0 +1,212 @@
+"""Holds predictions of many public objects against the orbits inside their later sets:
+
+    python -m validation.public_catalogue ERRORS.csv [SETS WEATHER MODEL DATE...]
+
+On each DATE (UTC text) objects of four bands of height are drawn from SETS, a file of element sets, and
+predicted as `opml predict` does. WEATHER is a CSSI file, MODEL one of `opml train`, learned before the first
+date from objects with even numbers. The later set nearest to date plus lead judges, at its epoch: by the
+orbit inside it, or by itself where its object has none. Rows are appended to ERRORS.csv date by date; tables
+tell what that file has.
+"""
+
+import sys
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from opml.base.constants import DAY
+from opml.base.errors import InputError
+from opml.base.seeds import derive
+from opml.element_sets import catalogue as catalogues
+from opml.element_sets import known_sets
+from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day
+from opml.element_sets.corrector_scores import drawn_weights, weighted_median
+from opml.element_sets.inside import inside_forces, inside_sizes, set_orbits
+from opml.element_sets.inside.orbit_prediction import OrbitInside
+from opml.element_sets.prediction import Prediction, PublicMorning
+from opml.element_sets.set_errors import REACH
+from opml.interop.element_sets import mean_elements
+from opml.interop.element_sets.element_set import ElementSet, seconds_since
+from opml.interop.predicted_orbit import LEADS
+from opml.orbits.elements import bent_rsw
+from opml.orbits.rsw_covariance import half_width
+from opml.tables import STATE
+
+HEIGHTS = 1e3 * np.array([180.0, 450.0, 600.0, 800.0, 2000.0])
+"""Edges of the bands of mean height [m]."""
+
+EACH = 8  # objects of a band and date
+SEED = 42
+_LEVEL = 0.9
+_AXES = ("r", "s", "w")
+_INTERVAL = (2.5, 97.5)
+
+
+def drawn(catalogue: ElementCatalogue, date: str) -> np.ndarray:
+    """Return the numbers of objects with a set known on a date, EACH of a band at most."""
+    newest = catalogue.until(modified_julian_day(date)).newest().table
+    fresh = newest[newest["t"] >= modified_julian_day(date) - 1.5]
+    bands = fresh.groupby(np.searchsorted(HEIGHTS, fresh["height"]))["number"]
+    orders = [derive(SEED, date).permutation(np.sort(numbers)) for _, numbers in bands]
+    return np.concatenate([order[:EACH] for order in orders])
+
+
+def errors(
+    catalogue: ElementCatalogue,
+    histories: dict[int, list[ElementSet]],
+    morning: PublicMorning,
+    numbers: np.ndarray,
+) -> pd.DataFrame:
+    """Return a row an object and lead: what is off in RSW [m], its sigmas, and who judged.
+
+    catalogue: all sets; histories: those of each object; morning: what was public; numbers: (objects,)
+    """
+    predictions, judges = {}, []
+    now = modified_julian_day(morning.better.date)
+    for number in numbers:
+        try:
+            predictions[number] = morning.predict(histories[number])
+        except InputError as reason:
+            print(f"{morning.better.date} {number}: {reason}", file=sys.stderr)
+            continue
+        judges += [(number, lead, row) for lead, row in _judges(catalogue.table, int(number), now)]
+    rows = np.array([row for *_, row in judges])
+    sets = catalogue.take(rows)
+    forces = inside_forces.read(morning.weather, first=sets.table["t"].min(), last=sets.table["t"].max())
+    inside = set_orbits.states(sets, forces, np.full(len(rows), np.nan))[[*STATE]].to_numpy()
+    return pd.DataFrame(
+        [
+            _row(predictions[number], sets.satellites[k], inside[k]) | {"number": number, "lead": lead}
+            for k, (number, lead, _) in enumerate(judges)
+        ]
+    )
+
+
+def _judges(table: pd.DataFrame, number: int, now: float) -> Iterator[tuple[int, int]]:
+    """Yield leads and the rows of the sets that judge them: none from before the date, or after the last."""
+    own = np.flatnonzero((table["number"] == number) & table["t"].between(now, now + LEADS[-1]))
+    for lead in LEADS:
+        away = np.abs(table["t"].to_numpy()[own] - now - lead)
+        if len(own) and away.min() <= REACH:
+            yield lead, int(own[away.argmin()])
+
+
+def _row(prediction: Prediction, judge, inside: np.ndarray) -> dict[str, object]:
+    """Return the errors at the epoch of a set, by the orbit inside it (6,) or by itself."""
+    t = seconds_since(prediction.date, [judge])
+    by_orbit = isinstance(prediction.inside, OrbitInside) and bool(np.isfinite(inside).all())
+    by_set = mean_elements.states(judge, epoch=prediction.date, t=t)
+    truth = inside[None] if by_orbit else by_set
+    flown = {
+        "": prediction.states(t),
+        "sgp4_": mean_elements.states(prediction.published, epoch=prediction.date, t=t),
+        "improved_": mean_elements.states(prediction.improved, epoch=prediction.date, t=t),
+        "later_": by_set,
+    }
+    values = {name: bent_rsw(states[:, :3], truth)[0] for name, states in flown.items()}
+    values |= {"sigma_": prediction.sigmas(t)[0], "judge_sigma_": inside_sizes.at_epoch(judge)}
+    return {
+        "date": prediction.date,
+        "height": prediction.how["height"],
+        "days": t[0] / DAY,
+        "why": "" if isinstance(prediction.inside, OrbitInside) else prediction.inside,
+        "judge": "orbit" if by_orbit else "set",
+    } | {
+        f"{name}{axis}": value for name, own in values.items() for axis, value in zip(_AXES, own, strict=True)
+    }
+
+
+def append(path: Path, sets: str, weather: str, model: str, dates: Sequence[str]) -> None:
+    """Append the errors of dates to a table."""
+    catalogue, histories = catalogues.read([sets]), known_sets.by_object([sets])
+    for date in dates:
+        morning = PublicMorning.read([sets], date=date, weather=weather, trained=model)
+        rows = errors(catalogue, histories, morning, drawn(catalogue, date))
+        rows.to_csv(path, mode="a", header=not path.exists(), index=False)
+
+
+def table(rows: pd.DataFrame) -> pd.DataFrame:
+    """Return what predictions by orbits inside leave, by band and lead.
+
+    Medians are in % of SGP4's, with intervals of 95 % over dates and objects; along the track the improved
+    set's stand beside. The last column has errors inside the intervals of nine in ten [%].
+    """
+    inside = rows[(rows["why"] == "") & (rows["judge"] == "orbit")]
+    cells = []
+    for (band, lead), part in inside.groupby([_bands(inside), "lead"]):
+        rng = derive(SEED, band, str(lead))
+        columns = {name: _share(part, *pair, rng) for name, pair in _SHARES.items()}
+        held = (part[f"{axis}"].abs() <= half_width(_LEVEL) * part[f"sigma_{axis}"] for axis in _AXES)
+        counts = {"days": lead, "n": len(part), "objects": part["number"].nunique()}
+        sgp4 = " / ".join(f"{part[f'sgp4_{axis}'].abs().median():.0f}" for axis in _AXES)
+        coverage = " / ".join(f"{100.0 * own.mean():.0f}" for own in held)
+        cells.append({"height [km]": band, **counts, "SGP4 [m]": sgp4, **columns, "inside 90 %": coverage})
+    return pd.DataFrame(cells)
+
+
+_SHARES = {
+    "radial": ("r", "sgp4_r"),
+    "along": ("s", "sgp4_s"),
+    "along, `improve`": ("improved_s", "sgp4_s"),
+    "cross": ("w", "sgp4_w"),
+}
+
+
+def _bands(rows: pd.DataFrame) -> pd.Series:
+    """Return the band of each row in words."""
+    edges = HEIGHTS / 1e3
+    names = [f"{low:g}-{high:g}" for low, high in pairwise(edges)]
+    return pd.cut(rows["height"], HEIGHTS, labels=names).astype(str)
+
+
+def _share(part: pd.DataFrame, own: str, other: str, rng: np.random.Generator) -> str:
+    """Return the median size of one column in % of that of another, with its interval."""
+    sizes = [part[name].abs().to_numpy() for name in (own, other)]
+    orders = [np.argsort(size, kind="stable") for size in sizes]
+    dated = part.assign(morning=[modified_julian_day(date) for date in part["date"]])
+    draws = []
+    for weights in drawn_weights(dated, rng):
+        medians = [weighted_median(size[k], weights[k]) for size, k in zip(sizes, orders, strict=True)]
+        draws.append(100.0 * medians[0] / medians[1])
+    share, (low, high) = 100.0 * np.median(sizes[0]) / np.median(sizes[1]), np.percentile(draws, _INTERVAL)
+    return f"{share:.0f} ({low:.0f}-{high:.0f})"
+
+
+def verdicts(rows: pd.DataFrame) -> pd.DataFrame:
+    """Return by band predictions and objects, and how many were told `as published`.
+
+    Of those that were told an orbit inside, how many were worse than SGP4 in the median of their errors:
+    radially, across, and in distance.
+    """
+    band = _bands(rows)
+    is_inside = rows["why"] == ""
+    counts = {
+        "predictions": rows.drop_duplicates(["date", "number"]).groupby(band).size(),
+        "as published": rows[~is_inside].drop_duplicates(["date", "number"]).groupby(band).size(),
+        "objects inside": rows[is_inside].groupby(band)["number"].nunique(),
+    }
+    for name, axes in {"worse in R": "r", "worse in W": "w", "worse in distance": "rsw"}.items():
+        sizes = [
+            np.hypot.reduce(rows[[f"{way}{axis}" for axis in axes]].to_numpy(), axis=1)
+            for way in ("", "sgp4_")
+        ]
+        ratio = pd.Series(sizes[0] / sizes[1], rows.index)[is_inside].groupby([band, rows["number"]]).median()
+        counts[name] = (ratio > 1.0).groupby(level=0).sum()
+    return pd.DataFrame(counts).fillna(0).astype(int).rename_axis("height [km]").reset_index()
+
+
+def main(arguments: Sequence[str]) -> None:
+    """Append errors, and print what the table has."""
+    path = Path(arguments[0])
+    if arguments[1:]:
+        append(path, *arguments[1:4], arguments[4:])
+    rows = pd.read_csv(path, keep_default_na=False)
+    for part in (table(rows), verdicts(rows)):
+        part.to_csv(sys.stdout, sep="\t", index=False)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
