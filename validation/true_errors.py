@@ -52,7 +52,7 @@ GEOMETRY = tuple(
 """Waves of the argument of latitude, and of the node's distance from Greenwich, Sun and Moon."""
 
 KNOWN = tuple(f"{of}_{axis}" for of in ("newest", "before") for axis in _COMPONENTS)
-"""Errors of SGP4 at the epoch of the newest set by the orbit inside it: of that set, and of the one before."""
+"""Errors of SGP4 at the epoch of the newest set, by the orbit inside it: of that set and the one before."""
 
 VARIABLES = {"sets": (*FEATURES, *GEOMETRY), "orbits, too": (*FEATURES, *GEOMETRY, *KNOWN)}
 
