@@ -73,10 +73,10 @@ def test_what_is_taken_from_a_facade_is_its_own(facade):
 
 
 MOST = {
-    "lines of the package": 46_740,
-    "lines of tests": 35_520,
-    "classes": 382,
-    "docstrings that begin with what, which, how, where, of": 50,
+    "lines of the package": 46_050,
+    "lines of tests": 35_050,
+    "classes": 355,
+    "docstrings that begin with what, which, how, where, of": 48,
     "variables called found, one, made, told": 58,
 }
 """Limits of the house. A change that adds pays in the same change; a change that removes lowers them."""

@@ -221,7 +221,7 @@ def test_the_message_of_a_morning_has_the_errors_and_the_covariance_that_were_re
         spreads=lambda pairs: weather_spread.build(
             propagator, known.estimates, pairs, weathers=Weathers.of(propagator.model, None)
         ),
-        first_morning=now,
+        now=now,
     )
     oem.write(tmp_path / "m.oem", oem.corrected_segments(made, rso="iss"), epoch=EPOCH)
     (segment,) = orbit_segments.read(tmp_path / "m.oem", epoch=EPOCH)
