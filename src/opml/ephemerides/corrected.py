@@ -4,7 +4,7 @@ The along-track error that the model predicts at each epoch moves the orbit
 (`opml.ephemerides.along_track_shift`). Covariances are the sizes of past errors.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import partial
 from typing import Any
 
@@ -16,17 +16,15 @@ from opml.catalog.predict import weather_spread
 from opml.catalog.predict.labels import with_sigmas
 from opml.catalog.predict.weather_spread import Weathers
 from opml.catalog.propagator import Propagator, PropagatorSettings
-from opml.ephemerides.along_track_shift import check_smooth, corrected, through
-from opml.ephemerides.ephemeris_task import Task, ephemeris_table, reached
+from opml.ephemerides.along_track_shift import through
+from opml.ephemerides.ephemeris_task import Task
 from opml.ephemerides.known_tables import KnownTables
-from opml.ephemerides.task_part import Grid, TaskPart
+from opml.ephemerides.paths import paths
 from opml.learning.data.splits import are_over
 from opml.learning.judge.error_sizes import Sizes
-from opml.learning.models.contract import Model
 from opml.learning.models.daily_training import DailyLearner
 from opml.orbits.elements import in_rsw
-from opml.orbits.rsw_covariance import rates, rsw_covariances
-from opml.tables import SIGMAS, SPREAD, STATE, read_table, state_rows
+from opml.tables import SIGMAS, STATE, read_table, state_rows
 
 Spreads = Callable[[pd.DataFrame], pd.DataFrame]  # returns the `spread` table of pairs
 
@@ -58,21 +56,12 @@ def build(
     An ephemeris ends where an arc that it needs does. Raises InputError where none reaches anywhere, where a
     size has no past, and as `along_track_shift.check_smooth` does.
     """
-    model, sizes = daily(now), Sizes.learned(replay, now=now)
-
-    def ephemerides(part: TaskPart) -> Iterator[pd.DataFrame]:
-        columns = part.columns(daily.variables, arc=daily.arc)
-        sparse = columns[_is_sparse(columns, part.grid)]
-        causes = sparse[["i", "t_j"]].join(spreads(sparse)[SPREAD])
-        for rows in reached(columns, (*STATE, *daily.variables)):
-            along = expected(rows, model)
-            check_smooth(rows["t_j"].to_numpy(), along)
-            states = moved(rows, along)
-            rate = rates(states)
-            caused = interpolate_spread(rows, causes[causes["i"] == rows["i"].iloc[0]]).assign(rate=rate)
-            yield ephemeris_table(rows, states, rsw_covariances(sizes.sigmas(caused), rate))
-
-    return task.joined([table for part in task.parts() for table in ephemerides(part)])
+    sizes, sparse = (
+        Sizes.learned(replay, now=now),
+        slice(None, None, max(1, round(SPREAD_STEP / task.grid.step))),
+    )
+    made = (path for part in task.parts() for path in paths(part, {"": daily}, made_at=lambda _: now))
+    return task.joined([path.with_spread(spreads, sparse).ephemeris("", sizes) for path in made])
 
 
 def basis(replay: pd.DataFrame, now: float) -> str:
@@ -85,41 +74,9 @@ def basis(replay: pd.DataFrame, now: float) -> str:
     )
 
 
-def _is_sparse(columns: pd.DataFrame, grid: Grid) -> pd.Series:
-    """Return the rows at which arcs give the spread: of each estimate every so many, from the first."""
-    every = max(1, round(SPREAD_STEP / grid.step))
-    return columns.groupby("i").cumcount() % every == 0
-
-
-def interpolate_spread(rows: pd.DataFrame, causes: pd.DataFrame) -> pd.DataFrame:
-    """Return rows of one estimate with the columns of a spread that is known at part of their epochs."""
-    return rows.assign(**spread_at(rows["t_j"].to_numpy(), causes))
-
-
-def spread_at(t: np.ndarray, causes: pd.DataFrame) -> dict[str, np.ndarray]:
-    """Return the columns of a spread at times t (n,) [s]; causes: the spread at some epochs."""
-    spreads = np.stack([causes[name].to_numpy() for name in SPREAD])
-    finite = np.isfinite(spreads).all(axis=0)
-    known, columns = causes["t_j"].to_numpy()[finite], zip(SPREAD, spreads[:, finite], strict=True)
-    return {name: np.interp(t, known, values) for name, values in columns}
-
-
 def morning(t: float) -> float:
     """Return when an ephemeris from an estimate at `t` [s] learns last: at its day's beginning."""
     return max(0.0, DAY * float(np.floor(t / DAY)))
-
-
-def expected(rows: pd.DataFrame, model: Model) -> np.ndarray:
-    """Return the e_y (n,) [m] that a model expects; rows: with its variables."""
-    return model.predict(rows[list(model.variables)].to_numpy())
-
-
-def moved(rows: pd.DataFrame, along: np.ndarray) -> np.ndarray:
-    """Return states (n, 6) GCRF [m, m/s] of one ephemeris, corrected by e_y (n,) [m].
-
-    rows: `TaskPart.columns` of one estimate
-    """
-    return corrected(rows["t_j"].to_numpy(), state_rows(rows), along)
 
 
 def errors_at_estimates(ephemeris: pd.DataFrame, estimates: pd.DataFrame) -> pd.DataFrame:

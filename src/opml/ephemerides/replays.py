@@ -6,7 +6,7 @@ errors. So nothing behind a row was known after its t_i, but the row's own error
 from has been through all that the next ephemeris will go through.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,24 +16,19 @@ from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
 from opml.catalog.predict.prediction import TRUE
 from opml.catalog.propagator import Propagator
-from opml.ephemerides.along_track_shift import corrected_by_each, through
-from opml.ephemerides.corrected import expected, morning
-from opml.ephemerides.ephemeris_task import Task, reached
+from opml.ephemerides.corrected import morning
+from opml.ephemerides.ephemeris_task import Task
 from opml.ephemerides.known_tables import KnownTables
-from opml.ephemerides.task_part import Grid, TaskPart
+from opml.ephemerides.paths import Paths, paths
+from opml.ephemerides.task_part import Grid
 from opml.learning.data.splits import known_at
 from opml.learning.judge.error_sizes import as_known
 from opml.learning.models.daily_training import DailyLearner
 from opml.learning.models.learners import needed_tables
-from opml.orbits.elements import in_rsw
-from opml.orbits.rsw_covariance import rates
-from opml.tables import COMPONENTS, DOUBT, SCHEMAS, SPREAD, STATE, state_rows
+from opml.tables import DOUBT, SCHEMAS, SPREAD, STATE
 
 STEP = 120.0
 """Time between the epochs of the ephemerides that are replayed [s]: a centimetre from those of a minute."""
-
-_NEAR = 64
-"""Epochs to both sides of a time that give its state: others move splines by less than 1 um."""
 
 
 def morning_departures(known: KnownTables, *, every_hours: float, first_day: float = 0.0) -> pd.DataFrame:
@@ -135,62 +130,19 @@ def build(
 def _together(task: Task, series: Sequence[ReplaySeries]) -> Iterator[pd.DataFrame]:
     """Yield the tables of learners that have the mornings of one task."""
     by_learner: list[list[pd.DataFrame]] = [[] for _ in series]
+    later = [dict(tuple(one.judge.groupby("i"))) for one in series]
     for part in task.parts():
-        for tables, one in zip(by_learner, series, strict=True):
-            tables += _ephemerides(part, one)
+        for tables, one, states in zip(by_learner, series, later, strict=True):
+            made = paths(part, {"": one.daily}, made_at=morning)
+            tables += [_judged(path, states[path.start]) for path in made if path.start in states]
     for tables in by_learner:
         joined = task.known.marked(task.joined(tables))
         table = as_known(joined, joined["morning"].to_numpy())
         yield table[SCHEMAS["replay"].among(table.columns).names]
 
 
-def _ephemerides(part: TaskPart, series: ReplaySeries) -> Iterator[pd.DataFrame]:
-    """Yield how far a learner's ephemerides are off the states of later tracks."""
-    daily, by_start = series.daily, dict(tuple(series.judge.groupby("i")))
-    columns = part.columns(daily.variables, arc=daily.arc)
-    for rows in reached(columns, (*STATE, *daily.variables)):
-        track = rows["i"].iloc[0]
-        if track in by_start:
-            yield _judged(rows, by_start[track], daily)
-
-
-def _judged(rows: pd.DataFrame, later: pd.DataFrame, daily: DailyLearner) -> pd.DataFrame:
+def _judged(path: Paths, later: pd.DataFrame) -> pd.DataFrame:
     """Return how far one ephemeris is off the states of later tracks."""
-    t, t_i = rows["t_j"].to_numpy(), float(rows["t_i"].iloc[0])
-    now = morning(t_i)
-    corrections = np.array([expected(rows, daily(now))])
+    t = path.table["t_j"].to_numpy()
     reached = later[later["t_j"].between(t[0], t[-1])]
-    columns = {name: reached[name].to_numpy() for name in reached}
-    return pd.DataFrame(differences(rows, corrections, columns, now=now))
-
-
-def differences(
-    rows: pd.DataFrame, corrections: np.ndarray, later: Mapping[str, np.ndarray], *, now: float
-) -> dict[str, np.ndarray]:
-    """Return how far an ephemeris is off later states by each correction in turn, but for SIGMA_STATE.
-
-    It is columns of a table, as tables of few rows take longer to make than what is in them.
-
-    rows: of one estimate: t_i, and t_j and a state (STATE) at each epoch of the ephemeris
-    corrections: (k, epochs) e_y that are taken from it [m]
-    later: columns of the table that `judge` returns, with SPREAD, at times that the ephemeris has
-    now: when it was made [s]
-    """
-    at, states = later["t_j"], np.column_stack([later[name] for name in STATE])
-    off = (_arrived(rows, corrections, at) - states).reshape(-1, len(STATE))
-    before, *after = in_rsw(off, np.tile(states, (1 + len(corrections), 1))).reshape(-1, *states.shape)
-    t_i = float(rows["t_i"].iloc[0])
-    known = {name: values for name, values in later.items() if name not in STATE}
-    known |= {"t_i": np.full(len(at), t_i), "morning": np.full(len(at), now), "duration": at - t_i}
-    known |= {"rate": rates(states), "before": before[:, 1]}
-    each = {name: np.tile(values, len(after)) for name, values in known.items()}
-    return each | dict(zip(COMPONENTS, np.concatenate(after).T, strict=True))
-
-
-def _arrived(rows: pd.DataFrame, corrections: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """Return where an ephemeris is at times (m,), and where each correction has it: (1 + k, m, 6) GCRF."""
-    t, predicted = rows["t_j"].to_numpy(), state_rows(rows)
-    first, last = np.searchsorted(t, [at.min(initial=t[-1]), at.max(initial=t[0])])
-    near = slice(max(0, min(first, last) - _NEAR), max(first, last) + _NEAR)
-    paths = [predicted[near], *corrected_by_each(t, predicted, corrections, near)]
-    return np.moveaxis(through(t[near], np.stack(paths, axis=1))(at), 1, 0)
+    return pd.DataFrame(path.differences({name: reached[name].to_numpy() for name in reached}))

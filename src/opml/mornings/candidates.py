@@ -3,7 +3,6 @@
 from dataclasses import replace
 from functools import partial
 
-import numpy as np
 import pandas as pd
 
 from opml.base.constants import DAY
@@ -11,18 +10,17 @@ from opml.base.errors import InputError
 from opml.catalog.predict import weather_spread
 from opml.catalog.predict.prediction import predict_pairs
 from opml.ephemerides.along_track_shift import LEAST_EPOCHS
-from opml.ephemerides.corrected import interpolate_spread
 from opml.ephemerides.known_tables import KnownTables
+from opml.ephemerides.paths import Paths, paths
 from opml.ephemerides.task_part import Grid, TaskPart
 from opml.learning.data import dataset
 from opml.learning.data.cleaning import Cleaning
 from opml.learning.models import learners
-from opml.learning.models.contract import Model, ResolvedSettings
-from opml.learning.models.training_inputs import Training
+from opml.learning.models.daily_training import DailyLearner
 from opml.mornings.fits import Recent
 from opml.mornings.records import Records
 from opml.mornings.watched_object import Watched
-from opml.tables import SPREAD, STATE, state_rows
+from opml.tables import STATE
 
 STEP = 300.0  # time between the epochs of these ephemerides [s]: decimetres from those of a minute
 EVERY = 2  # so many epochs are to one that arcs are propagated to for the spread
@@ -69,15 +67,9 @@ def _from_previous(known: KnownTables, *, longest: float) -> pd.DataFrame:
     return table[usable].rename_axis("j").reset_index().rename(columns={"b": "i"})[["i", "j", "t_i", "t_j"]]
 
 
-def _model(settings: ResolvedSettings) -> Model:
-    """Return the model of a learner that learns nothing."""
-    variables = settings.variables
-    return learners.fit(Training(np.zeros((1, len(variables))), np.zeros(1), variables, seed=0), settings)
-
-
-def paths(
+def of_morning(
     watched: Watched, known: KnownTables, records: Records, starts: pd.DataFrame, *, now: float
-) -> pd.DataFrame:
+) -> Paths:
     """Return the ephemerides of all models of an object from one start, as far as all of them reach.
 
     known: from `known_at`
@@ -91,33 +83,15 @@ def paths(
     part = TaskPart(watched.model.predictions, whole, starts, Grid(STEP, plan.max_days, plan.end))
     answering = [one for one in plan.models.values() if "v_arc_y" in one.variables]
     part.propagate_together(windows, learners.arc_windows(answering))
-    table = part.pairs().assign(morning=now)
-    for name, settings in plan.models.items():
-        table[f"e_y_{name}"] = _along(part, settings)
-    asked = [*STATE, *(f"e_y_{name}" for name in plan.models)]
-    lost = ~np.isfinite(table[asked].to_numpy()).all(axis=1)
-    reached = table[np.cumsum(lost) == 0]
-    if len(reached) < LEAST_EPOCHS:
-        raise InputError(f"ephemeris: expected at least {LEAST_EPOCHS} epochs ahead, got {len(reached)}")
-    return _with_spread(reached, watched, records.of_window(plan.base, burns))
-
-
-def _with_spread(reached: pd.DataFrame, watched: Watched, estimates: pd.DataFrame) -> pd.DataFrame:
-    """Return ephemerides with what more drag and the weather to come would do to them."""
-    # From an estimate on the raster all are multiples of EVERY steps away.
-    sparse = reached.iloc[EVERY - 1 :: EVERY]
-    spreads = weather_spread.build(
-        watched.model.flattened, estimates, sparse, weathers=watched.model.weathers
+    candidates = {name: DailyLearner(pd.DataFrame(), one, seed=0) for name, one in plan.models.items()}
+    if (path := next(paths(part, candidates, made_at=lambda _: now), None)) is None:
+        raise InputError(f"ephemeris: expected at least {LEAST_EPOCHS} epochs ahead, got fewer")
+    spreads = partial(
+        weather_spread.build,
+        watched.model.flattened,
+        records.of_window(plan.base, burns),
+        weathers=watched.model.weathers,
     )
-    causes = sparse[["t_j"]].join(spreads[SPREAD].set_axis(sparse.index))
-    return interpolate_spread(reached, causes).drop(columns=["j", "reason"])
-
-
-def _along(part: TaskPart, settings: ResolvedSettings) -> np.ndarray:
-    """Return the e_y (n,) [m] that a model expects along a part's ephemeris, NaN where none reaches."""
-    found = part.variables(settings.variables, arc=learners.arc_of(settings))
-    x = np.column_stack([found[name].to_numpy() for name in settings.variables])
-    finite = np.isfinite(np.column_stack([state_rows(part.pairs()), x])).all(axis=1)
-    along = np.full(len(x), np.nan)
-    along[finite] = _model(settings).predict(x[finite])
-    return along
+    # From an estimate on the raster all are multiples of EVERY steps away.
+    path = path.with_spread(spreads, slice(EVERY - 1, None, EVERY))
+    return replace(path, table=path.table.drop(columns=["j", "reason"]))

@@ -14,15 +14,11 @@ import pandas as pd
 from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.progress import counted
-from opml.ephemerides.along_track_shift import check_smooth, corrected, through
-from opml.ephemerides.corrected import interpolate_spread
-from opml.ephemerides.ephemeris_task import ephemeris_table
 from opml.learning.data.splits import are_over
 from opml.learning.judge.error_sizes import LEAST_ROWS, Sizes
 from opml.learning.judge.model_choice import choose
 from opml.orbits.manoeuvres import Manoeuvre
-from opml.orbits.rsw_covariance import rates, rsw_covariances
-from opml.tables import SIGMA_STATE, SIZES, STATE, state_rows
+from opml.tables import SIGMA_STATE, SIZES
 
 _GROUPS = {"constant": "xyz", "rate": "xyz", "drag": "xyz", "velocity": "xyz", "inflation": "01234"}
 _TIMES = ("days", "reach")
@@ -123,24 +119,3 @@ def next_to_whole_days(at: np.ndarray, begin: float) -> np.ndarray:
     """Return of epochs (n,) the ends, and those next to whole days after `begin` [s]."""
     after = np.searchsorted(at, np.arange(begin, at[-1] + DAY, DAY))
     return at[np.unique(np.clip([after - 1, after], 0, len(at) - 1))]
-
-
-def ephemeris(paths: pd.DataFrame, selected: SelectedModel, *, at: np.ndarray) -> pd.DataFrame:
-    """Return the `corrected` table of the model that is selected.
-
-    paths: the table of a morning
-    at: (n,) epochs [s]
-
-    Between the epochs of a path stand splines: of degree 7 through its states, millimetres off. Raises
-    InputError as `check_smooth` does.
-    """
-    t, along = paths["t_j"].to_numpy(), paths[f"e_y_{selected.model}"].to_numpy()
-    check_smooth(t, along)
-    path = state_rows(paths)
-    predicted, states = np.moveaxis(through(t, np.stack([path, corrected(t, path, along)], axis=1))(at), 1, 0)
-    rows = pd.DataFrame(dict(zip(STATE, predicted.T, strict=True))).assign(
-        i=paths["i"].iloc[0], t_i=paths["t_i"].iloc[0], t_j=at
-    )
-    rate = rates(states)
-    caused = interpolate_spread(rows, paths).assign(rate=rate, duration=at - rows["t_i"])
-    return ephemeris_table(rows, states, rsw_covariances(selected.sizes.sigmas(caused), rate))

@@ -16,13 +16,14 @@ from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
 from opml.base.provenance import settings_digest
 from opml.ephemerides import corrected
+from opml.ephemerides.paths import Paths
 from opml.interop import oem
 from opml.mornings import candidates, fits, issued, outcomes, verdicts
 from opml.mornings.days import MorningResult
 from opml.mornings.fits import Recent
 from opml.mornings.issued import SelectedModel
 from opml.mornings.outcomes import DO_NOT_USE, UNPROVEN
-from opml.mornings.records import Paths, Records, below
+from opml.mornings.records import Records, below
 from opml.mornings.verdicts import Verdict
 from opml.mornings.watched_object import MorningPlan, Watched
 from opml.orbits.manoeuvres import Manoeuvre
@@ -145,7 +146,7 @@ class TrackMorning:
         others = self.fitting.over(self.watched.plan.other_windows, starts, self.earlier)
         self.estimates = pd.concat([self.estimates, others])
         self.whole = replace(so_far, estimates=below([so_far.estimates, others], "kept_estimates"))
-        paths = Paths(candidates.paths(self.watched, known, self.whole, starts, now=self.now))
+        paths = candidates.of_morning(self.watched, known, self.whole, starts, now=self.now)
         self.starts = starts
         # An ephemeris from the estimate of an earlier morning is that morning's, and judged once.
         is_new = not self.earlier.issued["i"].isin(starts["track"]).any()
@@ -161,7 +162,7 @@ class TrackMorning:
         at = issued.epochs(paths.table, plan.step)
         if not plan.has_message:
             at = issued.next_to_whole_days(at, float(self.starts["t"].iloc[0]))
-        self.ephemeris = issued.ephemeris(paths.table, selected, at=at)
+        self.ephemeris = paths.ephemeris(selected.model, selected.sizes, at=at)
         self.selected = selected
 
     @property

@@ -40,7 +40,6 @@ from opml.learning.models import learners
 from opml.learning.models.contract import ResolvedSettings
 from opml.learning.models.learners import JobLearner, arc_of
 from opml.mornings import issued, measurement_files, usual_errors, verdicts
-from opml.mornings.issued import SelectedModel
 from opml.mornings.measurement_files import MeasurementSource, Span
 from opml.mornings.morning import TrackMorning, morning
 from opml.mornings.records import Records
@@ -391,7 +390,7 @@ def _issued_last(
     past = usual_errors.with_sigmas(known[known["model"] == model], formal)
     sizes = usual_errors.sizes(past, formal, start=paths.start, now=now)
     at = issued.epochs(paths.table, STEP)
-    table = issued.ephemeris(paths.table, SelectedModel(model, past, sizes), at=at)
+    table = paths.ephemeris(model, sizes, at=at)
     return _Issued(table, model, _verdict(watched, left, records, past, now=now), past)
 
 

@@ -1,6 +1,6 @@
 """What is kept of an object from morning to morning."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import ClassVar, Self
 
@@ -8,42 +8,9 @@ import numpy as np
 import pandas as pd
 
 from opml.base.constants import HOUR
-from opml.ephemerides.replays import differences
+from opml.ephemerides.paths import Paths
 from opml.orbits.manoeuvres import Manoeuvre, are_unaware
 from opml.tables import SCHEMAS
-
-_ALONG = "e_y_"  # how the columns of corrections begin; the name of the model follows
-
-
-@dataclass(frozen=True)
-class Paths:
-    """The ephemerides of a morning; table: `paths`."""
-
-    table: pd.DataFrame
-
-    @property
-    def made_at(self) -> float:
-        """When they were made [s]."""
-        return float(self.table["morning"].iloc[0])
-
-    @property
-    def start(self) -> int:
-        """The track of the estimate that they start from."""
-        return int(self.table["i"].iloc[0])
-
-    def drag_after(self, duration: float) -> float:
-        """Return how far a tenth more drag takes them along the track after a duration [s]."""
-        return float(np.interp(duration, self.table["t_j"] - self.table["t_i"], self.table["drag_y"]))
-
-    @property
-    def models(self) -> list[str]:
-        """The names of their models."""
-        return [name.removeprefix(_ALONG) for name in self.table if name.startswith(_ALONG)]
-
-    def differences(self, later: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-        """Return how far each model is off later states, as `replays.differences`."""
-        corrections = np.stack([self.table[f"{_ALONG}{model}"].to_numpy() for model in self.models])
-        return differences(self.table, corrections, later, now=self.made_at)
 
 
 @dataclass(frozen=True)

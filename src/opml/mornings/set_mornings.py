@@ -28,6 +28,7 @@ from opml.element_sets.trained_model import CatalogueModel
 from opml.environment import known_weather
 from opml.environment.weather import Weather
 from opml.ephemerides.along_track_shift import LEAST_EPOCHS
+from opml.ephemerides.paths import Paths
 from opml.interop import ccsds
 from opml.interop.element_sets import mean_elements, sgp4_errors
 from opml.interop.element_sets.element_set import ElementSet, seconds_since
@@ -35,7 +36,7 @@ from opml.mornings import outcomes, verdicts
 from opml.mornings.candidates import STEP
 from opml.mornings.days import MorningResult
 from opml.mornings.outcomes import DO_NOT_USE
-from opml.mornings.records import Paths, Records, below
+from opml.mornings.records import Records, below
 from opml.mornings.verdicts import SGP4, Verdict
 from opml.mornings.watched_object import MorningPlan
 from opml.orbits.elements import in_rsw

@@ -22,9 +22,9 @@ import pandas as pd
 from opml.base.constants import DAY, HOUR, SRP_PRESSURE, WGS84_A
 from opml.catalog.predict import labels
 from opml.catalog.predict.weather_spread import TENTH, mean_cd
+from opml.ephemerides.paths import Paths
 from opml.learning.data.splits import are_over
 from opml.learning.judge.error_sizes import Sizes
-from opml.mornings.records import Paths
 from opml.orbits.elements import rsw_rotation
 from opml.orbits.rsw_covariance import AXES, rates
 from opml.orbits.sheets import Rso

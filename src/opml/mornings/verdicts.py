@@ -10,7 +10,7 @@ import pandas as pd
 from opml.base.constants import DAY, HOUR
 from opml.base.progress import counted
 from opml.catalog.predict import labels
-from opml.ephemerides.corrected import spread_at
+from opml.ephemerides.paths import spread_at
 from opml.learning.judge.error_sizes import INSIDE, LEVEL
 from opml.mornings import issued
 from opml.mornings.fits import FAR, Recent, sigmas_off

@@ -13,7 +13,7 @@ from opml.ephemerides.along_track_shift import (
     corrected_by_each,
     radial_part,
 )
-from opml.ephemerides.replays import differences
+from opml.ephemerides.paths import differences
 from opml.orbits.elements import cartesian_from_coe, coe_from_cartesian, in_rsw
 from opml.tables import STATE
 

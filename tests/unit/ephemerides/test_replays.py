@@ -15,6 +15,7 @@ from opml.catalog.predict.weather_spread import Weathers
 from opml.catalog.propagator import Propagator
 from opml.catalog.simulate import tracking, truth
 from opml.ephemerides import corrected, replays
+from opml.ephemerides.along_track_shift import through
 from opml.ephemerides.ephemeris_task import Task
 from opml.ephemerides.known_tables import KnownTables
 from opml.ephemerides.task_part import Grid
@@ -229,7 +230,7 @@ def test_the_message_of_a_morning_has_the_errors_and_the_covariance_that_were_re
     true = tables["predictions"].set_index(["i", "j"]).loc[pd.MultiIndex.from_frame(told[["i", "j"]])]
     states = true[[f"{name}_true" for name in STATE]].to_numpy()
     at = told["t_j"].to_numpy()
-    flown = replays.through(segment.t, segment.states)(at)
+    flown = through(segment.t, segment.states)(at)
     np.testing.assert_allclose(in_rsw(flown - states, states)[:, :3], told[list(COMPONENTS[:3])], atol=0.5)
     for k, name in enumerate("xyz"):
         written = np.interp(at, segment.covariance_t, np.sqrt(segment.covariances[:, k, k]))

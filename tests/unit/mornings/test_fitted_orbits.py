@@ -16,9 +16,9 @@ from opml.catalog.propagator import Propagator
 from opml.catalog.simulate import tracking, truth
 from opml.dynamics.settings import ForceModelSettings
 from opml.ephemerides import along_track_shift
+from opml.ephemerides.paths import Paths
 from opml.interop import oem, orbit_segments, tdm
 from opml.interop.element_sets import mean_elements
-from opml.mornings import issued
 from opml.mornings.outcomes import UNPROVEN
 from opml.mornings.prediction import Request
 from opml.orbits.elements import in_rsw
@@ -221,15 +221,15 @@ def test_a_single_point_is_refused(tmp_path):
 
 
 def test_an_orbit_that_is_hardly_determined_is_refused(hours, monkeypatch):
-    made = issued.ephemeris
-    monkeypatch.setattr(issued, "ephemeris", lambda *path, at: made(*path, at=at).head(200))
+    made = Paths.ephemeris
+    monkeypatch.setattr(Paths, "ephemeris", lambda *path, at: made(*path, at=at).head(200))
     said = refusal(made_of, hours, date=None)
     assert re.fullmatch(
         r".*iss\.oem: expected an orbit for 1 days, got one that comes down, or .* after 0\.\d", said
     )
-    monkeypatch.setattr(issued, "ephemeris", lambda *path, at: made(*path, at=at).head(1))
+    monkeypatch.setattr(Paths, "ephemeris", lambda *path, at: made(*path, at=at).head(1))
     assert refusal(made_of, hours, date=None).endswith("as little was measured before the date")
-    monkeypatch.setattr(issued, "ephemeris", made)
+    monkeypatch.setattr(Paths, "ephemeris", made)
     monkeypatch.setattr(along_track_shift, "LEAST_EPOCHS", 10**6)
     assert "expected at least 1000000 epochs to correct" in refusal(made_of, hours, date=None)
     monkeypatch.setattr(along_track_shift, "ROUGH", 0.0)

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, field
 
+import numpy as np
 import pandas as pd
 
 from opml.base.constants import DAY
@@ -10,13 +11,14 @@ from opml.learning.data.error_components import CORRECTED
 from opml.learning.data.splits import are_over, in_days
 from opml.learning.models import learners
 from opml.learning.models.contract import Model, ResolvedSettings
+from opml.learning.models.training_inputs import Training
 
 
 @dataclass(frozen=True)
 class DailyLearner:
     """Models of e_y by the time of their training."""
 
-    dataset: pd.DataFrame  # labelled rows
+    dataset: pd.DataFrame  # labelled rows; none are needed by what learns nothing
     settings: ResolvedSettings  # of the learner, resolved
     seed: int  # of its draws
     first_day: float = 0.0  # of the rows to train on [days]
@@ -40,11 +42,15 @@ class DailyLearner:
     def __call__(self, now: float) -> Model:
         """Return the model as of `now` [s]; raise InputError where no error is known by then."""
         if now not in self._trained:
-            rows = self._known(now) if self.learns else self.dataset[self.dataset["keep"]].head(1)
-            self._trained[now] = learners.train(
-                rows, component=CORRECTED, settings=self.settings, seed=self.seed
-            )
+            self._trained[now] = learners.fit(self._training(now), self.settings)
         return self._trained[now]
+
+    def _training(self, now: float) -> Training:
+        """Return what the model as of `now` [s] learns from: rows of zeros where it learns nothing."""
+        if self.learns:
+            rows = self._known(now)
+            return Training.from_rows(rows, self.variables, component=CORRECTED, seed=self.seed)
+        return Training(np.zeros((1, len(self.variables))), np.zeros(1), self.variables, seed=self.seed)
 
     def _known(self, now: float) -> pd.DataFrame:
         """Return the kept rows whose error is known at `now` [s], without manoeuvres known by then."""

@@ -24,8 +24,9 @@ import pandas as pd
 
 from opml.base.errors import InputError
 from opml.base.files import replacing
+from opml.ephemerides.paths import Paths
 from opml.mornings import outcomes
-from opml.mornings.records import Paths, Records
+from opml.mornings.records import Records
 from opml.tables import SCHEMAS, Schema, of_objects, paths_schema, read_metadata, read_table, write_table
 
 PATHS = "paths.parquet"  # the file of ephemerides
