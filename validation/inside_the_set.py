@@ -18,8 +18,8 @@ from opml.base import epochs
 from opml.base.constants import DAY
 from opml.element_sets import prediction
 from opml.interop import known_orbits
-from opml.interop.curves.orbit_path import EPOCH
 from opml.interop.element_sets import mean_elements
+from opml.interop.ephemeris import EPOCH
 from opml.interop.predicted_orbit import LEADS
 from opml.orbits.elements import bent_rsw
 from opml.orbits.rsw_covariance import half_width

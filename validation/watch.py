@@ -25,9 +25,9 @@ from opml.base.errors import InputError
 from opml.conjunctions import screening
 from opml.conjunctions.conjunction import Conjunction
 from opml.element_sets.catalogue import LATENCY
-from opml.interop.curves.orbit_path import EPOCH
 from opml.interop.element_sets.element_set import ElementSet, elements_epoch
 from opml.interop.element_sets.mean_elements import read_sets
+from opml.interop.ephemeris import EPOCH
 
 DAYS, OLDEST = 7.0, 10
 """How long a screening is, and the age of a set beyond which it is of the past [d]."""

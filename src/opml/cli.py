@@ -150,7 +150,7 @@ def _add_screen(parser: argparse.ArgumentParser) -> None:
 def _screen(options: argparse.Namespace) -> None:
     from opml import tables
     from opml.conjunctions import as_text, cdm, from_files
-    from opml.interop.curves.orbit_path import EPOCH
+    from opml.interop.ephemeris import EPOCH
 
     if options.messages:
         check_folder(os.path.join(options.messages, "*.cdm"))

@@ -19,7 +19,7 @@ from opml.conjunctions import screening
 from opml.element_sets import known_sets, prediction
 from opml.element_sets.catalogue import modified_julian_day
 from opml.element_sets.inside import inside_forces, inside_now
-from opml.interop.curves.orbit_path import EPOCH
+from opml.interop.ephemeris import EPOCH
 from opml.mornings.records import Records
 from opml.mornings.set_mornings import ObjectOfSets, RunSets
 from opml.mornings.watched_object import MorningPlan
@@ -89,8 +89,8 @@ def test_screen_says_what_predict_says(paths, predicted):
     for made, one in zip(predicted, screening.read(paths), strict=True):
         (trajectory,) = one.trajectories
         assert made.way in trajectory.remark
-        np.testing.assert_allclose(trajectory.path.at(start + t)[:, :3], made.states(t)[:, :3], atol=1e-2)
-        held = np.array([trajectory.covariance(start + at) for at in t])
+        np.testing.assert_allclose(trajectory.at(start + t)[:, :3], made.states(t)[:, :3], atol=1e-2)
+        held = trajectory.covariances_at(start + t)
         sizes = np.sqrt(np.diagonal(held, axis1=1, axis2=2))[:, :3]
         np.testing.assert_allclose(sizes, made.sigmas(t), rtol=1e-3)
 

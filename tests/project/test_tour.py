@@ -7,7 +7,7 @@ from support import REPOSITORY, shared
 
 from opml.conjunctions import cdm
 from opml.element_sets import prediction, station_passes
-from opml.interop.curves.orbit_path import EPOCH
+from opml.interop.ephemeris import EPOCH
 from validation.pictures import tour
 
 CASE = "real/cara/000020580_conj_000002017_20230613_001923_20230608_063715.cdm.gz"

@@ -9,6 +9,7 @@ from following import REAL_RUN, Reader, blocks, files, page, plans
 from project import ROOT
 
 from opml.interop import oem
+from opml.interop.ephemeris import Ephemeris
 
 PAGE = page("howto")
 BLOCKS = blocks(PAGE)
@@ -22,7 +23,7 @@ def write_orbit(path):
     turn, still = t * speed / a, 0.0 * t
     place = [a * np.cos(turn), a * np.sin(turn), still]
     states = np.stack([*place, -speed * np.sin(turn), speed * np.cos(turn), still], axis=1)
-    oem.write(path, [oem.Segment("mine", t, states)], epoch="2016-09-28T12:09:45")
+    oem.write(path, [Ephemeris("mine", t, states)], epoch="2016-09-28T12:09:45")
 
 
 @pytest.fixture(scope="module")

@@ -20,8 +20,8 @@ from opml.conjunctions import cdm
 from opml.conjunctions.conjunction import Participant
 from opml.figures import style
 from opml.figures.ticks import metres
-from opml.interop.curves.orbit_path import EPOCH
 from opml.interop.element_sets import sgp4_errors
+from opml.interop.ephemeris import EPOCH
 from opml.interop.orbit_arcs import contents
 from validation.pictures import shrunk
 

@@ -17,8 +17,8 @@ from opml.base.constants import DAY, HOUR
 from opml.element_sets import prediction
 from opml.figures import style
 from opml.interop import known_orbits
-from opml.interop.curves.orbit_path import EPOCH
 from opml.interop.element_sets import mean_elements
+from opml.interop.ephemeris import EPOCH
 from opml.orbits.elements import bent_rsw
 from validation.pictures import shrunk
 

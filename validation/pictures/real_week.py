@@ -25,7 +25,7 @@ from opml.element_sets.inside.orbit_inside import DRAG, Beginning, departing
 from opml.figures import style
 from opml.figures.ticks import metres
 from opml.interop import known_orbits
-from opml.interop.curves.orbit_path import EPOCH
+from opml.interop.ephemeris import EPOCH
 from opml.orbits.elements import bent_rsw
 from validation.pictures import shrunk
 from validation.pictures.anatomy import COLORS

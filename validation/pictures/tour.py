@@ -20,7 +20,7 @@ from opml.conjunctions.probability import in_plane
 from opml.element_sets import prediction, station_passes
 from opml.figures import style
 from opml.figures.ticks import metres
-from opml.interop.curves.orbit_path import EPOCH
+from opml.interop.ephemeris import EPOCH
 from validation.pictures import shrunk
 
 DATE, STATION = "2023-04-30T06:00:00", "28.5,-80.6,3"

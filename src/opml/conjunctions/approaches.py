@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from opml.interop.curves.orbit_path import Path
+from opml.interop.ephemeris import Ephemeris
 
 STEP = 60.0  # time between two looks at the distance [s]
 _FASTEST = 25e3  # relative speed of two objects bound to the Earth, head on at its surface [m/s]
@@ -28,12 +28,12 @@ class Approach:
     is_end: bool = False  # whether the time that both share begins or ends there; they may come nearer beyond
 
 
-def shared(one: Path, other: Path) -> tuple[float, float]:
+def shared(one: Ephemeris, other: Ephemeris) -> tuple[float, float]:
     """Return when the time that two paths share begins and ends [s]; it is none where it ends first."""
     return float(max(one.t[0], other.t[0])), float(min(one.t[-1], other.t[-1]))
 
 
-def find(one: Path, other: Path, *, within: float) -> list[Approach]:
+def find(one: Ephemeris, other: Ephemeris, *, within: float) -> list[Approach]:
     """Return the approaches of two paths, in the order of time.
 
     within: largest distance [m]
@@ -57,13 +57,13 @@ def find(one: Path, other: Path, *, within: float) -> list[Approach]:
     return [approach for approach in approaches if approach.distance <= within]
 
 
-def _apart(one: Path, other: Path, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _apart(one: Ephemeris, other: Ephemeris, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return distances (n,) [m] at times (n,) [s], and how fast their halved squares grow [m2/s]."""
     relative = other.at(t) - one.at(t)
     return np.linalg.norm(relative[:, :3], axis=1), np.einsum("nk,nk->n", relative[:, :3], relative[:, 3:])
 
 
-def _turned(one: Path, other: Path, before: np.ndarray, after: np.ndarray) -> np.ndarray:
+def _turned(one: Ephemeris, other: Ephemeris, before: np.ndarray, after: np.ndarray) -> np.ndarray:
     """Return when (n,) the objects turn from approaching to parting between times (n,) [s]."""
     for _ in range(_HALVINGS):
         middle = 0.5 * (before + after)

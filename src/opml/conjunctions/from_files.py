@@ -8,7 +8,7 @@ from opml.base.files import FilePath
 from opml.conjunctions import all_pairs, cdm, screening
 from opml.conjunctions.conjunction import Conjunction
 from opml.interop import formats
-from opml.interop.curves.orbit_path import EPOCH
+from opml.interop.ephemeris import EPOCH
 
 
 def conjunctions(

@@ -11,15 +11,14 @@ from opml.base import epochs
 from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.files import FilePath
-from opml.conjunctions.trajectories import PropagatedElements, Trajectory, of_segment
+from opml.conjunctions.trajectories import PropagatedElements, of_states
 from opml.element_sets import known_sets
 from opml.element_sets.improve import FEWEST_SETS
 from opml.element_sets.prediction import Prediction, PublicMorning
 from opml.interop import ccsds
-from opml.interop.curves.orbit_path import EPOCH
 from opml.interop.element_sets.element_set import ElementSet
+from opml.interop.ephemeris import EPOCH, Ephemeris
 from opml.interop.predicted_orbit import LEADS
-from opml.orbits.density_error import DensityErrors
 
 _log = logging.getLogger(__name__)
 
@@ -37,7 +36,7 @@ class PredictedSets:
     end: float
     weather: FilePath
 
-    def trajectories(self, elements: PropagatedElements) -> Sequence[Trajectory]:
+    def trajectories(self, elements: PropagatedElements) -> Sequence[Ephemeris]:
         """Return where an object is predicted; by SGP4 with few sets, and where no prediction can be made."""
         history = self._histories[int(elements.row["number"])]
         if len(history) < FEWEST_SETS or self._days > LEADS[-1] or self._morning is None:
@@ -48,14 +47,10 @@ class PredictedSets:
             _log.warning("%s: propagated by SGP4: %s", elements.identity, reason)
             return elements.trajectories()
 
-    def _trajectory(self, prediction: Prediction) -> Trajectory:
+    def _trajectory(self, prediction: Prediction) -> Ephemeris:
         """Return a prediction, times since EPOCH."""
-        segment, shift = prediction.segment(), epochs.seconds_between(EPOCH, prediction.date)
-        density = segment.density
-        if density is not None:
-            density = DensityErrors(density.uncertainty, density.t + shift, density.sensitivities)
-        t, covariance_t = segment.t + shift, segment.covariance_t + shift
-        trajectory = of_segment(replace(segment, t=t, covariance_t=covariance_t, density=density))
+        since = epochs.seconds_between(EPOCH, prediction.date)
+        trajectory = of_states(prediction.ephemeris().shifted(since))
         return replace(trajectory, remark=f"as opml predict states it: {prediction.way}")
 
     @property

@@ -25,14 +25,13 @@ from opml.conjunctions.predicted_sets import PredictedSets
 from opml.conjunctions.sieve import Looks, Span
 from opml.conjunctions.trajectories import (
     PropagatedElements,
-    Trajectory,
-    of_segment,
+    of_states,
     read_elements,
     span_of_days,
 )
 from opml.interop import ccsds, formats, orbit_segments
-from opml.interop.curves.orbit_path import EPOCH
 from opml.interop.element_sets.mean_elements import WARN_DAYS
+from opml.interop.ephemeris import EPOCH, Ephemeris
 from opml.interop.object_ids import ObjectId
 
 RADIUS = 20.0  # sum of the radii of two objects by default [m]
@@ -53,18 +52,19 @@ class ScreenedObject:
 
     identity: ObjectId  # of the object
     source: str  # the file's name
-    propagate: Callable[[], Sequence[Trajectory]]
+    propagate: Callable[[], Sequence[Ephemeris]]
     known: float  # when the newest was known that it is made from [s]
     elements: PropagatedElements | None = None  # that are propagated; None for states
 
     @cached_property
-    def trajectories(self) -> Sequence[Trajectory]:
+    def trajectories(self) -> Sequence[Ephemeris]:
         """Trajectories of the object, propagated at first use."""
         return self.propagate()
 
-    def participant(self, trajectory: Trajectory, t: float) -> Participant:
+    def participant(self, trajectory: Ephemeris, t: float) -> Participant:
         """Return the object at a time [s] of one of its trajectories."""
-        covariance, name, remarks = trajectory.covariance(t), self.identity.name, []
+        matrix, name, remarks = trajectory.covariances_at(np.array([t]))[0], self.identity.name, []
+        covariance = matrix if np.isfinite(matrix).all() else None
         if covariance is None and len(trajectory.covariance_t):
             remarks.append(f"covariances of {name} are of other times")
         if covariance is not None and trajectory.remark:
@@ -73,7 +73,7 @@ class ScreenedObject:
         if self.elements is not None and abs(days := (t - self.elements.orbit.t) / DAY) > WARN_DAYS:
             remarks.append(f"elements of {name} {abs(days):.0f} d {'old' if days > 0 else 'ahead'}")
         density = trajectory.density.at(t) if trajectory.density and covariance is not None else None
-        state = trajectory.path.at(np.array([t]))[0]
+        state = trajectory.at(np.array([t]))[0]
         return Participant(self.identity, state, covariance, tuple(remarks), density)
 
     def unknown(self, wanted: Sequence[Span]) -> list[Span]:
@@ -145,7 +145,7 @@ def screen(ephemerides: Sequence[ScreenedObject], *, within: float, radius: floa
     spans = [trajectory.span for trajectory in ours.trajectories]
     whole = _whole(spans)
     _tell_unknown(ours, [whole])
-    looks = [Looks.at(trajectory.path, epoch=EPOCH) for trajectory in ours.trajectories]
+    looks = [Looks.at(trajectory, epoch=EPOCH) for trajectory in ours.trajectories]
     near = [one for one in others if one.elements is None or one.elements.may_meet(looks, within)]
     for one in near:
         _tell_unknown(one, spans)
@@ -194,8 +194,7 @@ def _uncovered(span: Span, covered: Sequence[Span]) -> Iterator[Span]:
 def _met_spans(ours: ScreenedObject, other: ScreenedObject) -> list[Span]:
     """Return the times that trajectories of both share."""
     pairs = [
-        approaches.shared(one.path, another.path)
-        for one, another in product(ours.trajectories, other.trajectories)
+        approaches.shared(one, another) for one, another in product(ours.trajectories, other.trajectories)
     ]
     return [(begin, end) for begin, end in pairs if begin < end]
 
@@ -206,8 +205,8 @@ def approaches_of(
     """Yield the close approaches of two objects."""
     spans, known = _met_spans(ours, other), max(ours.known, other.known)
     for one, another in product(ours.trajectories, other.trajectories):
-        for approach in approaches.find(one.path, another.path, within=within):
-            if not _goes_on(approach, approaches.shared(one.path, another.path), spans):
+        for approach in approaches.find(one, another, within=within):
+            if not _goes_on(approach, approaches.shared(one, another), spans):
                 pair = ours.participant(one, approach.t), other.participant(another, approach.t)
                 yield Conjunction(approach.t, *pair, radius, approach.is_end, known)
 
@@ -231,7 +230,7 @@ def _of_orbit(path: FilePath) -> list[ScreenedObject]:
     """Return an ephemeris of each object in a file."""
     segments = orbit_segments.read(path, epoch=EPOCH)
     try:
-        trajectories = [(one.identity, of_segment(one)) for one in segments]
+        trajectories = [(one.identity, of_states(one)) for one in segments]
     except InputError as reason:
         raise InputError(f"{path}: {reason}") from None
     source, known = File(path).name, segments[0].newest
@@ -248,7 +247,7 @@ def _of_elements(elements: Sequence[PropagatedElements], predicted: PredictedSet
 
 
 def object_of_elements(
-    elements: PropagatedElements, propagate: Callable[[], Sequence[Trajectory]]
+    elements: PropagatedElements, propagate: Callable[[], Sequence[Ephemeris]]
 ) -> ScreenedObject:
     """Return the object of mean elements; propagate: as that of `ScreenedObject`."""
     row = elements.row

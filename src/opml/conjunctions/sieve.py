@@ -13,9 +13,9 @@ from scipy.spatial import KDTree
 from sgp4.api import Satrec
 
 from opml.base.constants import WGS84_A
-from opml.interop.curves.orbit_path import Path
 from opml.interop.element_sets.element_set import propagate
 from opml.interop.element_sets.teme import teme_to_gcrf
+from opml.interop.ephemeris import Ephemeris
 
 LOOK = 240.0  # longest time between two looks at one object and ours [s]
 LOOK_AT_ALL = 30.0  # longest time between two looks at all objects [s]
@@ -54,7 +54,7 @@ class Looks:
     states: np.ndarray  # (n, 6) TEME [km, km/s]
 
     @classmethod
-    def at(cls, path: Path, *, epoch: str) -> "Looks":
+    def at(cls, path: Ephemeris, *, epoch: str) -> "Looks":
         """Return the looks along a path.
 
         epoch: UTC text, the path's

@@ -1,7 +1,7 @@
 """Trajectories of objects with their covariances: by states in messages, or by mean elements."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -12,13 +12,10 @@ from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.conjunctions import approaches
 from opml.conjunctions.sieve import STEEP, Looks, Sgp4Orbit, Span
-from opml.interop.curves.orbit_path import EPOCH, Path, covariances_at, velocities_of, with_velocities
 from opml.interop.element_sets import histories, mean_elements, sgp4_errors
 from opml.interop.element_sets.mean_elements import MOST_DAYS
+from opml.interop.ephemeris import EPOCH, Ephemeris, velocities_of, with_velocities
 from opml.interop.object_ids import ObjectId
-from opml.interop.oem import Segment
-from opml.interop.orbit_segments import covariances_in_rsw
-from opml.orbits.density_error import DensityErrors
 from opml.orbits.state_polynomials import FEWEST
 
 USUAL = "is typical of public sets at its height"
@@ -28,31 +25,11 @@ _LOWEST = 1e-3 * WGS84_A + 80.0  # distance from the Earth's centre below which 
 _SPARSE = 10  # states of a path from one of its covariances to the next
 
 
-@dataclass(frozen=True, eq=False)
-class Trajectory:
-    """A trajectory of an object, and its covariances."""
-
-    path: Path
-    covariance_t: np.ndarray = field(default_factory=lambda: np.empty(0))  # (m,) ascending [s]
-    covariances: np.ndarray = field(default_factory=lambda: np.empty((0, 6, 6)))  # (m, 6, 6) in RSW [m, m/s]
-    remark: str = ""  # what to know of these
-    density: DensityErrors | None = None  # the part of these that other objects share; None where unknown
-
-    @property
-    def span(self) -> Span:
-        """When the trajectory begins and ends [s]."""
-        return float(self.path.t[0]), float(self.path.t[-1])
-
-    def covariance(self, t: float) -> np.ndarray | None:
-        """Return the covariance at a time [s], linear between those that are known; None far from all."""
-        covariance = covariances_at(self.covariance_t, self.covariances, np.array([t]))[0]
-        return covariance if np.isfinite(covariance).all() else None
-
-
-def of_segment(segment: Segment) -> Trajectory:
-    """Return the trajectory of a segment."""
-    path = Path(segment.name, segment.t, with_velocities(segment.t, segment.states))
-    return Trajectory(path, *covariances_in_rsw(segment, path.at), density=segment.density)
+def of_states(ephemeris: Ephemeris) -> Ephemeris:
+    """Return an ephemeris with velocities everywhere, and covariances in RSW; raise InputError as `check`."""
+    whole = replace(ephemeris, states=with_velocities(ephemeris.t, ephemeris.states), remark="")
+    whole.check()
+    return whole.in_rsw()
 
 
 def span_of_days(path: FilePath, days: float) -> Span:
@@ -103,13 +80,13 @@ class PropagatedElements:
         oldest = max(float(np.abs(one.t[[0, -1]] - self.orbit.t).max()) for one in looks)
         return oldest > DAY * MOST_DAYS or any(one.may_meet(self.orbit, within) for one in looks)
 
-    def trajectories(self) -> list[Trajectory]:
+    def trajectories(self) -> list[Ephemeris]:
         """Return the trajectory through all states of the life, none where these are too few."""
         if self.life is None:
             return []
         return self._through(np.arange(self.life[0], self.life[1] + 0.5 * approaches.STEP, approaches.STEP))
 
-    def during(self, span: Span) -> list[Trajectory]:
+    def during(self, span: Span) -> list[Ephemeris]:
         """Return the trajectory in a part of the life [s], none where it has too few states."""
         if self.life is None:
             return []
@@ -117,23 +94,33 @@ class PropagatedElements:
         begin, end = ends[:, 0].max(), ends[:, 1].min()
         return self._through(np.linspace(begin, end, int(np.ceil((end - begin) / approaches.STEP)) + 1))
 
-    def _through(self, t: np.ndarray) -> list[Trajectory]:
+    def _through(self, t: np.ndarray) -> list[Ephemeris]:
         if len(t) < FEWEST:
             return []
         states = mean_elements.states(self.orbit.satellite, epoch=EPOCH, t=t)
-        return [self._with_usual_errors(Path(self.identity.name, t, _led(t, states)))]
+        path = Ephemeris(self.identity.name, t, _led(t, states))
+        path.check()
+        return [self._with_usual_errors(path)]
 
-    def _with_usual_errors(self, path: Path) -> Trajectory:
+    def _with_usual_errors(self, path: Ephemeris) -> Ephemeris:
         """Return the trajectory with the covariances that sets of such orbits usually have, or none."""
         satellite = self.orbit.satellite
         days = (path.t - self.orbit.t) / DAY
         rows = np.flatnonzero(np.abs(days) <= sgp4_errors.LONGEST)[::_SPARSE]
         if not (len(rows) and sgp4_errors.are_known(satellite)):
-            return Trajectory(path)
+            return path
         t, states, days = path.t[rows], path.states[rows], np.abs(days[rows])
         sigmas = sgp4_errors.expected(satellite, days)
         density = sgp4_errors.density_errors(satellite, t, states, days, sigmas)
-        return Trajectory(path, t, sgp4_errors.covariances(sigmas, states), USUAL, density)
+        covariances = sgp4_errors.covariances(sigmas, states)
+        return replace(
+            path,
+            covariance_t=t,
+            covariances=covariances,
+            covariance_frame="RSW",
+            density=density,
+            remark=USUAL,
+        )
 
 
 def _led(t: np.ndarray, states: np.ndarray) -> np.ndarray:

@@ -16,7 +16,7 @@ from opml.catalog.simulate.observing import horizon, observe
 from opml.dynamics.frames import gcrf_to_itrf
 from opml.environment import earth_orientation, nodes
 from opml.interop import ccsds, known_orbits
-from opml.interop.curves.orbit_path import EPOCH
+from opml.interop.ephemeris import EPOCH
 from opml.interop.known_orbits import KnownOrbit
 from opml.interop.predicted_orbit import PredictedOrbit
 from opml.orbits.rsw_covariance import half_width

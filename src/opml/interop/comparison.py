@@ -16,7 +16,7 @@ from scipy.stats import chi2
 from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
 from opml.interop import ccsds
-from opml.interop.curves.orbit_path import EPOCH
+from opml.interop.ephemeris import EPOCH
 from opml.interop.known_orbits import KnownOrbit, Sets
 from opml.orbits.elements import bent_rsw
 from opml.orbits.rsw_covariance import least_variances, mahalanobis

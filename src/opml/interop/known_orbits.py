@@ -21,15 +21,13 @@ from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.interop import ccsds, formats, object_ids, oem, orbit_segments
-from opml.interop.curves.orbit_path import EPOCH, LONGEST_STEP, Path, covariances_at, with_velocities
 from opml.interop.element_sets import histories
 from opml.interop.element_sets.mean_elements import MOST_DAYS
+from opml.interop.ephemeris import EPOCH, LONGEST_STEP, Ephemeris, with_velocities
 from opml.interop.object_ids import UNKNOWN, ObjectId
 from opml.interop.orbit_arcs import Arc
 from opml.interop.orbit_from_files import OrbitFiles, arcs_of_files
-from opml.interop.orbit_segments import covariances_in_rsw
 from opml.interop.predicted_orbit import PredictedOrbit
-from opml.orbits.state_polynomials import FEWEST
 from opml.tables import STATE, read_kind, read_metadata, read_table
 
 _SAME = 1e-5  # [s]
@@ -37,36 +35,6 @@ _SHOWN = 5  # objects in an error
 _OTHER_UNIT = 0.5  # of most chords between positions by which velocities are off
 
 _log = logging.getLogger(__name__)
-
-
-@dataclass(frozen=True, eq=False)
-class ContinuousStates:
-    """States of an orbit without a gap.
-
-    covariance_t, covariances: (m,) [s] and (m, 6, 6) in RSW [m, m/s]
-    """
-
-    name: str
-    t: np.ndarray  # (n,) ascending [s since EPOCH]
-    states: np.ndarray  # (n, 6) in GCRF [m, m/s], velocities NaN where unknown
-    covariance_t: np.ndarray = field(default_factory=lambda: np.empty(0))
-    covariances: np.ndarray = field(default_factory=lambda: np.empty((0, 6, 6)))
-
-    @cached_property
-    def _path(self) -> Path:
-        return Path(self.name, self.t, self.states)
-
-    def holds(self, t: np.ndarray) -> np.ndarray:
-        """Return whether states follow at times (n,): at its own, and between them where they are many."""
-        if len(self.t) >= FEWEST:
-            return np.asarray((t >= self.t[0] - _SAME) & (t <= self.t[-1] + _SAME))
-        return np.asarray(np.abs(t[:, None] - self.t).min(axis=1) <= _SAME)
-
-    def at(self, t: np.ndarray) -> np.ndarray:
-        """Return states (n, 6) at times (n,) that it holds."""
-        if len(self.t) >= FEWEST:
-            return self._path.at(t)
-        return np.asarray(self.states[np.abs(t[:, None] - self.t).argmin(axis=1)])
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -121,7 +89,7 @@ class States(KnownOrbit):
     parts: in the order of time; where they overlap the later one counts
     """
 
-    parts: Sequence[ContinuousStates]
+    parts: Sequence[Ephemeris]
 
     @cached_property
     def t(self) -> np.ndarray:
@@ -141,7 +109,7 @@ class States(KnownOrbit):
         matrices = super().covariances(t)
         for one in self.parts:
             held = one.holds(t)
-            matrices[held] = covariances_at(one.covariance_t, one.covariances, t[held])
+            matrices[held] = one.covariances_at(t[held])
         return matrices
 
 
@@ -185,7 +153,7 @@ def of(orbit: KnownOrbit | PredictedOrbit) -> KnownOrbit:
     """Return an orbit that was read, or a prediction as one. Raises InputError for what is neither."""
     if isinstance(orbit, PredictedOrbit):
         since = epochs.seconds_between(EPOCH, orbit.date)
-        return States(orbit.way, parts_of(orbit.segment(), since), identity=orbit.identity)
+        return States(orbit.way, parts_of(orbit.ephemeris().shifted(since)), identity=orbit.identity)
     if not isinstance(orbit, KnownOrbit):
         raise InputError(f"compare: expected orbits or predictions, got {type(orbit).__name__}")
     return orbit
@@ -207,7 +175,7 @@ def _of_tables(paths: Sequence[FilePath]) -> States:
             raise InputError(f"{path}: expected a table of {', '.join(oem.SEGMENTS)}, got one of {kind}")
         since = epochs.seconds_between(EPOCH, read_metadata(path)["epoch"])
         for one in oem.segments_of(read_table(path, kind), kind, identity):
-            parts += parts_of(one, since)
+            parts += parts_of(one.shifted(since))
     return States(str(paths[0]), parts, identity=identity)
 
 
@@ -224,21 +192,16 @@ def _in_one_unit(arc: Arc) -> Arc:
     return arc.without_velocities()
 
 
-def parts_of(segment: oem.Segment, since: float = 0.0) -> list[ContinuousStates]:
-    """Return the parts of a segment, times since EPOCH, with covariances in RSW.
+def parts_of(ephemeris: Ephemeris) -> list[Ephemeris]:
+    """Return the parts of an ephemeris without gaps, with covariances in RSW, times since EPOCH.
 
-    since: when the segment's times begin to count [s since EPOCH]
+    Positions without velocities get them where they are many.
     """
-    segment = replace(segment, t=segment.t + since, covariance_t=segment.covariance_t + since)
-    parts = _parts(segment.name, segment.t, segment.states)
-    t, covariances = covariances_in_rsw(segment, States(segment.name, parts).at)
-    return [replace(one, covariance_t=t, covariances=covariances) for one in parts]
-
-
-def _parts(name: str, t: np.ndarray, states: np.ndarray) -> list[ContinuousStates]:
-    """Return parts of ascending times (n,); positions without velocities get them where they are many."""
-    parts = np.split(np.arange(len(t)), np.flatnonzero(np.diff(t) > LONGEST_STEP + _SAME) + 1)
-    return [ContinuousStates(name, t[part], with_velocities(t[part], states[part])) for part in parts]
+    t, states = ephemeris.t, ephemeris.states
+    rows = np.split(np.arange(len(t)), np.flatnonzero(np.diff(t) > LONGEST_STEP + _SAME) + 1)
+    parts = [replace(ephemeris, t=t[part], states=with_velocities(t[part], states[part])) for part in rows]
+    turned = ephemeris.in_rsw(States(ephemeris.name, parts).at)
+    return [replace(turned, t=one.t, states=one.states) for one in parts]
 
 
 def _of_sets(paths: Sequence[FilePath], wanted: str | None) -> Sets:

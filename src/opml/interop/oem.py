@@ -8,7 +8,7 @@ Source: CCSDS 502.0-B-2, section 5.
 import logging
 import re
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from itertools import islice
 from typing import NamedTuple
 
@@ -19,7 +19,8 @@ from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.interop import ccsds
 from opml.interop.element_sets.teme import teme_to_gcrf, tod_to_gcrf
-from opml.interop.object_ids import UNKNOWN, ObjectId
+from opml.interop.ephemeris import Ephemeris
+from opml.interop.object_ids import ObjectId
 from opml.interop.orbit_arcs import MOST_APART, Arc, check_ascending, choose_satellites
 from opml.orbits.density_error import DensityErrors
 from opml.tables import STATE, STATE_COVARIANCES, symmetric_matrices
@@ -56,40 +57,13 @@ _AXES = {
 _TERRESTRIAL = re.compile(r"ITRF[-_]?\d*", re.IGNORECASE)
 
 
-@dataclass(frozen=True)
-class Segment:
-    """States of an object, with covariances at some of the times.
-
-    covariance_t: (m,) times of the covariances [s since the epoch]
-    known: when the newest was known that it is made from [s since the epoch]; None: its first state
-    density: the part of the covariances that other objects share; None where unknown
-    """
-
-    name: str
-    t: np.ndarray  # (n,) times of the states [s since the epoch]
-    states: np.ndarray  # (n, 6) in GCRF [m, m/s]
-    covariance_t: np.ndarray = field(default_factory=lambda: np.empty(0))
-    covariances: np.ndarray = field(default_factory=lambda: np.empty((0, 6, 6)))  # (m, 6, 6) [m, m/s]
-    covariance_frame: str | np.ndarray = "GCRF"  # GCRF, or RSW of the states; of all, or (m,) of each
-    remark: str = ""  # comment in the metadata
-    degree: int = 0  # of the Hermite interpolation of the states; 0 leaves it open
-    identity: ObjectId = UNKNOWN  # what else than the name identifies the object
-    known: float | None = None
-    density: DensityErrors | None = None
-
-    @property
-    def newest(self) -> float:
-        """When the newest was known that the segment is made from [s since the epoch]."""
-        return float(self.t[0]) if self.known is None else self.known
-
-
-def truth_segments(truth: pd.DataFrame, *, rso: str) -> list[Segment]:
+def truth_segments(truth: pd.DataFrame, *, rso: str) -> list[Ephemeris]:
     """Return the segment of a table `truth`."""
     t = truth["t"].to_numpy()
-    return [Segment(rso, t, truth[STATE].to_numpy(), remark="true orbit", known=t[-1])]
+    return [Ephemeris(rso, t, truth[STATE].to_numpy(), remark="true orbit", known=t[-1])]
 
 
-def estimate_segments(estimates: pd.DataFrame, *, rso: str) -> list[Segment]:
+def estimate_segments(estimates: pd.DataFrame, *, rso: str) -> list[Ephemeris]:
     """Return the segment of a table `estimates`: state and covariance of each estimate that converged.
 
     Raises InputError where no estimate converged.
@@ -99,10 +73,10 @@ def estimate_segments(estimates: pd.DataFrame, *, rso: str) -> list[Segment]:
         raise none_converged(rso, [estimates])
     t, remark = usable["t"].to_numpy(), "estimates at the starts of tracks, not for interpolation"
     covariances = symmetric_matrices(usable, STATE_COVARIANCES)
-    return [Segment(rso, t, usable[STATE].to_numpy(), t, covariances, remark=remark, known=t[-1])]
+    return [Ephemeris(rso, t, usable[STATE].to_numpy(), t, covariances, remark=remark, known=t[-1])]
 
 
-def corrected_segments(corrected: pd.DataFrame, *, rso: str) -> list[Segment]:
+def corrected_segments(corrected: pd.DataFrame, *, rso: str) -> list[Ephemeris]:
     """Return the segments of a table `corrected`, one per estimate, with a covariance every ten minutes."""
     segments = []
     for i, rows in corrected.groupby("i", sort=True):
@@ -110,7 +84,7 @@ def corrected_segments(corrected: pd.DataFrame, *, rso: str) -> list[Segment]:
         every = max(1, round(_COVARIANCE_STEP / float(np.median(np.diff(t)))))
         sparse = np.unique(np.append(np.arange(0, len(t), every), len(t) - 1))
         segments.append(
-            Segment(
+            Ephemeris(
                 rso,
                 t,
                 rows[STATE].to_numpy(),
@@ -124,7 +98,7 @@ def corrected_segments(corrected: pd.DataFrame, *, rso: str) -> list[Segment]:
     return segments
 
 
-SEGMENTS: dict[str, Callable[..., list[Segment]]] = {
+SEGMENTS: dict[str, Callable[..., list[Ephemeris]]] = {
     "truth": truth_segments,
     "estimates": estimate_segments,
     "corrected": corrected_segments,
@@ -132,12 +106,12 @@ SEGMENTS: dict[str, Callable[..., list[Segment]]] = {
 """Makers of the segments of a message, by the table."""
 
 
-def segments_of(table: pd.DataFrame, kind: str, identity: ObjectId) -> list[Segment]:
+def segments_of(table: pd.DataFrame, kind: str, identity: ObjectId) -> list[Ephemeris]:
     """Return the segments of a table of a kind, of an object by its name in the run."""
     return [replace(segment, identity=identity) for segment in SEGMENTS[kind](table, rso=identity.name)]
 
 
-def write(path: FilePath, segments: Sequence[Segment], *, epoch: str, comment: str = "") -> None:
+def write(path: FilePath, segments: Sequence[Ephemeris], *, epoch: str, comment: str = "") -> None:
     """Write segments as an OEM, whole or not at all."""
     ccsds.write(path, _lines(segments, epoch, comment))
 
@@ -167,7 +141,7 @@ def read(path: FilePath, _: bytes, *, epoch: str, satellite: str | None = None) 
     return arcs
 
 
-def _lines(segments: Sequence[Segment], epoch: str, comment: str) -> Iterator[str]:
+def _lines(segments: Sequence[Ephemeris], epoch: str, comment: str) -> Iterator[str]:
     version, *rest = ccsds.header(_KEY, epoch, max(segment.newest for segment in segments))
     yield from (version, *([f"COMMENT {comment}"] if comment else []), *rest)
     for segment in segments:
@@ -187,7 +161,7 @@ def _lines(segments: Sequence[Segment], epoch: str, comment: str) -> Iterator[st
             yield from _covariance_lines(segment, epoch)
 
 
-def _covariance_lines(segment: Segment, epoch: str) -> Iterator[str]:
+def _covariance_lines(segment: Ephemeris, epoch: str) -> Iterator[str]:
     yield "COVARIANCE_START"
     if segment.covariance_frame == _RSW:
         yield f"COMMENT {_AXES_ONLY}"

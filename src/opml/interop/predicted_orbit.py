@@ -13,6 +13,7 @@ from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.interop import ccsds, oem
+from opml.interop.ephemeris import Ephemeris
 from opml.interop.object_ids import ObjectId
 from opml.orbits.density_error import DensityErrors
 from opml.tables import STATE
@@ -121,13 +122,13 @@ class PredictedOrbit(ABC):
         states.insert(0, "utc", self._texts(self.t))
         return states.assign(**sigmas)
 
-    def segment(self) -> oem.Segment:
+    def ephemeris(self) -> Ephemeris:
         """Return the ephemeris with covariances, times since the date."""
         states, last = self.states(self.t), len(self.t) - 1
         sparse, rare = (np.unique(np.r_[0:last:every, last]) for every in (_COVARIANCE_EVERY, _DENSITY_EVERY))
         covariances = self.covariances(self.t[sparse], states[sparse])
         known = np.isfinite(covariances).all(axis=(1, 2))
-        return oem.Segment(
+        return Ephemeris(
             self.identity.name,
             self.t,
             states,
@@ -143,7 +144,7 @@ class PredictedOrbit(ABC):
 
     def to_oem(self, path: FilePath) -> None:
         """Write the ephemeris with covariances as an OEM."""
-        oem.write(path, [self.segment()], epoch=self.date)
+        oem.write(path, [self.ephemeris()], epoch=self.date)
 
     def expected(self) -> pd.DataFrame:
         """Return the table `expected_errors`, in RSW [m]."""

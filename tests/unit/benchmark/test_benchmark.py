@@ -26,6 +26,7 @@ from opml.environment import solar_activity
 from opml.environment.weather import Weather
 from opml.interop import oem
 from opml.interop.element_sets.teme import teme_to_gcrf
+from opml.interop.ephemeris import Ephemeris
 from opml.report import benchmark
 
 SAMPLE = REPOSITORY / "src" / "opml" / "data" / "benchmark" / "sample"
@@ -438,7 +439,7 @@ def test_messages_score_as_tables_do(sgp4, task, tmp_path):
         covariances = np.tile(np.diag([1.0] * 6), (len(places), 1, 1))
         covariances[:, :3, :3] = told.covariances[places]
         segments.append(
-            oem.Segment(
+            Ephemeris(
                 str(number), np.append(t[places[0]], time[places]), np.vstack([states[:1], states]),
                 time[places], covariances, covariance_frame="RSW", known=t[places[0]],
             )

@@ -6,7 +6,7 @@ import pytest
 from opml.base.constants import DAY, EARTH_GM
 from opml.base.errors import InputError
 from opml.conjunctions.approaches import find
-from opml.interop.curves.orbit_path import Path
+from opml.interop.ephemeris import Ephemeris
 from opml.orbits.elements import (
     cartesian_from_coe,
     coe_from_cartesian,
@@ -45,7 +45,7 @@ def test_a_hundred_encounters_are_all_found():
     rng = np.random.default_rng(1)
     for _ in range(100):
         first, second, at, miss = built(rng)
-        paths = [Path(name, T, kepler(state, at, T)) for name, state in (("a", first), ("b", second))]
+        paths = [Ephemeris(name, T, kepler(state, at, T)) for name, state in (("a", first), ("b", second))]
         near = [found for found in find(*paths, within=5000.0) if abs(found.t - at) < 5.0]
         assert len(near) == 1
         # Gravity bends a slow pass, which is then closest some milliseconds beside the time it was built at.
@@ -60,7 +60,7 @@ def test_a_hundred_encounters_are_all_found():
 def test_paths_may_have_other_times_and_parts_of_the_span():
     first, second, at, miss = built(np.random.default_rng(3))
     other = np.arange(at - 5000.0, at + 7000.0, 47.3)
-    paths = [Path("a", T, kepler(first, at, T)), Path("b", other, kepler(second, at, other))]
+    paths = [Ephemeris("a", T, kepler(first, at, T)), Ephemeris("b", other, kepler(second, at, other))]
     (found,) = (one for one in find(*paths, within=5000.0) if abs(one.t - at) < 5.0)
     assert found.distance == pytest.approx(miss, abs=1.0)
     assert all(other[0] <= one.t <= other[-1] for one in find(*paths, within=1e7))
@@ -71,7 +71,7 @@ def test_encounters_between_an_end_and_a_whole_minute_are_found(begin):
     first, second, _, miss = built(np.random.default_rng(6))
     at = 0.5 * DAY + 30.0
     t = at + begin + 60.0 * np.arange(601)
-    paths = [Path(name, t, kepler(state, at, t)) for name, state in (("a", first), ("b", second))]
+    paths = [Ephemeris(name, t, kepler(state, at, t)) for name, state in (("a", first), ("b", second))]
     near = [one for one in find(*paths, within=5000.0) if abs(one.t - at) < 5.0]
     assert [one.distance for one in near] == [pytest.approx(miss, abs=1.0)]
 
@@ -100,7 +100,7 @@ def test_slow_and_opposite_encounters_of_eccentric_orbits_are_found(velocities):
         beside = position + 500.0 * aside / np.linalg.norm(aside)
         t = T[T <= 0.5 * DAY] + 11.0
         states = (np.concatenate([position, one]), np.concatenate([beside, other]))
-        paths = [Path(name, t, kepler(state, at, t)) for name, state in zip("ab", states, strict=True)]
+        paths = [Ephemeris(name, t, kepler(state, at, t)) for name, state in zip("ab", states, strict=True)]
         fine = np.arange(at - 300.0, at + 300.0, 0.1)
         apart = np.linalg.norm((kepler(states[1], at, fine) - kepler(states[0], at, fine))[:, :3], axis=1)
         (found,) = (one for one in find(*paths, within=5000.0) if abs(one.t - at) < 300.0)
@@ -111,7 +111,7 @@ def test_slow_and_opposite_encounters_of_eccentric_orbits_are_found(velocities):
 def test_every_minimum_of_the_distance_is_among_them():
     """Beside the distance each second, of two objects that meet every half revolution."""
     first, second, at, _ = built(np.random.default_rng(4))
-    paths = [Path(name, T, kepler(state, at, T)) for name, state in (("a", first), ("b", second))]
+    paths = [Ephemeris(name, T, kepler(state, at, T)) for name, state in (("a", first), ("b", second))]
     fine = np.arange(0.0, 2.0 * DAY, 1.0)
     distance = np.linalg.norm((kepler(second, at, fine) - kepler(first, at, fine))[:, :3], axis=1)
     least = np.flatnonzero((distance[1:-1] < distance[:-2]) & (distance[1:-1] <= distance[2:])) + 1
@@ -124,7 +124,7 @@ def test_every_minimum_of_the_distance_is_among_them():
 @pytest.mark.parametrize(("t", "expected"), [(T[:3], "at least 4 states, got 3"), (10.0 * T, "got 600")])
 def test_states_that_do_not_make_a_path_are_refused(t, expected):
     with pytest.raises(InputError, match=f"^a: .*{expected}"):
-        Path("a", t, np.ones((len(t), 6)))
+        Ephemeris("a", t, np.ones((len(t), 6))).check()
 
 
 def test_a_burn_parts_a_path_in_one_way_and_a_wrong_state_in_two():
@@ -133,7 +133,7 @@ def test_a_burn_parts_a_path_in_one_way_and_a_wrong_state_in_two():
     before = kepler(state, 0.0, t)
     at_burn = kepler(state, 0.0, np.array([1230.0]))[0] + [0.0, 0.0, 0.0, 60.0, 0.0, 80.0]
     burned = np.where((t < 1230.0)[:, None], before, kepler(at_burn, 1230.0, t))
-    assert Path("burned", t, burned).heights[0] > 6e6
+    assert Ephemeris("burned", t, burned).heights[0] > 6e6
     burned[30, 2] += 5e3
     with pytest.raises(InputError, match="5 km off at 2000-01-01T12:30:00"):
-        Path("spike", t, burned)
+        Ephemeris("spike", t, burned).check()

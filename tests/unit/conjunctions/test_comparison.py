@@ -17,6 +17,7 @@ from opml.base.constants import EARTH_GM
 from opml.base.errors import InputError
 from opml.interop import comparison, known_orbits, oem
 from opml.interop.ccsds import utc_texts
+from opml.interop.ephemeris import Ephemeris
 from opml.interop.object_ids import ObjectId
 from opml.orbits.elements import rsw_rotation
 from opml.tables import SCHEMAS, read_table, write_table
@@ -42,7 +43,7 @@ def moved(states, apart):
 
 def written(path, states, covariances=None, frame="RSW"):
     known = {} if covariances is None else {"covariance_t": T, "covariances": covariances}
-    oem.write(path, [oem.Segment("ONE", T, states, covariance_frame=frame, **known)], epoch=RUN)
+    oem.write(path, [Ephemeris("ONE", T, states, covariance_frame=frame, **known)], epoch=RUN)
     return path
 
 
@@ -109,7 +110,7 @@ def test_a_covariance_that_is_no_ellipsoid_has_no_shares(spread, truth, tmp_path
 def test_two_objects_are_told(one, other, are_two, truth, tmp_path, caplog):
     orbits = []
     for word in (one, other):
-        segment = oem.Segment("ONE", T, truth, identity=ObjectId.of("ONE", word))
+        segment = Ephemeris("ONE", T, truth, identity=ObjectId.of("ONE", word))
         oem.write(tmp_path / "one.oem", [segment], epoch=RUN)
         orbits.append(known_orbits.read([tmp_path / "one.oem"]))
     assert len(comparison.compare(*orbits)) == len(T)
@@ -162,7 +163,7 @@ def test_tables_with_states_are_read_and_no_others(truth, tmp_path):
     np.testing.assert_allclose(orbit.state(datetime.fromisoformat(RUN) + timedelta(minutes=1)), truth[1])
     write_table(tmp_path / "other.parquet", SCHEMAS["tracking"].empty(), "tracking", metadata={"epoch": RUN})
     refused = refusal(known_orbits.read, [tmp_path / "other.parquet"])
-    assert "expected a table of truth, estimates, predictions, corrected, got one of tracking" in refused
+    assert "expected a table of truth, estimates, corrected, got one of tracking" in refused
 
 
 def test_velocities_of_another_unit_are_passed_over(truth, tmp_path, caplog):
@@ -226,9 +227,7 @@ def test_fragments_of_one_name_that_begin_together_are_told_apart(truth, tmp_pat
     shifted = [moved(truth, [0.0, 1e3 * k, 0.0]) for k in range(3)]
     spreads = [np.tile(np.eye(6) * (k + 1.0), (len(T), 1, 1)) for k in range(3)]
     segments = [
-        oem.Segment(
-            "FENGYUN 1C DEB", T, states, T, spread, "RSW", identity=ObjectId.of("FENGYUN 1C DEB", one)
-        )
+        Ephemeris("FENGYUN 1C DEB", T, states, T, spread, "RSW", identity=ObjectId.of("FENGYUN 1C DEB", one))
         for one, states, spread in zip(ids, shifted, spreads, strict=True)
     ]
     path = tmp_path / "three.oem"
@@ -245,7 +244,7 @@ def test_fragments_of_one_name_that_begin_together_are_told_apart(truth, tmp_pat
 def test_two_objects_of_one_name_are_not_one_orbit(truth, tmp_path):
     paths = [tmp_path / "a.oem", tmp_path / "b.oem"]
     for path, one, t in zip(paths, ("1999-025A", "1999-025B"), (T, T + 1e4), strict=True):
-        oem.write(path, [oem.Segment("DEB", t, truth, identity=ObjectId.of("DEB", one))], epoch=RUN)
+        oem.write(path, [Ephemeris("DEB", t, truth, identity=ObjectId.of("DEB", one))], epoch=RUN)
     told = refusal(known_orbits.read, paths)
     assert "b.oem: expected satellite DEB (1999-025A), as in" in told
     assert told.endswith("got DEB (1999-025B)")

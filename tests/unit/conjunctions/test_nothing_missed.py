@@ -10,10 +10,9 @@ from test_approaches import kepler
 from opml.base.constants import DAY, EARTH_GM, WGS84_A
 from opml.conjunctions import screening
 from opml.conjunctions.screening import ScreenedObject
-from opml.conjunctions.trajectories import Trajectory
 from opml.interop import oem
-from opml.interop.curves.orbit_path import EPOCH, Path
 from opml.interop.element_sets import element_set, mean_elements, tle
+from opml.interop.ephemeris import EPOCH, Ephemeris
 from opml.interop.object_ids import ObjectId
 
 SPAN = 0.5 * DAY
@@ -75,7 +74,7 @@ def trajectories(rng, state, at, edges):
     """Trajectories on an ellipse between times, one after the other."""
     counts = [max(3, int(np.ceil((b - a) / rng.choice(STEPS)))) for a, b in pairwise(edges)]
     spans = [np.linspace(*span, count + 1) for span, count in zip(pairwise(edges), counts, strict=True)]
-    return [Trajectory(Path("one", t, kepler(state, at, t))) for t in spans]
+    return [Ephemeris("one", t, kepler(state, at, t)) for t in spans]
 
 
 def whole(rng, at):
@@ -156,7 +155,7 @@ def is_found_before_it_decays(folder, number):
     velocity = turned(state[3:], up, rng.uniform(0.3, 3.0))
     t = np.arange(0.0, SPAN + 1.0, 120.0)
     ours = kepler(np.concatenate([state[:3] + 30.0 * up, velocity]), at, t)
-    oem.write(folder / "ours.oem", [oem.Segment("ours", t, ours)], epoch=EPOCH)
+    oem.write(folder / "ours.oem", [Ephemeris("ours", t, ours)], epoch=EPOCH)
     pair = screening.read([folder / "ours.oem", folder / "sinking.tle"])
     found = screening.screen(pair, within=1e3, radius=20.0)
     return any(abs(one.t - at) < 1.0 and np.linalg.norm(one.relative[:3]) <= 30.0 + KINK for one in found)

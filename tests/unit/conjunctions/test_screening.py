@@ -16,8 +16,8 @@ from opml.base.constants import EARTH_GM
 from opml.base.errors import InputError
 from opml.conjunctions import as_text, cdm, screening
 from opml.interop import ccsds, oem, orbit_segments
-from opml.interop.curves.orbit_path import EPOCH
 from opml.interop.element_sets import element_set, omm, tle
+from opml.interop.ephemeris import EPOCH, Ephemeris
 from opml.interop.object_ids import UNKNOWN, ObjectId
 from opml.orbits.elements import rsw_rotation
 
@@ -38,7 +38,7 @@ def files(tmp_path):
         if frame == "GCRF":
             turns = np.array([np.kron(np.eye(2), axes.T) for axes in rsw_rotation(states[::10])])
             covariances = turns @ covariances @ turns.transpose(0, 2, 1)
-        segment = oem.Segment(name, T, states, sparse, covariances, covariance_frame=frame)
+        segment = Ephemeris(name, T, states, sparse, covariances, covariance_frame=frame)
         paths.append(tmp_path / f"{name}.oem")
         oem.write(paths[-1], [segment], epoch=RUN)
     return paths, at, miss
@@ -156,10 +156,9 @@ def test_the_usual_covariance_ends_with_what_was_learned(tmp_path):
     ours = written(tmp_path / "ours.oem", "ours", OURS, edges=(0.0, 12 * 86400.0), step=300.0)
     _, other = screening.read([ours, flown_set(tmp_path / "sets.tle")])
     (trajectory,) = other.trajectories
-    begin, ahead = trajectory.path.t[0], trajectory.covariance
-    assert ahead(begin + 9.9 * 86400.0) is not None
-    assert ahead(begin + 10.1 * 86400.0) is None
-    known = [np.sqrt(ahead(begin + 86400.0 * day)[1, 1]) for day in (0.0, 1.0, 7.0)]
+    ahead = trajectory.covariances_at(trajectory.t[0] + 86400.0 * np.array([0.0, 1.0, 7.0, 9.9, 10.1]))
+    known = np.sqrt(ahead[:3, 1, 1])
+    assert np.isfinite(ahead).all(axis=(1, 2)).tolist() == [True, True, True, True, False]
     assert 500.0 <= known[0] < known[1] < known[2]
 
 
@@ -167,7 +166,7 @@ def written(path, name, state, *, identifier="", at=9000.0, edges=(0.0, 18000.0)
     """An OEM of an ellipse, a segment between each two edges [s]."""
     spans = [np.arange(begin, end + 1.0, step) for begin, end in pairwise(edges)]
     identity = ObjectId.of(name, identifier)
-    segments = [oem.Segment(name, t, kepler(state, at, t), identity=identity) for t in spans]
+    segments = [Ephemeris(name, t, kepler(state, at, t), identity=identity) for t in spans]
     oem.write(path, segments, epoch=RUN)
     return path
 
@@ -277,7 +276,7 @@ def test_elements_that_are_too_old_do_not_fly(files, tmp_path, caplog):
 
 def test_covariances_do_not_reach_beyond_their_times(tmp_path):
     t = np.arange(0.0, 18001.0, 60.0)
-    segment = oem.Segment("ours", t, kepler(OURS, 9000.0, t), t[:1], COVARIANCE[None], covariance_frame="RSW")
+    segment = Ephemeris("ours", t, kepler(OURS, 9000.0, t), t[:1], COVARIANCE[None], covariance_frame="RSW")
     oem.write(tmp_path / "ours.oem", [segment], epoch=RUN)
     paths = [tmp_path / "ours.oem", written(tmp_path / "other.oem", "b", CROSSING)]
     rows = as_text.table(screened(paths, within=1e3), epoch=EPOCH)
@@ -329,7 +328,7 @@ def short(tmp_path):
     states = kepler(built(np.random.default_rng(5))[0], 0.0, t)
     covariances = np.repeat(COVARIANCE[None], 3, axis=0)
     path = tmp_path / "short.oem"
-    segment = oem.Segment("short", t, states, t[::10], covariances, covariance_frame="RSW")
+    segment = Ephemeris("short", t, states, t[::10], covariances, covariance_frame="RSW")
     oem.write(path, [segment], epoch=RUN)
     return path
 

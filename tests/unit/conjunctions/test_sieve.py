@@ -15,8 +15,8 @@ from opml.base.constants import EARTH_GM
 from opml.conjunctions import all_pairs, screening
 from opml.conjunctions.trajectories import read_elements, span_of_days
 from opml.interop import oem
-from opml.interop.curves.orbit_path import EPOCH
 from opml.interop.element_sets import element_set, mean_elements, tle
+from opml.interop.ephemeris import EPOCH, Ephemeris
 from opml.interop.object_ids import ObjectId
 
 WITHIN = 5e4
@@ -111,7 +111,7 @@ def test_one_against_all_misses_nothing(catalogue, looked_at, tmp_path):
     states = mean_elements.states(elements.orbit.satellite, epoch=EPOCH, t=t)
     oem.write(
         tmp_path / "ours.oem",
-        [oem.Segment("ours", t, states, identity=ObjectId.of("ours", ours))],
+        [Ephemeris("ours", t, states, identity=ObjectId.of("ours", ours))],
         epoch=EPOCH,
     )
     found = told(screening.screen(screening.read([tmp_path / "ours.oem", catalogue]), **LIMITS))

@@ -477,7 +477,7 @@ def test_an_object_that_burned_lately_is_wide_and_says_so(tmp_path):
     assert "wide: its sets show burns, the last of 1 in 20 days on 20" in burned.reason
     missed = burned.past.groupby("lead")["left"].quantile(0.9) / 1.6449
     assert burned.sizes.loc[7, "s"] >= missed[7] > 10 * still.sizes.loc[7, "s"]
-    assert burned.segment().remark.endswith("future manoeuvres are not modelled")
+    assert burned.ephemeris().remark.endswith("future manoeuvres are not modelled")
 
 
 def test_a_burn_that_is_not_yet_known_or_long_ago_does_not_count(tmp_path):

@@ -11,8 +11,8 @@ from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.interop.element_sets import element_fits, mean_elements, omm, tle
 from opml.interop.element_sets.element_set import elements_epoch, satellite
+from opml.interop.ephemeris import Ephemeris
 from opml.interop.object_ids import ObjectId
-from opml.interop.oem import Segment
 
 AT = 1234.567891
 """Time of the elements [s], not one that a TLE can tell."""
@@ -23,7 +23,7 @@ def flown(days=1.0, behind=0.0):
     t = AT + np.arange(0.0, days * DAY, 300.0)
     states = mean_elements.states(satellite("2016-09-28T12:30:19.567891", MADE), epoch=EPOCH, t=t)
     states[len(t) // 2 :, :3] -= behind * states[len(t) // 2 :, 3:] / 7.6e3
-    return Segment("made", t, states)
+    return Ephemeris("made", t, states)
 
 
 @pytest.fixture(scope="module")

@@ -17,6 +17,7 @@ from opml.base.errors import InputError
 from opml.catalog.propagator import Propagator
 from opml.catalog.simulate import truth
 from opml.interop import ccsds, oem, orbit_segments
+from opml.interop.ephemeris import Ephemeris
 from opml.orbits.density_error import DensityErrors
 from opml.tables import PARAMETERS, SCHEMAS, STATE
 
@@ -161,7 +162,7 @@ def shared_density(tmp_path):
     states = np.tile([7e6, 0.0, 0.0, 0.0, 7.5e3, 0.0], (3, 1))
     density = DensityErrors(0.1, t[[0, 2]], np.arange(12.0).reshape(2, 6))
     covariances = np.repeat(1e6 * np.eye(6)[None], 3, axis=0)
-    segment = oem.Segment("iss", t, states, t, covariances, covariance_frame="RSW", density=density)
+    segment = Ephemeris("iss", t, states, t, covariances, covariance_frame="RSW", density=density)
     path = tmp_path / "shared.oem"
     oem.write(path, [segment], epoch=EPOCH)
     return path, density
@@ -315,7 +316,8 @@ def test_covariances_of_a_segment_may_have_axes_of_their_own(of_estimates, other
         parts = iter(frames)
         path.write_text(re.sub("(?<=COV_REF_FRAME = )GCRF", lambda _: next(parts), text))
         (segment,) = orbit_segments.read(path, epoch=EPOCH)
-        return orbit_segments.covariances_in_rsw(segment, lambda t: segment.states[np.isin(segment.t, t)])
+        turned = segment.in_rsw(lambda t: segment.states[np.isin(segment.t, t)])
+        return turned.covariance_t, turned.covariances
 
     (t, mixed), (_, rsw), (_, alone) = in_rsw("RSW", other), in_rsw("RSW", "RSW"), in_rsw(other, other)
     assert t.tolist() == [0.0, 200.0][: len(mixed)]

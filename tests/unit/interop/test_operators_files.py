@@ -5,6 +5,7 @@ import pytest
 from support import EPOCH, refusal
 
 from opml.interop import known_orbits, oem, orbit_segments
+from opml.interop.ephemeris import Ephemeris
 from opml.orbits.elements import rsw_rotation
 
 T = np.arange(0.0, 601.0, 60.0)
@@ -51,7 +52,7 @@ def stk(folder, edit=lambda text: text):
 def test_an_operator_s_orbit_has_its_covariances_and_its_name(tmp_path):
     orbit = known_orbits.read([starlink(tmp_path)], "44714")
     assert str(orbit.identity) == "STARLINK-1008 (44714)"
-    oem.write(tmp_path / "same.oem", [oem.Segment("X", T, STATES)], epoch=EPOCH)
+    oem.write(tmp_path / "same.oem", [Ephemeris("X", T, STATES)], epoch=EPOCH)
     text = (tmp_path / "same.oem").read_text()
     (tmp_path / "same.oem").write_text(text.replace("REF_FRAME = GCRF", "REF_FRAME = EME2000"))
     same = known_orbits.read([tmp_path / "same.oem"])

@@ -23,6 +23,7 @@ from opml.environment import nodes as environment_nodes
 from opml.interop import ccsds, oem, orbit_from_files, truth_from_orbit
 from opml.interop.curves import orbit_curve
 from opml.interop.curves.gravity_interpolation import bridge
+from opml.interop.ephemeris import Ephemeris
 from opml.interop.orbit_arcs import contents
 from opml.interop.orbit_formats import cpf, sp3
 from opml.interop.orbit_from_files import OrbitFiles
@@ -293,7 +294,7 @@ def test_velocities_in_another_unit_are_refused(tmp_path, nodes):
 def test_positions_in_another_unit_are_refused(tmp_path, nodes, factor):
     t, states = nodes(60.0)
     path = tmp_path / "a.oem"
-    oem.write(path, [oem.Segment("mine", t, factor * states)], epoch=EPOCH)
+    oem.write(path, [Ephemeris("mine", t, factor * states)], epoch=EPOCH)
     with pytest.raises(
         InputError, match=r"a\.oem: line \d+: expected positions 6357 to 600000 km .*unit right"
     ):
@@ -303,7 +304,7 @@ def test_positions_in_another_unit_are_refused(tmp_path, nodes, factor):
 def test_a_mark_of_the_byte_order_is_passed_over(tmp_path, orbit):
     path = tmp_path / "a.oem"
     t, states = orbit[0][::12], orbit[1][::12]
-    oem.write(path, [oem.Segment("mine", t, states)], epoch=EPOCH)
+    oem.write(path, [Ephemeris("mine", t, states)], epoch=EPOCH)
     path.write_bytes(b"\xef\xbb\xbf" + path.read_bytes())
     assert orbit_from_files.read_arcs(OrbitFiles([path], EPOCH, DURATION))
 

@@ -31,6 +31,7 @@ from opml.interop import ccsds, oem
 from opml.interop.element_sets import sgp4_errors
 from opml.interop.element_sets.burns_in_sets import KnownSet, burns_among
 from opml.interop.element_sets.element_set import elements_epoch
+from opml.interop.ephemeris import Ephemeris
 from opml.interop.object_ids import ObjectId
 from opml.orbits.elements import bent_rsw
 from opml.orbits.state_polynomials import StatePolynomials
@@ -69,7 +70,7 @@ def _joined(earlier: _Passage, later: _Passage, t: np.ndarray) -> tuple[np.ndarr
 
 def _segments(
     passages: Sequence[_Passage], identity: ObjectId, begin: float, end: float
-) -> Iterator[oem.Segment]:
+) -> Iterator[Ephemeris]:
     """Yield the ephemeris of orbits without a gap from the first epoch to the last, within two times [s].
 
     What two orbits differ by is the error of both. What all sets have in common is added.
@@ -85,7 +86,7 @@ def _segments(
     wanted = np.flatnonzero((begin <= t) & (t <= end))
     if len(wanted) > 1:
         sparse = np.unique(np.append(wanted[::_COVARIANCE_EVERY], wanted[-1]))
-        yield oem.Segment(
+        yield Ephemeris(
             identity.name,
             t[wanted],
             states[wanted],
@@ -107,7 +108,7 @@ class OrbitHistory:
     """
 
     epoch: str
-    segments: Sequence[oem.Segment]
+    segments: Sequence[Ephemeris]
     published: Sequence[str]
 
     def write(self, path: FilePath) -> None:
@@ -120,7 +121,7 @@ class OrbitHistory:
             [*map(self._line, self.segments), *(f"as published: {one}" for one in self.published)]
         )
 
-    def _line(self, segment: oem.Segment) -> str:
+    def _line(self, segment: Ephemeris) -> str:
         begin, end = (text[:_MINUTES] for text in ccsds.utc_texts(self.epoch, segment.t[[0, -1]]))
         variances = np.diagonal(segment.covariances, axis1=1, axis2=2)[:, :3]
         sigmas = " ".join(f"{sigma:.0f}" for sigma in np.sqrt(np.median(variances, axis=0)))
@@ -151,7 +152,7 @@ def find(
     epoch = f"{elements_epoch(history[0].satellite)[:_DAY]}T00:00:00"
     first = -np.inf if begin is None else epochs.seconds_between(epoch, begin)
     last = np.inf if end is None else epochs.seconds_between(epoch, end)
-    segments: list[oem.Segment] = []
+    segments: list[Ephemeris] = []
     published: list[str] = []
     for stretch in _unbroken(known_sets.since(epoch, history), epoch):
         passages: list[_Passage] = []

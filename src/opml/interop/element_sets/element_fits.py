@@ -19,7 +19,7 @@ from opml.interop import ccsds
 from opml.interop.element_sets import mean_elements
 from opml.interop.element_sets.element_set import satellite
 from opml.interop.element_sets.teme import teme_to_gcrf
-from opml.interop.oem import Segment
+from opml.interop.ephemeris import Ephemeris
 from opml.orbits.elements import coe_from_cartesian, mean_from_true_anomaly
 
 _FIRST_ARC = 0.2 * DAY  # length of the arc [s] that the osculating elements are good enough to start on
@@ -97,7 +97,7 @@ def _satellite(parameters: np.ndarray, epoch: str) -> Satrec:
     return satellite(epoch, [motion, math.hypot(x, y), inclination, *angles, bstar])
 
 
-def fit_ephemeris(ephemeris: Segment, *, epoch: str) -> Satrec:
+def fit_ephemeris(ephemeris: Ephemeris, *, epoch: str) -> Satrec:
     """Return mean elements at the beginning of an ephemeris by which SGP4 comes nearest to it.
 
     Raises InputError where SGP4 does not come near it.
@@ -109,7 +109,7 @@ def fit_ephemeris(ephemeris: Segment, *, epoch: str) -> Satrec:
     return fit(ephemeris.t, positions, at=at, known=known, epoch=epoch)
 
 
-def residual(satellite: Satrec, ephemeris: Segment, *, epoch: str) -> str:
+def residual(satellite: Satrec, ephemeris: Ephemeris, *, epoch: str) -> str:
     """Return a sentence, and log it, that says how far SGP4 from mean elements is from an ephemeris.
 
     Raises InputError where SGP4 fails before the end of the ephemeris.

@@ -102,7 +102,7 @@ class Mechanism(Section):
     )
 
 
-class Ephemeris(Section):
+class EphemerisSettings(Section):
     """Corrected ephemerides."""
 
     step_s: Annotated[float, Ge(1), Le(300), Expected("seconds from 1 to 300")] = setting(
@@ -179,7 +179,7 @@ class RunAlone(Section):
         see="howto.md#a-learner",
     )
     mechanism: Mechanism = setting("columns that laws learn from")
-    ephemeris: Ephemeris = setting("corrected ephemerides")
+    ephemeris: EphemerisSettings = setting("corrected ephemerides")
     uncertainty: Uncertainty = setting("how far corrected orbits may be off")
     day: Absent[DaySettings] = absent("every morning", see="day.md")
     catalogue: Absent[CatalogueSettings] = absent("a study of a catalogue")
