@@ -17,9 +17,9 @@ from opml.element_sets import catalogue
 from opml.element_sets.catalogue import ElementCatalogue
 from opml.element_sets.inside import inside_forces, inside_sizes, set_orbits
 from opml.interop import known_orbits
-from opml.interop.curves.orbit_path import EPOCH
 from opml.interop.element_sets import mean_elements
 from opml.interop.element_sets.element_set import seconds_since
+from opml.interop.ephemeris import EPOCH
 from opml.orbits.elements import bent_rsw
 from opml.tables import STATE
 

@@ -98,11 +98,11 @@ class Request:
 class FittedOrbit(PredictedOrbit):
     """An object from a date on, by fits to what measured it.
 
-    ephemeris: table `corrected`, times since the date; model: settings of the selected one; verdict: on
+    table: that named `corrected`, times since the date; model: settings of the selected one; verdict: on
     it; burns: number of those in what the mornings measured.
     """
 
-    ephemeris: pd.DataFrame
+    table: pd.DataFrame
     model: ResolvedSettings
     verdict: Verdict
     burns: int
@@ -113,14 +113,14 @@ class FittedOrbit(PredictedOrbit):
     def sigmas(self, t: np.ndarray) -> np.ndarray:
         """Return standard deviations (n, 3) in RSW [m] at times (n,) [s since the date]."""
         names = [f"cov_{axis}_{axis}" for axis in "xyz"]
-        known = self.ephemeris["t"]
-        variances = [np.interp(t, known, self.ephemeris[name]) for name in names]
+        known = self.table["t"]
+        variances = [np.interp(t, known, self.table[name]) for name in names]
         return np.asarray(np.sqrt(np.stack(variances, axis=1)))
 
     def covariances(self, t: np.ndarray, states: np.ndarray) -> np.ndarray:
         """Return covariances (n, 6, 6) in RSW [m, m/s] at times (n,) [s since the date]."""
-        known = self.ephemeris["t"]
-        columns = {name: np.interp(t, known, self.ephemeris[name]) for name in STATE_COVARIANCES}
+        known = self.table["t"]
+        columns = {name: np.interp(t, known, self.table[name]) for name in STATE_COVARIANCES}
         return symmetric_matrices(pd.DataFrame(columns), STATE_COVARIANCES)
 
     @property
@@ -139,7 +139,7 @@ class FittedOrbit(PredictedOrbit):
 
     @cached_property
     def _path(self) -> Callable[[np.ndarray], np.ndarray]:
-        return through(self.ephemeris["t"].to_numpy(), state_rows(self.ephemeris))
+        return through(self.table["t"].to_numpy(), state_rows(self.table))
 
 
 @dataclass(frozen=True)

@@ -11,8 +11,7 @@ from opml.base import epochs
 from opml.base.constants import DAY
 from opml.element_sets import catalogue
 from opml.element_sets.inside import inside_forces, orbit_history, set_orbits, set_states
-from opml.interop import known_orbits
-from opml.interop.curves import orbit_path
+from opml.interop import ephemeris, known_orbits
 from opml.interop.element_sets import element_set, tle
 from opml.orbits.elements import bent_rsw
 from opml.orbits.state_polynomials import StatePolynomials
@@ -101,7 +100,7 @@ def geostationary():
 def test_a_precise_orbit_tells_the_errors_of_later_sets_and_of_the_orbits_inside(path, truth, monkeypatch):
     class Precise:
         at = staticmethod(
-            StatePolynomials(truth.t - epochs.seconds_between(truth.epoch, orbit_path.EPOCH), truth.states).at
+            StatePolynomials(truth.t - epochs.seconds_between(truth.epoch, ephemeris.EPOCH), truth.states).at
         )
 
     monkeypatch.setattr(set_orbits, "usual_half_span", lambda satellite: HALF)
