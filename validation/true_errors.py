@@ -5,26 +5,33 @@
 STATES is what `opml orbit SETS -o states.parquet` wrote of some objects, SETS a file of element sets of these
 and others, WEATHER a CSSI file; BEGIN and CUT are UTC texts. On mornings from BEGIN on, SGP4 of the newest
 set is held against the orbit inside the set that is nearest to morning and lead, at its epoch. Half of the
-objects teach, up to CUT. Lines tell P_ML [%] by component, learner and list of variables, with intervals of
-95 % over weeks and objects: of a fifth of the rows drawn at random, of the same objects after CUT, and of the
-others then. Errors count in medians of their band and lead, so that all bands count. Nearly all epochs are at
-the ascending node, where errors have a mean: `median` takes off that of each band and lead.
+objects teach, up to CUT. Lines tell P_ML [%] by component and learner, with intervals of 95 % over weeks and
+objects: of a fifth of the rows drawn at random, of the same objects on every fifth morning after CUT, and of
+the others then. Errors count in medians of their band and lead, so that all bands count. Nearly all epochs
+are at the ascending node, where errors have a mean: `median` takes off that of each band and lead. `orbit
+inside` is the one inside the newest set, propagated, without learning.
 """
 
 import sys
 from collections.abc import Iterator, Sequence
-from itertools import product
 
 import numpy as np
 import pandas as pd
 
+from opml.base import epochs
+from opml.base.constants import DAY
 from opml.base.seeds import derive
+from opml.dynamics.ensemble import propagate
 from opml.element_sets import catalogue as catalogues
 from opml.element_sets import corrector_trial, density, features, set_errors
 from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day
 from opml.element_sets.corrector_scores import drawn_weights
 from opml.element_sets.density import LearnedAir
 from opml.element_sets.features import FEATURES
+from opml.element_sets.inside import inside_forces
+from opml.element_sets.inside.inside_forces import Forces
+from opml.element_sets.inside.orbit_inside import LIGHT, STEPS, Beginning, departing
+from opml.element_sets.set_errors import OLDEST
 from opml.element_sets.training import FIRST_DAY
 from opml.environment import known_weather
 from opml.interop.element_sets import mean_elements
@@ -39,6 +46,7 @@ _EPOCH = "2000-01-01T12:00:00"  # from which times count
 _COMPONENTS = ("r", "s", "w")
 _INTERVAL = (2.5, 97.5)
 _TESTED = 0.2  # part of the rows that the random split keeps back
+_EVERY = 5  # mornings, one of which judges
 _SVR_ROWS = 8000
 _CLIP = 5.0  # standard deviations within which the variables of an SVR are held
 _TREES = boosting.BoostingSettings(kind=boosting.KIND, trees=150, leaves=31, learning_rate=0.08, min_rows=100)
@@ -51,39 +59,27 @@ GEOMETRY = tuple(
 )
 """Waves of the argument of latitude, and of the node's distance from Greenwich, Sun and Moon."""
 
-KNOWN = tuple(f"{of}_{axis}" for of in ("newest", "before") for axis in _COMPONENTS)
-"""Errors of SGP4 at the epoch of the newest set, by the orbit inside it: of that set and the one before."""
-
-VARIABLES = {"sets": (*FEATURES, *GEOMETRY), "orbits, too": (*FEATURES, *GEOMETRY, *KNOWN)}
+VARIABLES = (*FEATURES, *GEOMETRY)
 
 
 def rows(sets: ElementCatalogue, inside: np.ndarray, air: LearnedAir, mornings: np.ndarray) -> pd.DataFrame:
-    """Return the rows of `features.build` with GEOMETRY, KNOWN and the true errors r, s, w [m], where known.
+    """Return the rows of `features.build` whose sets have orbits, with GEOMETRY and true errors r, s, w [m].
 
-    inside: (sets, 6) GCRF states of orbits at the epochs of sets, NaN where unknown
+    inside: (sets, 7) GCRF states of orbits at the epochs of sets and their Cd A/m, NaN where unknown
     """
-    pairs = set_errors.build(sets, mornings)
     judge = set_errors.find(sets, mornings)[1]
-    made = features.build(sets, pairs, air).assign(judge=judge)
-    own = made[made["is_fit"] & (judge >= 0)].reset_index(drop=True)
-    return with_true_errors(own, sets, inside)
+    made = features.build(sets, set_errors.build(sets, mornings), air).assign(judge=judge)
+    return with_true_errors(made[made["is_fit"] & (judge >= 0)], sets, inside)
 
 
 def with_true_errors(own: pd.DataFrame, sets: ElementCatalogue, inside: np.ndarray) -> pd.DataFrame:
-    """Return rows with GEOMETRY, KNOWN and r, s, w [m], where all are known; arguments as of `rows`."""
+    """Return rows whose sets have orbits, with GEOMETRY and true errors r, s, w [m]; inside: as of `rows`."""
     is_known = np.isfinite(inside).all(axis=1)
-    number, newest, judge = sets.table["number"].to_numpy(), own["newest"].to_numpy(), own["judge"].to_numpy()
-    before = np.maximum(newest - 1, 0)
-    usable = is_known[newest] & is_known[judge] & (before < newest) & (number[before] == number[newest])
-    own, newest, before, judge = own[usable], newest[usable], before[usable], judge[usable]
-    flown = _flown(sets, newest, judge)
-    errors = {
-        "": bent_rsw(flown[:, :3], inside[judge]),
-        "newest_": bent_rsw(_flown(sets, newest, newest)[:, :3], inside[newest]),
-        "before_": bent_rsw(_flown(sets, before, newest)[:, :3], inside[newest]),
-    }
-    columns = {f"{of}{axis}": off[:, k] for of, off in errors.items() for k, axis in enumerate(_COMPONENTS)}
-    return own.assign(**columns, **_geometry(flown, sets.table["t"].to_numpy()[judge]))
+    own = own[is_known[own["newest"]] & is_known[own["judge"]]].reset_index(drop=True)
+    judge = own["judge"].to_numpy()
+    flown = _flown(sets, own["newest"].to_numpy(), judge)
+    off = dict(zip(_COMPONENTS, bent_rsw(flown[:, :3], inside[judge, :6]).T, strict=True))
+    return own.assign(**off, **_geometry(flown, sets.table["t"].to_numpy()[judge]))
 
 
 def _flown(sets: ElementCatalogue, of: np.ndarray, at: np.ndarray) -> np.ndarray:
@@ -116,11 +112,36 @@ def _geometry(states: np.ndarray, mjd: np.ndarray) -> dict[str, np.ndarray]:
     }
 
 
-def scores(own: pd.DataFrame, cut: float) -> Iterator[dict[str, object]]:
-    """Yield the rows of the table; own: of `rows`, cut: modified Julian day."""
+def by_orbits(own: pd.DataFrame, sets: ElementCatalogue, inside: np.ndarray, forces: Forces) -> np.ndarray:
+    """Return errors (n, 3) in RSW [m] of propagated orbits inside newest sets; arguments as of `rows`."""
+    t = seconds_since(forces.epoch, sets.satellites)
+    off = np.empty((len(own), 3))
+    for morning, members in own.groupby("morning").indices.items():
+        newest, place = np.unique(own["newest"].to_numpy()[members], return_inverse=True)
+        judge = own["judge"].to_numpy()[members]
+        times = np.unique(t[[*newest, *judge]])
+        first, there = np.searchsorted(times, t[newest]), np.searchsorted(times, t[judge])
+        last = pd.Series(there).groupby(place).max().to_numpy()
+        known = forces.time(f"{epochs.calendar(morning)}T00:00:00") + DAY * (morning % 1.0)
+        begins = [
+            Beginning(sets.satellites[k], t[k], inside[k, :6], inside[k, 6], LIGHT, known) for k in newest
+        ]
+        departures = departing(begins, forces.model, first=first, last=last)
+        arcs = propagate(forces.model, times, departures, integrator=STEPS, threads=forces.threads)
+        states = [arcs.path(k)[at - first[k] - 1] for k, at in zip(place, there, strict=True)]
+        off[members] = bent_rsw(np.array(states)[:, :3], inside[judge, :6])
+    return off
+
+
+def scores(own: pd.DataFrame, by_orbits: np.ndarray, cut: float) -> Iterator[dict[str, object]]:
+    """Yield the rows of the table.
+
+    own: of `rows`; by_orbits: (n, 3) errors of orbits inside, NaN in rows that do not judge; cut: modified
+    Julian day
+    """
     half = corrector_trial.half_of(own["number"].to_numpy(), seed=SEED)
     is_drawn = derive(SEED, "random split").random(len(own)) < _TESTED
-    is_early, is_later = (own["judged"] <= cut).to_numpy(), (own["morning"] > cut).to_numpy()
+    is_early, is_later = (own["judged"] <= cut).to_numpy(), np.isfinite(by_orbits).all(axis=1)
     taught = is_early & (half == 0) & ~is_drawn
     tests = {
         "random split": is_early & (half == 0) & is_drawn,
@@ -130,15 +151,15 @@ def scores(own: pd.DataFrame, cut: float) -> Iterator[dict[str, object]]:
     cells = own[taught].groupby(["band", "lead"])[[*_COMPONENTS]]
     keys = pd.MultiIndex.from_frame(own[["band", "lead"]])
     sizes, medians = (table.reindex(keys).to_numpy() for table in (cells.apply(_median_size), cells.median()))
+    x = own[[*VARIABLES]].to_numpy()
     for k, component in enumerate(_COMPONENTS):
         error = own[component].to_numpy() / sizes[:, k]
-        predicted = {("median", ""): medians[:, k] / sizes[:, k]}
-        for (variables, names), (learner, fit) in product(VARIABLES.items(), _LEARNERS.items()):
-            x = own[list(names)].to_numpy()
-            predicted[learner, variables] = fit(Training(x[taught], error[taught], names, SEED), x)
-        for (learner, variables), values in predicted.items():
-            judged = own[["number", "morning"]].assign(error=error, left=error - values).dropna()
-            yield {"component": component, "learner": learner, "variables": variables} | {
+        training = Training(x[taught], error[taught], VARIABLES, SEED)
+        left = {"orbit inside": by_orbits[:, k] / sizes[:, k], "median": error - medians[:, k] / sizes[:, k]}
+        left |= {learner: error - fit(training, x) for learner, fit in _LEARNERS.items()}
+        for learner, values in left.items():
+            judged = own[["number", "morning"]].assign(error=error, left=values).dropna()
+            yield {"component": component, "learner": learner} | {
                 name: _p_ml(judged[members[judged.index]]) for name, members in tests.items()
             }
     yield {"component": "rows", **{name: str(members.sum()) for name, members in tests.items()}}
@@ -150,6 +171,8 @@ def _median_size(errors: pd.DataFrame) -> pd.Series:
 
 def _p_ml(rows: pd.DataFrame) -> str:
     """Return P_ML [%] of rows with an error and what is left of it, with its interval."""
+    if rows.empty:
+        return "-"
     error, left = rows["error"].abs().to_numpy(), rows["left"].abs().to_numpy()
     draws = [100.0 * (left @ w) / (error @ w) for w in drawn_weights(rows, derive(SEED, "weeks and objects"))]
     low, high = np.percentile(draws, _INTERVAL)
@@ -178,16 +201,20 @@ _LEARNERS = {"SVR": _by_svr, "trees": _by_trees}
 
 def main(arguments: Sequence[str]) -> None:
     """Print the table."""
-    states, path, weather, begin, cut = arguments
+    states, path, weather, begin, end = arguments
     sets = catalogues.read([path]).daily()
-    known = read_table(states, "set_states").set_index(["number", "utc"])[[*STATE]]
-    epochs_of_sets = [elements_epoch(one) for one in sets.satellites]
-    inside = known.reindex(pd.MultiIndex.from_arrays([sets.table["number"], epochs_of_sets])).to_numpy()
-    first, last = modified_julian_day(begin), sets.table["t"].max()
+    known = read_table(states, "set_states").set_index(["number", "utc"])[[*STATE, "ballistic"]]
+    utc = [elements_epoch(one) for one in sets.satellites]
+    inside = known.reindex(pd.MultiIndex.from_arrays([sets.table["number"], utc])).to_numpy()
+    first, last, cut = modified_julian_day(begin), sets.table["t"].max(), modified_julian_day(end)
     measured = density.clean(known_weather.read(weather))
     air = density.learned_air(measured, first=FIRST_DAY, end=first)
     own = rows(sets, inside, air, np.arange(first, last))
-    pd.DataFrame(scores(own, modified_julian_day(cut))).to_csv(sys.stdout, sep="\t", index=False)
+    judging = np.flatnonzero((own["morning"] > cut) & (np.floor(own["morning"]) % _EVERY == 0))
+    errors = np.full((len(own), 3), np.nan)
+    forces = inside_forces.read(weather, first=cut - OLDEST, last=last)
+    errors[judging] = by_orbits(own.iloc[judging], sets, inside, forces)
+    pd.DataFrame(scores(own, errors, cut)).to_csv(sys.stdout, sep="\t", index=False)
 
 
 if __name__ == "__main__":

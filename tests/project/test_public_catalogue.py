@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from catalogue_files import FIRST_DAY, write_sets
+from publisher import small_forces
 
 from opml.base.errors import InputError
 from opml.element_sets import catalogue
@@ -13,6 +14,7 @@ from opml.element_sets.inside import inside_forces, set_orbits
 from opml.element_sets.inside.orbit_prediction import OrbitInside
 from opml.interop.element_sets import mean_elements
 from opml.interop.element_sets.element_set import elements_epoch
+from opml.orbits.elements import bent_rsw
 from opml.tables import STATE
 from validation import public_catalogue, true_errors
 
@@ -32,6 +34,11 @@ def inside(sets):
         mean_elements.states(one, epoch=elements_epoch(one), t=np.zeros(1))[0] for one in sets.satellites
     ]
     return np.array([[*(x[:3] + AHEAD * x[3:] / np.linalg.norm(x[3:])), *x[3:]] for x in states])
+
+
+@pytest.fixture(scope="module")
+def forces():
+    return small_forces(first=FIRST_DAY, last=FIRST_DAY + 14)
 
 
 class Morning:
@@ -95,28 +102,41 @@ def test_tables_have_shares_of_sgp4_and_who_is_told_as_published():
 
 
 def test_true_errors_are_those_by_the_orbits(sets, inside):
-    rows = pd.DataFrame({"newest": [3, 0, 5], "judge": [6, 4, 9]})  # the second has no set before
-    known = true_errors.with_true_errors(rows, sets, inside)
+    orbits = np.column_stack([inside, np.full(len(inside), 0.01)])
+    orbits[4] = np.nan
+    rows = pd.DataFrame({"newest": [3, 0, 5], "judge": [6, 4, 9]})
+    known = true_errors.with_true_errors(rows, sets, orbits)
     assert known["newest"].tolist() == [3, 5]
     flown = mean_elements.states(sets.satellites[3], epoch=elements_epoch(sets.satellites[6]), t=np.zeros(1))
-    off = true_errors.bent_rsw(flown[:, :3], inside[6:7])[0]
-    assert known.iloc[0][["r", "s", "w"]].to_numpy(float) == pytest.approx(off, abs=0.01)
-    assert known["newest_s"].to_numpy() == pytest.approx(-AHEAD, abs=0.1)
+    off = bent_rsw(flown[:, :3], inside[6:7])[0]
+    assert known.loc[0, ["r", "s", "w"]].to_numpy(float) == pytest.approx(off, abs=0.01)
     waves = known[["sin_1_latitude", "cos_1_latitude"]].to_numpy()
     assert np.linalg.norm(waves, axis=1) == pytest.approx(1.0)
 
 
+def test_the_orbit_inside_a_set_is_propagated_to_the_set_that_judges(sets, inside, forces):
+    """Nodes of these sets stand still: it comes to the height and the longitude of the next ones alone."""
+    orbits = np.column_stack([inside, np.full(len(inside), 0.01)])
+    rows = pd.DataFrame({"newest": [3, 3, 17], "judge": [4, 5, 18], "morning": [FIRST_DAY + 4.25] * 3})
+    true = true_errors.with_true_errors(rows, sets, orbits)
+    off = true_errors.by_orbits(true, sets, orbits, forces)
+    assert (np.abs(off[:, 0]) < 10e3).all()
+    assert np.abs(off).max() < 1e6
+
+
 def test_what_is_a_mean_or_a_wave_is_learned_from_half_of_the_objects(monkeypatch):
-    monkeypatch.setattr(true_errors, "VARIABLES", {"waves": ("wave",)})
+    monkeypatch.setattr(true_errors, "VARIABLES", ("wave",))
     monkeypatch.setattr(true_errors, "_COMPONENTS", ("r",))
     numbers, mornings = map(np.ravel, np.meshgrid(np.arange(20), np.arange(60.0)))
-    rows = pd.DataFrame(
-        {"number": numbers, "morning": mornings, "judged": mornings + 1.0, "band": 0, "lead": 1}
-    )
+    rows = pd.DataFrame({"number": numbers, "morning": mornings, "judged": mornings + 1.0})
     wave = np.sin(0.7 * mornings + numbers)
-    *lines, counts = true_errors.scores(rows.assign(wave=wave, r=50.0 + 20.0 * wave), 40.0)
+    rows = rows.assign(band=0, lead=1, wave=wave, r=50.0 + 20.0 * wave)
+    by_orbits = np.where(mornings[:, None] > 40.0, 5.0, np.nan)
+    *lines, counts = true_errors.scores(rows, by_orbits, 40.0)
     shares = {line["learner"]: float(line["other objects, later"].split()[0]) for line in lines}
+    assert shares["orbit inside"] == pytest.approx(10.0, abs=1.0)
     assert shares["trees"] < 5.0
     assert shares["SVR"] < 10.0
     assert 15.0 < shares["median"] < 40.0
+    assert lines[0]["random split"] == "-"
     assert sum(int(counts[name]) for name in ("later weeks", "other objects, later")) == 19 * 20
