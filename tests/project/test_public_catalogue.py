@@ -30,15 +30,10 @@ def sets(tmp_path_factory):
 @pytest.fixture(scope="module")
 def inside(sets):
     """Orbits AHEAD of all sets at their epochs."""
-    states = [
+    states = (
         mean_elements.states(one, epoch=elements_epoch(one), t=np.zeros(1))[0] for one in sets.satellites
-    ]
+    )
     return np.array([[*(x[:3] + AHEAD * x[3:] / np.linalg.norm(x[3:])), *x[3:]] for x in states])
-
-
-@pytest.fixture(scope="module")
-def forces():
-    return small_forces(first=FIRST_DAY, last=FIRST_DAY + 14)
 
 
 class Morning:
@@ -74,7 +69,6 @@ def test_orbits_inside_judge_objects_that_have_one_and_sets_the_others(sets, ins
     assert "3: sets of two objects" in capsys.readouterr().err
     assert rows["number"].unique().tolist() == [1, 2]
     assert (rows["days"] - rows["lead"]).abs().max() <= 0.5
-    assert rows["days"].between(0.0, 7.0).all()
     by_number = rows.set_index("number")
     assert (by_number.loc[1, "judge"] == "orbit").all()
     assert by_number.loc[1, "later_s"].to_numpy() == pytest.approx(-AHEAD, abs=0.1)
@@ -110,18 +104,16 @@ def test_true_errors_are_those_by_the_orbits(sets, inside):
     flown = mean_elements.states(sets.satellites[3], epoch=elements_epoch(sets.satellites[6]), t=np.zeros(1))
     off = bent_rsw(flown[:, :3], inside[6:7])[0]
     assert known.loc[0, ["r", "s", "w"]].to_numpy(float) == pytest.approx(off, abs=0.01)
-    waves = known[["sin_1_latitude", "cos_1_latitude"]].to_numpy()
-    assert np.linalg.norm(waves, axis=1) == pytest.approx(1.0)
+    assert np.hypot(known["sin_1_latitude"], known["cos_1_latitude"]).to_numpy() == pytest.approx(1.0)
 
 
-def test_the_orbit_inside_a_set_is_propagated_to_the_set_that_judges(sets, inside, forces):
+def test_the_orbit_inside_a_set_is_propagated_to_the_set_that_judges(sets, inside):
     """Nodes of these sets stand still: it comes to the height and the longitude of the next ones alone."""
     orbits = np.column_stack([inside, np.full(len(inside), 0.01)])
     rows = pd.DataFrame({"newest": [3, 3, 17], "judge": [4, 5, 18], "morning": [FIRST_DAY + 4.25] * 3})
     true = true_errors.with_true_errors(rows, sets, orbits)
-    off = true_errors.by_orbits(true, sets, orbits, forces)
-    assert (np.abs(off[:, 0]) < 10e3).all()
-    assert np.abs(off).max() < 1e6
+    off = true_errors.by_orbits(true, sets, orbits, small_forces(first=FIRST_DAY, last=FIRST_DAY + 14))
+    assert (np.abs(off) < [10e3, 1e6, 1e6]).all()
 
 
 def test_what_is_a_mean_or_a_wave_is_learned_from_half_of_the_objects(monkeypatch):
