@@ -55,16 +55,6 @@ def test_without_a_truth_labels_are_learned_from_and_the_truth_judges(beyond):
     assert found["_later"]["p_ml"] == pytest.approx(found[""]["p_ml"], rel=0.3)
 
 
-def test_readings_of_fits_are_names(beyond):
-    names = [f"estimates/iss/eglin-clear-kaena{mark}.parquet" for mark in ("", "_light")]
-    beyond.snakemake("-j2", CI, *(f"results/ci/{name}" for name in names))
-    estimates = [read_table(results(beyond, name), "estimates") for name in names]
-    fitted = np.logical_and.reduce([table["tracks_used"] >= 3 for table in estimates])
-    apart = [table.loc[fitted, ["x", "y", "z"]].to_numpy() for table in estimates]
-    moved = np.linalg.norm(apart[1] - apart[0], axis=1)
-    assert 10.0 < np.median(moved) < 100.0
-
-
 def test_a_model_tells_what_it_was_made_with(beyond):
     path = results(beyond, "models/iss/eglin-clear-kaena/days-0-2/mechanism/e_y.parquet")
     assert read_metadata(path)["kind"] == "linear_law"

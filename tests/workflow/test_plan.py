@@ -109,7 +109,7 @@ PLANNED = [  # products and settings, and what has to run but for the tables of 
         {**dict.fromkeys(CHAIN, 2), "truths": 1, "train": 1, "evaluate": 1},
     ),
     (
-        ["metrics/iss/clear_noise7_track/grouped-60_split3/svrnocd_s2.5/e_x/iss/rest.parquet"],
+        ["metrics/iss/clear_noise7_track/grouped-60_split3/svrnocd/e_x/iss/rest.parquet"],
         {**dict.fromkeys(CHAIN, 1), "train": 1, "evaluate": 1},
     ),
     (
@@ -118,7 +118,7 @@ PLANNED = [  # products and settings, and what has to run but for the tables of 
     ),
     (["replays/iss/eglin/days-0-30/svr.parquet"], dict.fromkeys([*CHAIN, "spread", "replay"], 1)),
     (
-        ["metrics/iss/eglin_cd1_light/days-0-30/svr/e_y/iss_i50/days-30-40-zscore.parquet"],
+        ["metrics/iss/eglin_w24/days-0-30/svr/e_y/iss_i50/days-30-40-zscore.parquet"],
         {**dict.fromkeys(CHAIN, 2), "truths": 1, "train": 1, "evaluate": 1},
     ),
     # Outlooks of every three hours for the fit, of every day for the prediction; the truth has neither.

@@ -11,9 +11,7 @@ A suffix stands for one setting that differs from the run's; the run's own setti
 product has two names:
 
 * ``eglin_noise43``: Eglin's measurements under another seed; ``random-80_split43``: another draw of a split.
-* ``eglin_w24``: estimates from 24 hours of tracks; ``eglin_tol1``: fits that stop earlier; ``eglin_cd0.5``:
-  fits with a prior on the drag coefficient; ``eglin_light``: fits that correct for light time.
-* ``svr_s2``: the learner ``svr`` with a kernel scale of 2.
+* ``eglin_w24``: estimates from 24 hours of tracks.
 * ``_later``: errors against later estimates; without a suffix, against the truth.
 """
 

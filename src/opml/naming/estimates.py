@@ -4,8 +4,6 @@ import re
 
 from opml.naming.spelling import POSITIVE, number
 
-LIGHT = "_light"  # suffix of estimates whose fits correct the measurements for light time
-
 READINGS = {"kept_estimate": "_kept", "track": "_track"}
 """Suffix for the earlier estimate that is t_b, by the study's `cleaning.previous`."""
 
@@ -43,22 +41,6 @@ def parse_window(suffix: str, *, default: float) -> float:
 def window_pattern(*, default: float) -> str:
     """Return the regular expression of an estimation window's suffix, optional, other than `default` [h]."""
     return rf"(?:_w(?!{re.escape(number(default))}(?![\d.])){POSITIVE})?"
-
-
-def parse_fit(suffix: str) -> dict[str, float | bool]:
-    """Return the settings of the estimation, other than the window, that a suffix of estimates changes."""
-    matches = {
-        "convergence": re.search(rf"_tol({POSITIVE})", suffix),
-        "cd_sigma": re.search(rf"_cd({POSITIVE})", suffix),
-    }
-    settings = {name: float(match[1]) for name, match in matches.items() if match}
-    return settings | ({"light_time": True} if LIGHT in suffix else {})
-
-
-def fit_pattern(*, convergence: float, light_time: bool = False) -> str:
-    """Return the regular expression of the suffixes of `parse_fit` in a run with these settings."""
-    stopping = rf"(?:_tol(?!{re.escape(number(convergence))}(?![\d.])){POSITIVE})?"
-    return rf"{stopping}(?:_cd{POSITIVE})?" + ("" if light_time else f"(?:{LIGHT})?")
 
 
 def arc_suffix(hours: float) -> str:

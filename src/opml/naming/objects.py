@@ -58,16 +58,8 @@ def stations_pattern(sheet: Iterable[str]) -> str:
     return f"(?:{name})(?:-(?:{name}))*"
 
 
-def learner_pattern(learners: Mapping[str, KindSection]) -> str:
-    """Return the regular expression of a learner; where it has a kernel scale, another may follow."""
-    scaled = [name for name, settings in learners.items() if "kernel_scale" in type(settings).model_fields]
-    return rf"(?:{alternatives(learners)}|(?:{alternatives(scaled)})_s{POSITIVE})"
-
-
 def parse_learner(text: str, learners: Mapping[str, OfKind]) -> OfKind:
     """Return the settings of the learner in a name. Raises InputError for an unknown text."""
-    if not re.fullmatch(learner_pattern(learners), text):
-        known = ", ".join(learners)
-        raise InputError(f"learner '{text}': expected one of {known}; an svr may end in _s<kernel scale>")
-    name, mark, scale = text.partition("_s")
-    return learners[name].evolve(kernel_scale=float(scale)) if mark else learners[name]
+    if text not in learners:
+        raise InputError(f"learner '{text}': expected one of {', '.join(learners)}")
+    return learners[text]

@@ -102,11 +102,10 @@ class Params:
 
     def estimation(self, wildcards: Wildcards) -> dict[str, Any]:
         """Return the settings of the fits, with what the suffix of the estimates changes."""
-        return (
-            _given(self.run.estimation)
-            | {"window_hours": self.window_hours(wildcards), "cd_bounds": self.cd_bounds}
-            | naming.parse_fit(wildcards.window)
-        )
+        return _given(self.run.estimation) | {
+            "window_hours": self.window_hours(wildcards),
+            "cd_bounds": self.cd_bounds,
+        }
 
     def arc(self, wildcards: Wildcards) -> dict[str, float]:
         """Return the window [h] of arcs."""

@@ -176,7 +176,7 @@ class Plan:
             "label": f"(?:{self.label_pattern})?",
             "train": f"(?:{naming.TRAIN}){split}",
             "test": naming.TEST,
-            "learner": naming.learner_pattern(self.settings.run.learners),
+            "learner": naming.alternatives(self.settings.run.learners),
             "component": "|".join(tables.COMPONENTS),
             "evaluation": naming.alternatives(self.paper.evaluations),
             "ratio": r"[1-9]\d?",
@@ -187,11 +187,8 @@ class Plan:
 
     @cached_property
     def window_pattern(self) -> str:
-        """Regular expression of the suffix of estimates: window and settings of the fit, or none."""
-        estimation = self.settings.run.estimation
-        return naming.window_pattern(default=self.window_hours) + naming.fit_pattern(
-            convergence=estimation.convergence, light_time=estimation.light_time
-        )
+        """Regular expression of the suffix of estimates: their window, or none."""
+        return naming.window_pattern(default=self.window_hours)
 
     @cached_property
     def replays_together(self) -> dict[str, str]:

@@ -16,6 +16,7 @@ from opml.mornings.measurement_files import MeasurementSource, Span
 def test_the_participant_of_tracks_tells_the_object(tmp_path, participant, identity):
     text = (EXCERPTS / "orekit.tdm").read_text().replace("= ISS\n", f"= {participant}\n")
     (tmp_path / "mine.tdm").write_text(text)
-    source, span = MeasurementSource("tracks", [str(tmp_path / "mine.tdm")], {}), Span(EPOCH, 2 * DAY)
+    source = MeasurementSource(kind="tracks", files=[str(tmp_path / "mine.tdm")], options={})
+    span = Span(EPOCH, 2 * DAY)
     sheet, orientation = list(stations().values()), environment()["earth_orientation"]
     assert measurement_files.read(source, span, sheet, orientation, since=0.0).identity == identity

@@ -76,25 +76,10 @@ def test_label_stands_with_the_stations():
     assert naming.LABELS["truth"] == ""
 
 
-def test_only_a_learner_with_a_kernel_scale_has_another():
-    learners = LEARNERS | {"none": KindSection(kind="none")}
-    assert re.fullmatch(naming.learner_pattern(learners), "svr_s2")
-    assert re.fullmatch(naming.learner_pattern(learners), "none")
-    assert not re.fullmatch(naming.learner_pattern(learners), "none_s2")
-
-
-def test_kernel_scale_of_a_learner():
+def test_other_texts_are_no_learner():
     assert naming.parse_learner("svr", LEARNERS) == LEARNERS["svr"]
-    assert naming.parse_learner("svr_s2.5", LEARNERS) == Scaled(kind="svr", kernel_scale=2.5)
-    assert naming.parse_learner("svrfixed_s0.1", LEARNERS).kernel_scale == 0.1
-    assert LEARNERS["svr"].kernel_scale == "sigest"
-
-
-@pytest.mark.parametrize("text", ["forest", "svr_s", "svr_s0", "svr_s2.0", "svr_s02", "svr_2", "svr_s-1", ""])
-def test_other_texts_are_no_learner(text):
-    assert not re.fullmatch(naming.learner_pattern(LEARNERS), text)
-    with pytest.raises(InputError, match=f"learner '{text}': expected one of svr, svrfixed;"):
-        naming.parse_learner(text, LEARNERS)
+    with pytest.raises(InputError, match="learner 'forest': expected one of svr, svrfixed"):
+        naming.parse_learner("forest", LEARNERS)
 
 
 @given(st.one_of(st.integers(1, 10**6), st.decimals("0.001", 10**4, places=3)))
@@ -264,24 +249,6 @@ def test_a_test_treated_otherwise():
     assert naming.treat_test("rest", fence=3.0) == "rest"  # its training rows have the dataset's fences
     assert not re.fullmatch(naming.TEST_BY_ROW, "rest-zscore")
     assert re.fullmatch(naming.TEST_BY_ROW, "days-30-40-unseen-unfenced")
-
-
-def test_fits_that_differ_and_back():
-    pattern = naming.window_pattern(default=12) + naming.fit_pattern(convergence=0.001)
-    for text, settings in (
-        ("_tol1", {"convergence": 1}),
-        ("_cd0.5", {"cd_sigma": 0.5}),
-        ("_tol1_cd0.5", {"convergence": 1, "cd_sigma": 0.5}),
-        ("_cd0.5_light", {"cd_sigma": 0.5, "light_time": True}),
-        ("", {}),
-    ):
-        assert naming.parse_fit(f"_w24{text}") == settings
-        assert naming.parse_window(f"_w24{text}", default=12) == 24
-        assert naming.parse_window(text, default=12) == 12
-        assert re.fullmatch(pattern, f"_w24{text}")
-    for text in ("_tol0.001", "_cd0.5_tol1", "_tol0", "_w12_tol1", "_light_cd1"):
-        assert not re.fullmatch(pattern, text)
-    assert not re.fullmatch(naming.fit_pattern(convergence=1, light_time=True), "_light")
 
 
 def test_an_experiment_knows_its_files():

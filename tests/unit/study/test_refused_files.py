@@ -99,7 +99,7 @@ ENTRIES = [
     ),
     (
         "{train: random-80, test: rest, learner: forest}",
-        f"mine.learner: learner 'forest': expected one of {LEARNERS}; an svr may end in _s<kernel scale>",
+        f"mine.learner: learner 'forest': expected one of {LEARNERS}",
     ),
     (
         "{train: random-80, test: rest, target: iss_i181}",
