@@ -4,7 +4,6 @@ from snakemake.logging import logger
 STUDY_REPORT = product("study")
 STUDY_ERRORS = product("figs/study/{rso}/{stations}_errors")
 STUDY_RESIDUALS = product("figs/study/{rso}/{stations}_residuals")
-STUDY_CALIBRATION = product("figs/study/{rso}/{stations}_calibration")
 STUDY_DRAG = product("figs/study/{rso}/{stations}_drag")
 STUDY_MODELS = product("figs/study/{rso}/models")
 
@@ -80,26 +79,6 @@ if OWN.is_asked:
             ),
         message:
             "Figure: errors of {wildcards.rso} by {wildcards.stations} before and after correction"
-
-    use rule errors as study_calibration with:
-        input:
-            replays=rules.study_residuals.input.replays,
-            judge=rules.study_residuals.input.judge,
-        output:
-            **figures(
-                product("figs/study/{rso}/{stations}_intervals"),
-                product("figs/study/{rso}/{stations}_ellipsoids"),
-                caption="study_calibration",
-                section=SECTIONS["study"],
-            ),
-        log:
-            STUDY_CALIBRATION.log,
-        benchmark:
-            STUDY_CALIBRATION.benchmark
-        params:
-            **drawing("study_calibration", PARAMS.mornings),
-        message:
-            "Figure: nominal and achieved coverage of {wildcards.rso} by {wildcards.stations}"
 
     use rule errors as study_drag with:
         input:

@@ -58,10 +58,7 @@ STUDY_FILES = (
         *(
             path_of(file, rso=rso, stations=stations)
             for rso, stations in OWN.replayed_datasets
-            for file in [
-                *rules.study_residuals.output,
-                *rules.study_calibration.output,
-            ]
+            for file in rules.study_residuals.output
         ),
     ]
     if OWN.is_asked

@@ -7,7 +7,6 @@ from itertools import pairwise
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.learning.judge import calibration
-from opml.learning.judge.error_sizes import LEVEL
 from opml.learning.judge.errors_by_duration import at_days
 from opml.learning.judge.model_choice import Mornings, summed
 from opml.report import absurd_fits, texts, uncertainty
@@ -119,8 +118,7 @@ def _ellipsoids(mornings: Mornings, durations: Sequence[float]) -> dict[float, f
         shares = calibration.of_replay(mornings.selected, days=durations)
     except InputError:  # the past was too short for a covariance
         return {}
-    is_told = (shares["level"] == LEVEL) & (shares["rows"] >= FEWEST)
-    rows = shares[(shares["quantity"] == ELLIPSOID) & is_told]
+    rows = shares[(shares["quantity"] == ELLIPSOID) & (shares["rows"] >= FEWEST)]
     return dict(zip(rows["day"], rows["inside"], strict=True))
 
 
@@ -164,8 +162,7 @@ def _to_watch(
     if is_absurd:
         yield f"**Watch the fits:** {link_to(absurd_fits.TITLE)}."
     if mornings is not None:
-        more = f"In seconds and degrees: {link_to(EVERY_MORNING)}."
-        yield f"**Watch the errors:** {days_within(mornings.selected)} {more}"
+        yield f"**Watch the errors:** {days_within(mornings.selected)} {link_to(EVERY_MORNING)}"
         low, high = uncertainty.HOLDS
         outside = [
             f"{100.0 * share:.0f} % after {_span(day)}"

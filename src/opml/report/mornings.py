@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 import pandas as pd
 
-from opml.base.constants import DAY, EARTH_GM, WGS84_A
+from opml.base.constants import DAY
 from opml.learning.judge.errors_by_duration import REACH_DAYS, at_days
 from opml.learning.judge.model_choice import CHOSEN, CONFIDENCE, Mornings, summed
 from opml.report import texts
@@ -37,7 +37,6 @@ def section(
         names = {"rso": rso, "stations": stations, "verdict": _verdict(mornings, laws)}
         days = texts.across(f"{day:g} d" for day in marks)
         yield from texts.blocks("mornings.dataset", _rows(mornings, marks, laws), **names, days=days)
-        yield from on_the_sky(mornings.selected, marks)
 
 
 def _verdict(mornings: Mornings, laws: Sequence[str]) -> str:
@@ -92,26 +91,6 @@ def _row(name: str, table: pd.DataFrame, marks: Sequence[float], least: float) -
         for day in marks
     ]
     return [name, *cells, skill_cell(summed(table), least)]
-
-
-def on_the_sky(selected: pd.DataFrame, marks: Sequence[float]) -> list[Block]:
-    """Return the along-track errors of a `replay` table as a station sees them; marks: durations [days].
-
-    Seconds too early or too late, and degrees in the sky of a station below the RSO, which moves at n r with
-    r = (GM / n^2)^(1/3) and n its mean motion.
-    """
-    rate = float(selected["rate"].median())
-    radius = float((EARTH_GM / rate**2) ** (1.0 / 3.0))
-    speed, height = rate * radius, radius - WGS84_A
-    rows = []
-    for day in marks:
-        near = (selected["duration"] / DAY - day).abs() <= REACH_DAYS
-        if near.any():
-            size = float(selected.loc[near, "e_y"].abs().quantile(SHARE))
-            angle = np.degrees(np.arctan2(size, height))
-            rows.append([f"{day:g} d", length(size), f"{size / speed:.2g}", f"{angle:.2g}"])
-    sizes = {"speed": speed / 1000.0, "height": height / 1000.0, "within": days_within(selected)}
-    return list(texts.blocks("mornings.sky", rows, **sizes))
 
 
 def days_within(selected: pd.DataFrame) -> str:

@@ -6,7 +6,7 @@ import pandas as pd
 
 from opml.base.constants import DAY
 from opml.learning.judge import calibration
-from opml.learning.judge.error_sizes import INSIDE, LEVEL
+from opml.learning.judge.error_sizes import INSIDE
 from opml.learning.judge.errors_by_duration import REACH_DAYS
 from opml.learning.judge.model_choice import CHOSEN, Mornings
 from opml.report import texts
@@ -41,7 +41,7 @@ def section(replays: Mapping[Dataset, Mornings], days: Sequence[float]) -> Itera
 
 
 def _verdict(selected: pd.DataFrame, shares: pd.DataFrame, days: Sequence[float]) -> str:
-    ellipsoids = shares[(shares["quantity"] == ELLIPSOID) & (shares["level"] == LEVEL)]
+    ellipsoids = shares[shares["quantity"] == ELLIPSOID]
     held = {row["day"]: row["inside"] for row in ellipsoids.to_dict("records")}
     tested = calibration.goodness(selected, days=days).dropna(subset=["p"])
     return texts.sentences(
@@ -66,7 +66,7 @@ def _rows(name: str, table: pd.DataFrame, shares: pd.DataFrame, days: Sequence[f
 
 def _cells(name: str, day: float, shares: pd.DataFrame) -> list[str]:
     """Return name, duration, shares inside, and the deviation along-track, from one day's shares."""
-    main = shares[shares["level"] == LEVEL].set_index("quantity")
+    main = shares.set_index("quantity")
     inside = [
         f"{100.0 * main.loc[quantity, 'inside']:.0f}" if quantity in main.index else NO_VALUE
         for quantity in _QUANTITIES

@@ -228,7 +228,6 @@ class OwnStudy:
             "model by model": f"study/{rso}/{stations}_errors",
             "P_ML": f"study/{rso}/models",
             "Cd and the weather": f"study/{rso}/{stations}_drag",
-            **({"ellipsoids": f"study/{rso}/{stations}_ellipsoids"} if models else {}),
         }
         return Sources(
             files={name: f"{folder}/{name}.oem" for name in models},

@@ -40,8 +40,6 @@ MECHANISM_AXES = ("s", "v", "r", "l", "v_long", "l_arc", "v_arc")
 PLANE, ELLIPSOID, WHOLE = "plane", "ellipsoid", "state"
 """Quantities of a calibration with several components: e_x and e_y, the position, the whole state."""
 
-LEVELS = (0.1, 0.25, 0.5, 0.75, 0.9, 0.95, 0.99)  # levels of the stated uncertainties
-
 
 TRUTH_GROUPS = "truth_groups"  # kind of the tables that list the RSOs whose truths one job made
 

@@ -2,13 +2,10 @@
 
 import numpy as np
 import pytest
-from support import refusal
 
 from opml.base.constants import DAY
 from opml.base.errors import InputError
-from opml.figures import reliability as figures
 from opml.learning.judge import calibration
-from opml.tables import LEVELS
 
 SIGMA = np.array([30.0, 400.0, 50.0])
 
@@ -28,13 +25,12 @@ def of_normal(scale=1.0):
 def test_a_true_covariance_holds_its_shares():
     table = of_normal()
     assert sorted(set(table["day"])) == [1.0, 3.0]  # nothing lasts seven days
-    assert table.groupby("quantity").size().tolist() == [2 * len(LEVELS)] * 5
-    np.testing.assert_allclose(table["inside"], table["level"], atol=0.03)
-    np.testing.assert_allclose(table["stated"], table["found"], rtol=0.2)
+    assert table.groupby("quantity").size().tolist() == [2] * 5
+    np.testing.assert_allclose(table["inside"], 0.9, atol=0.03)
 
 
 def test_a_covariance_half_as_wide_holds_less():
-    table = of_normal(0.5).query("level == 0.9").groupby("quantity")["inside"].mean()
+    table = of_normal(0.5).groupby("quantity")["inside"].mean()
     assert table["e_y"] == pytest.approx(0.589, abs=0.02)  # 0.82 standard deviations to either side
     assert table["ellipsoid"] == pytest.approx(0.33, abs=0.02)  # chi-square(3) up to 6.25 / 4
 
@@ -43,7 +39,7 @@ def test_shares_by_hand():
     found = np.array([[0.0, 16.0, 0.0], [0.0, 17.0, 0.0], [0.0, -16.4, 0.0], [0.0, 33.0, 0.0]])
     covariance = np.array([np.diag([1.0, sigma, 1.0]) ** 2 for sigma in (10.0, 10.0, 10.0, 20.0)])
     table = calibration.of_covariances(covariance, found, np.full(4, DAY), days=[1.0])
-    (row,) = table[(table["quantity"] == "e_y") & (table["level"] == 0.9)].to_dict("records")
+    (row,) = table[table["quantity"] == "e_y"].to_dict("records")
     assert (row["inside"], row["rows"]) == (0.5, 4)
     assert row["stated"] == pytest.approx(16.449, abs=1e-3)
 
@@ -58,13 +54,3 @@ def test_durations_end_with_the_longest_prediction():
     assert calibration.marks(7.0) == [1.0, 3.0, 5.0, 7.0]
     assert calibration.marks(3.0) == [1.0, 3.0]
     assert calibration.marks(0.5) == [0.5]
-
-
-def test_figure_has_a_panel_per_model_and_a_line_per_duration():
-    figure = figures.coverage_curves({"fit": of_normal(), "wide": of_normal(2.0)}, quantity="e_y")
-    assert [axes.get_title(loc="left") for axes in figure.axes] == ["fit", "wide"]
-    true, one, three = figure.axes[0].lines
-    np.testing.assert_allclose(one.get_ydata(), one.get_xdata(), atol=3.0)
-    assert (three.get_label(), true.get_label()) == ("3 d", "true")
-    assert (figure.axes[1].lines[1].get_ydata() > one.get_ydata()).all()
-    assert "at least one model" in refusal(figures.coverage_curves, {}, quantity="e_y")

@@ -6,13 +6,13 @@ import re
 import numpy as np
 import pandas as pd
 import pytest
-from mornings import RATE, replays
+from mornings import replays
 from support import paper_values, study_of
 
 from opml.learning.judge.model_choice import Mornings
 from opml.report import answer, document, mornings
 from opml.report.answer import Sources
-from opml.report.document import Picture, Table
+from opml.report.document import Picture
 from opml.study.own_study import OwnStudy
 from opml.tables import SIGMA_STATE
 
@@ -132,18 +132,6 @@ def test_the_figure_of_all_models_is_in_the_page_and_a_link_in_markdown(tmp_path
 )
 def test_lengths_have_two_digits(metres, words):
     assert answer._distance(metres) == words
-
-
-def test_errors_are_seconds_and_degrees_to_a_station_below():
-    rows = pd.DataFrame({"duration": [0.9 * DAY, 6.9 * DAY], "e_y": [70.0, -7000.0], "rate": RATE})
-    _, table = mornings.on_the_sky(rows, [1, 4, 7])
-    assert isinstance(table, Table)
-    (day, metres, seconds, degrees), week = table.rows
-    radius = (3.986004415e14 / RATE**2) ** (1 / 3)
-    assert (day, metres) == ("1 d", "70")
-    assert float(seconds) == pytest.approx(70.0 / (RATE * radius), rel=0.05)
-    assert float(degrees) == pytest.approx(np.degrees(70.0 / (radius - 6378137.0)), rel=0.05)
-    assert week[:2] == ["7 d", "7000"]
 
 
 def test_days_within_a_kilometre_are_those_before_nine_tenths_pass_it():

@@ -6,7 +6,7 @@ von Mises'. Wide covariances pass it easily, so a proper score is given, too (Gn
 Am. Stat. Assoc. 102, sec. 4.1).
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -15,10 +15,10 @@ import pandas as pd
 from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.learning.data.error_components import POSITION
-from opml.learning.judge.error_sizes import covariances
+from opml.learning.judge.error_sizes import INSIDE, LEVEL, covariances
 from opml.learning.judge.errors_by_duration import REACH_DAYS
-from opml.orbits.rsw_covariance import half_width, mahalanobis
-from opml.tables import COMPONENTS, DOUBT, ELLIPSOID, LEVELS, PLANE, SIGMA_STATE, WHOLE
+from opml.orbits.rsw_covariance import mahalanobis
+from opml.tables import COMPONENTS, DOUBT, ELLIPSOID, PLANE, SIGMA_STATE, WHOLE
 
 _MARKS = (1.0, 3.0, 5.0, 7.0)  # prediction durations that the shares are stated at [days]
 PASSES = 0.05  # least p-value at which a covariance counts as true
@@ -33,35 +33,26 @@ def marks(longest_days: float) -> list[float]:
 def of_covariances(
     covariance: np.ndarray, errors: np.ndarray, duration: np.ndarray, *, days: Sequence[float]
 ) -> pd.DataFrame:
-    """Return shares of errors inside stated covariances, a row per quantity, duration and level.
-
-    Columns: day [d], rows, level, quantity, the share inside, the bound that was stated [m, or a squared
-    distance] and that which holds the level, `found`.
+    """Return the shares of errors inside what nine tenths of them should be inside, by duration and quantity.
 
     covariance: (n, k, k) of positions (k = 3) or states (k = 6), in RSW [m, m/s]
     errors: (n, k) in RSW [m, m/s]
     duration: (n,) [s]
     days: durations to state shares at [days]
 
-    Intervals assume normal errors. Raises InputError where no row has one of the durations.
+    Columns: day [d], rows, quantity, inside, stated (median bound [m], or squared distance). Intervals assume
+    normal errors. Raises InputError where no row has one of the durations.
     """
     quantities = _quantities(covariance, errors)
     rows: list[dict[str, Any]] = []
     for day in days:
         near = np.abs(duration / DAY - day) <= REACH_DAYS
-        for level in LEVELS if near.any() else ():
-            at = {"day": float(day), "rows": int(near.sum()), "level": level}
-            for quantity, (size, bound) in quantities.items():
-                stated = bound(level)[near]
-                rows.append(
-                    at
-                    | {
-                        "quantity": quantity,
-                        "inside": float(np.mean(size[near] <= stated)),
-                        "stated": float(np.median(stated)),
-                        "found": float(np.quantile(size[near], level)),
-                    }
-                )
+        for quantity, (size, bound) in quantities.items() if near.any() else ():
+            shares = {
+                "inside": float(np.mean((size <= bound)[near])),
+                "stated": float(np.median(bound[near])),
+            }
+            rows.append({"day": float(day), "rows": int(near.sum()), "quantity": quantity} | shares)
     if not rows:
         raise InputError(
             f"calibration: expected predictions over {', '.join(f'{day:g}' for day in days)} days, got none"
@@ -69,24 +60,18 @@ def of_covariances(
     return pd.DataFrame(rows)
 
 
-def _quantities(
-    covariance: np.ndarray, errors: np.ndarray
-) -> dict[str, tuple[np.ndarray, Callable[[float], np.ndarray]]]:
-    """Return, by quantity, sizes (n,) of errors and what gives the bounds (n,) that hold a level of them."""
+def _quantities(covariance: np.ndarray, errors: np.ndarray) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+    """Return, by quantity, sizes (n,) of errors and the bounds (n,) that LEVEL of them should be inside."""
     from scipy.stats import chi2  # takes half a second to import, too long for a plan
 
-    sigma = np.sqrt(np.diagonal(covariance, axis1=1, axis2=2))
-
-    def interval(k: int) -> Callable[[float], np.ndarray]:
-        return lambda level: half_width(level) * sigma[:, k]
-
-    def ellipsoid(parts: int) -> tuple[np.ndarray, Callable[[float], np.ndarray]]:
+    def ellipsoid(parts: int) -> tuple[np.ndarray, np.ndarray]:
         distance = mahalanobis(errors[:, :parts], covariance[:, :parts, :parts])
-        return distance, lambda level: np.full(len(distance), float(chi2.ppf(level, parts)))
+        return distance, np.full(len(distance), float(chi2.ppf(LEVEL, parts)))
 
-    sizes = {name: (np.abs(errors[:, k]), interval(k)) for k, name in enumerate(POSITION)}
+    bounds = INSIDE * np.sqrt(np.diagonal(covariance, axis1=1, axis2=2))
+    intervals = {name: (np.abs(errors[:, k]), bounds[:, k]) for k, name in enumerate(POSITION)}
     together = {PLANE: 2, ELLIPSOID: 3} | ({WHOLE: 6} if errors.shape[1] == 6 else {})
-    return sizes | {name: ellipsoid(parts) for name, parts in together.items()}
+    return intervals | {name: ellipsoid(parts) for name, parts in together.items()}
 
 
 def of_replay(replay: pd.DataFrame, *, days: Sequence[float]) -> pd.DataFrame:
