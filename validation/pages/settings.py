@@ -10,7 +10,6 @@ from opml.base.setting_types import TypeSchema
 from opml.study.settings.json_schema import choices, dereferenced, json_schema
 from opml.study.settings.model.run import RunAlone
 from opml.study.settings.model.study_parts import (
-    BeyondStudy,
     ClaimSettings,
     Entry,
     OwnStudySettings,
@@ -33,8 +32,7 @@ class _Part(NamedTuple):
 _PARTS = (
     _Part("The run", "What is simulated, or read from files.", "", RunAlone),
     _Part("A study of your own", "What is asked of the run.", "study", OwnStudySettings),
-    _Part("Beyond the paper", "What `snakemake beyond` makes.", "study", BeyondStudy),
-    _Part("The paper", "The paper's figures and tables.", "study", PaperStudy),
+    _Part("The paper", "The paper's figures and tables, and what goes beyond it.", "study", PaperStudy),
     _Part(
         "Entries",
         "An entry of `evaluations`, `grids`, `curves` and the like is a model on a test. Besides its own\n"

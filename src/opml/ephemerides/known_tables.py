@@ -18,20 +18,14 @@ from opml.orbits.manoeuvres import Manoeuvre, read_manoeuvres, when_burns_are_kn
 from opml.tables import read_measured, read_metadata, read_table
 
 
-class LongArcs(JobSettings):
-    """Long arcs of estimates, and the resonances that they give."""
-
-    long_window_hours: float
-    resonances: list[tuple[int, int]]
-
-
 class KnownSettings(JobSettings):
     """Settings that made a catalogue's tables; learners are resolved."""
 
     cleaning: Cleaning
     window_hours: float
     cd_bounds: tuple[float, float] | None
-    mechanism: LongArcs
+    long_window_hours: float
+    resonances: list[tuple[int, int]]
     learners: list[JobLearner]
 
 
@@ -62,7 +56,7 @@ class KnownTables:
         Raises InputError where a table is missing, damaged or does not belong to the others.
         """
         estimates = read_table(files.estimates, "estimates")
-        gm, mechanism = read_metadata(files.gravity_field)["gm"], settings.mechanism
+        gm = read_metadata(files.gravity_field)["gm"]
         at_estimates = dataset.of_estimates(
             estimates,
             read_table(files.predictions, "predictions"),
@@ -70,7 +64,7 @@ class KnownTables:
             gm=gm,
             cleaning=settings.cleaning,
         )
-        long_hours = mechanism.long_window_hours
+        long_hours = settings.long_window_hours
         others = dict(zip(arc_windows(settings.learners), files.get("arc_estimates", []), strict=True))
         if long_estimates := files.get("long_estimates"):
             others[long_hours] = long_estimates
@@ -82,7 +76,7 @@ class KnownTables:
             others={hours: read_table(path, "estimates") for hours, path in others.items()},
             long_window_hours=long_hours,
             bounds=settings.cd_bounds,
-            resonances=mechanism.resonances,
+            resonances=settings.resonances,
             manoeuvres=read_manoeuvres(files.manoeuvres) if files.manoeuvres else [],
         )
 

@@ -258,7 +258,7 @@ class Params:
             "cleaning": self.cleaning(wildcards),
             "window_hours": self.window_hours(wildcards),
             "cd_bounds": self.cd_bounds,
-            "mechanism": _given(self.run.mechanism),
+            **_given(self.run.mechanism),
             "learners": [],
             "max_days": self.run.prediction.max_days,
         }

@@ -122,7 +122,7 @@ def test_ellipsoids_of_another_month_hold_their_share():
     sigma = without_widening(Sizes.learned(past, now=40.0 * DAY), ahead)
     stated = ahead.assign(**dict(zip(SIGMA_STATE, sigma.T, strict=True)))
     shares = calibration.of_replay(stated, days=[1.0, 3.0, 7.0])
-    main = shares[shares["level"] == 0.9].set_index(["quantity", "day"])["inside"]
+    main = shares.set_index(["quantity", "day"])["inside"]
     # 160 errors at each duration tell a share to 2.4 %, and so do those that the sizes are from.
     for quantity in ("e_x", "e_y", "e_z", "plane", "ellipsoid", "state"):
         np.testing.assert_allclose(main[quantity], 0.9, atol=0.1)

@@ -6,7 +6,7 @@ then depends on all other rows, and the mean over the test leaks into it, which 
 """
 
 from dataclasses import dataclass
-from typing import Protocol, Self, runtime_checkable
+from typing import Self
 
 import numpy as np
 
@@ -14,14 +14,6 @@ from opml.base.errors import InputError
 from opml.learning.models.contract import Model, Predictor
 from opml.learning.models.training_inputs import check_rows, standardisation
 from opml.naming import parse_test
-
-
-@runtime_checkable
-class Standardising(Protocol):
-    """A model that standardises rows by the mean and deviation of its training rows."""
-
-    x_mean: np.ndarray  # (variables,)
-    x_scale: np.ndarray  # (variables,)
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,9 +27,10 @@ class Rescaled:
     @classmethod
     def around(cls, model: Model) -> Self:
         """Return a model rescaled; raise InputError for a model that does not standardise."""
-        if not isinstance(model, Standardising):
+        mean, scale = getattr(model, "x_mean", None), getattr(model, "x_scale", None)
+        if mean is None or scale is None:
             raise InputError("test split: -zscore: expected a model that standardises its variables")
-        return cls(model, np.asarray(model.x_mean), np.asarray(model.x_scale))
+        return cls(model, np.asarray(mean), np.asarray(scale))
 
     @property
     def variables(self) -> tuple[str, ...]:

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from opml.base.kind_sections import KindSection
-from opml.base.setting_types import Absent, Expected, OneOf, Positive, Unique
+from opml.base.setting_types import Absent, Expected, OneOf, Unique
 from opml.learning.models.training_inputs import Training
 from opml.tables import LEARNING_VARIABLES, MECHANISM_AXES, Column, Schema
 
@@ -22,8 +22,6 @@ _Chosen = Absent[
 ]
 _LeftOut = Absent[Annotated[list[Variable], Unique()]]
 
-_Length = Absent[Positive]
-
 
 class LearnerSettings(KindSection):
     """Settings of a learner; those of its kind follow `kind`."""
@@ -34,13 +32,6 @@ class ChoosingSettings(LearnerSettings):
 
     variables: _Chosen = None
     without: _LeftOut = None
-
-
-class ArcSettings(LearnerSettings):
-    """Settings of learners whose variables may be columns of the tables of arcs, which are made for them."""
-
-    window_hours: _Length = None
-    memory_days: _Length = None
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ from opml.learning.models.training_inputs import Training, check_rows
 
 @dataclass(frozen=True, eq=False)
 class FixedLaw:
-    """Predicts `x0` (one variable) or `x0 + x1 * (x2 - x3)` (four)."""
+    """Predicts 0 (no variable), `x0` (one) or `x0 + x1 * (x2 - x3)` (four)."""
 
     kind: str
     variables: tuple[str, ...]
@@ -26,8 +26,8 @@ class FixedLaw:
     def predict(self, x: np.ndarray) -> np.ndarray:
         """Return the predicted error (n,) in its own unit; raise InputError as `check_rows` does."""
         x = check_rows(x, self.variables)
-        if len(self.variables) == 1:
-            return x[:, 0].copy()
+        if len(self.variables) < 2:
+            return x.sum(axis=1)
         difference, answer, cd, past = x.T
         return difference + answer * (cd - past)
 
@@ -39,14 +39,6 @@ class FixedLaw:
     def from_table(cls, _: pd.DataFrame, metadata: Metadata) -> Self:
         """Return the law that `to_table` wrote."""
         return cls(metadata["kind"], **restore(metadata))
-
-
-class NoCorrection(FixedLaw):
-    """Predicts that there is no error: P_ML is 100 %."""
-
-    def predict(self, x: np.ndarray) -> np.ndarray:
-        """Return zeros (n,)."""
-        return np.zeros(len(x))
 
 
 class WindowSettings(LearnerSettings):
@@ -62,13 +54,12 @@ def _law(
     description: str,
     *variables: str,
     settings: type[LearnerSettings] = LearnerSettings,
-    law: type[FixedLaw] = FixedLaw,
 ) -> Learner[LearnerSettings]:
     """Return the learner of a law."""
 
     def fit(training: Training, _: LearnerSettings) -> FixedLaw:
         check_rows(training.x, training.variables)
-        return law(kind, tuple(training.variables))
+        return FixedLaw(kind, tuple(training.variables))
 
     return Learner(
         kind=kind,
@@ -76,13 +67,13 @@ def _law(
         settings=settings,
         table=table_of("nothing: there is no number to keep"),
         fit=fit,
-        load=law.from_table,
+        load=FixedLaw.from_table,
         resolve=fixed(*variables),
         learns=False,
     )
 
 
-NONE = _law("none", "no correction", law=NoCorrection)
+NONE = _law("none", "no correction")
 
 
 REFITTED = _law("refitted", "fit over another window, nothing learned", "l_arc", settings=WindowSettings)

@@ -14,7 +14,6 @@ from pydantic import PlainSerializer, PlainValidator
 
 from opml.base.errors import InputError
 from opml.base.kind_sections import OfItsKind
-from opml.base.section import JobSettings
 from opml.learning.models import boosting, fixed_laws, linear_law, svr
 from opml.learning.models.contract import (
     ARC_MEMORY_DAYS,
@@ -143,21 +142,13 @@ def resolved(settings: LearnerSettings, *, component: str, variables: Sequence[s
     return by_kind(settings.kind).resolve(settings, component=component, variables=variables)
 
 
-class _Job(JobSettings):
-    """JSON values that resolved settings of every kind have."""
-
-    kind: str
-    variables: list[str]
-
-
 def of_job(values: Mapping[str, Any] | ResolvedSettings) -> ResolvedSettings:
     """Return resolved settings, where they stand as the JSON values that `ResolvedSettings.of_job` made."""
     if isinstance(values, ResolvedSettings):
         return values
-    job = _Job.model_validate(values)
-    section = by_kind(job.kind).settings
+    section = by_kind(values["kind"]).settings
     own = {key: value for key, value in values.items() if key in section.model_fields and key != "variables"}
-    return ResolvedSettings(section.model_validate(own), job.variables)
+    return ResolvedSettings(section.model_validate(own), list(values["variables"]))
 
 
 JobLearner = Annotated[ResolvedSettings, PlainValidator(of_job), PlainSerializer(ResolvedSettings.of_job)]

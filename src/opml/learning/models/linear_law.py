@@ -16,10 +16,10 @@ from pydantic import Field
 from threadpoolctl import threadpool_limits
 
 from opml.base.errors import InputError
-from opml.base.setting_types import Expected, Unique
+from opml.base.setting_types import Absent, Expected, Positive, Unique
 from opml.learning.models.contract import (
-    ArcSettings,
     Learner,
+    LearnerSettings,
     Metadata,
     ResolvedSettings,
     component_columns,
@@ -71,7 +71,11 @@ _Term = Annotated[
 ]
 
 
-class LawSettings(ArcSettings):
+class LawSettings(LearnerSettings):
+    """Settings of a law; arcs are made where its variables are columns of their tables."""
+
+    window_hours: Absent[Positive] = None
+    memory_days: Absent[Positive] = None
     terms: Annotated[
         list[_Term], MinLen(1), Unique(), Expected("a list of products of variables, such as v*cd")
     ]

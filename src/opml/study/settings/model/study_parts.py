@@ -204,13 +204,8 @@ class PaperStudy(Section):
     curves: Absent[dict[CurveName, CurveSettings]] = absent("one model on other RSOs")
     seeds: Absent[SpreadSeeds] = absent("seeds of the spreads in the reproduction")
     reproduction: Absent[ReproductionSettings] = absent("the paper's numbers and ours")
-
-
-class BeyondStudy(Section):
-    """Experiments beyond the paper."""
-
     beyond: Absent[BeyondSettings] = absent("what goes beyond the paper")
 
 
-class StudySettings(BeyondStudy, PaperStudy, OwnStudySettings):
+class StudySettings(PaperStudy, OwnStudySettings):
     """The study of a run."""
