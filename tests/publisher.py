@@ -11,9 +11,9 @@ HALF = 48.0 * HOUR
 BALLISTIC, SUNLIT = 0.02, 0.03
 
 
-def small_forces(weather="OBSERVED", *, first=57659.0, last=57676.0, threads=1):
+def small_forces(weather="OBSERVED", *, first=57659.0, last=57676.0):
     """Forces with a small field about EPOCH."""
-    return inside_forces.read(weather, first=first, last=last, threads=threads, degree=8)
+    return inside_forces.read(weather, first=first, last=last, degree=8)
 
 
 def true_orbit(forces):

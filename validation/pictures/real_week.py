@@ -17,7 +17,6 @@ from matplotlib.ticker import FuncFormatter
 
 from opml.base import epochs
 from opml.base.constants import DAY
-from opml.dynamics.ensemble import propagate
 from opml.element_sets import prediction
 from opml.element_sets.inside import inside_forces, inside_now
 from opml.element_sets.inside.inside_now import InsideNow
@@ -63,7 +62,7 @@ def _path(forces: inside_forces.Forces, begin: Beginning, t: np.ndarray) -> np.n
     """Return GCRF positions (n, 3) [m] of an orbit at times (n,) after its beginning."""
     times = np.concatenate([[begin.t], t])
     departures = departing([begin], forces, first=np.zeros(1, int), last=np.array([len(t)]))
-    return propagate(forces.model, times, departures, integrator=inside_now.STEPS).path(0)[:, :3]
+    return forces.propagate(times, departures).path(0)[:, :3]
 
 
 def real_week(rows: pd.DataFrame) -> Figure:

@@ -204,9 +204,14 @@ def _predicted(
         sets, date=t, weather=folder / "weather.csv", trained=trained, latency=task.latency
     )
     histories = known_sets.by_object(sets)
-    for number, rows in questions.groupby("object", sort=False):
-        orbit = morning.predict(histories[int(number)], days=LEADS[-1] + set_errors.REACH)
-        for when in rows["time"]:
+    asked = [(int(number), rows["time"]) for number, rows in questions.groupby("object", sort=False)]
+    orbits = morning.predict_side_by_side(
+        [histories[number] for number, _ in asked], days=LEADS[-1] + set_errors.REACH
+    )
+    for (number, times), orbit in zip(asked, orbits, strict=True):
+        if isinstance(orbit, InputError):
+            raise orbit
+        for when in times:
             states, covariance = orbit.state(when), orbit.covariance(when)[:3, :3]
             yield [str(number), t, when, "GCRF", *_cells(states, covariance)]
 

@@ -5,6 +5,7 @@ requested theirs or ended; then all arcs of a kind are propagated together, on a
 same whatever is propagated with them, so no caller's arcs depend on the others.
 """
 
+import math
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, field
@@ -22,8 +23,10 @@ from opml.dynamics.settings import Integrator
 STEP = 300.0
 """Between the epochs of the grid, which are its multiples [s].
 
-Arcs whose integrator takes longer steps have a grid of more, `pace` of them, from where they begin.
+Arcs whose epochs are farther apart have a grid of more, `pace` of them, from where they begin.
 """
+
+LONGEST_PACE = 6  # so that an hour has few grids
 
 MOST = 1024
 """Arcs of one call where no single caller asks for more: a hundred callers' would take a gigabyte."""
@@ -41,13 +44,13 @@ class _Request:
     epochs: np.ndarray
     departures: Departures
     integrator: Integrator
+    threads: int
     arcs: Future[Arcs] = field(default_factory=Future)
 
     @property
     def pace(self) -> int:
-        """Length of a step in units of STEP, if all epochs are equally spaced."""
-        longest = max(1, int(self.integrator.max_step_s // STEP))
-        return longest if not ((self.epochs - self.epochs[0]) % longest).any() else 1
+        """Length in units of STEP of which all spaces between epochs are multiples."""
+        return math.gcd(LONGEST_PACE, int(np.gcd.reduce(np.diff(self.epochs))))
 
     @property
     def kind(self) -> _Kind:
@@ -98,7 +101,7 @@ class SharedBlocks:
             return ensemble.propagate(
                 model, epochs, departures, integrator=integrator, threads=threads, progress=progress
             )
-        request = _Request(model, multiples.astype(np.int64), departures, integrator)
+        request = _Request(model, multiples.astype(np.int64), departures, integrator, threads)
         self._waiting.append(request)
         self._propagate_when_all_wait()
         self._turn.wait_for(request.arcs.done)
@@ -158,7 +161,10 @@ def _propagated(requests: Sequence[_Request]) -> Arcs:
         reflection=np.concatenate([np.asarray(each.reflection) for each in departures]),
         outlook=np.concatenate(outlooks),
     )
-    return ensemble.propagate(first.model, STEP * grid, together, integrator=first.integrator)
+    threads = max(request.threads for request in requests)
+    return ensemble.propagate(
+        first.model, STEP * grid, together, integrator=first.integrator, threads=threads
+    )
 
 
 def _grid(requests: Sequence[_Request]) -> np.ndarray:

@@ -8,9 +8,9 @@ It is the orbit inside its sets, under full forces; where they have none, the im
 """
 
 import os
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
-from functools import cached_property
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
 
 import numpy as np
 import pandas as pd
@@ -20,11 +20,13 @@ from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.base.progress import Progress
+from opml.dynamics.ensemble import Arcs
+from opml.dynamics.shared_blocks import SharedBlocks
 from opml.element_sets import catalogue as catalogues
 from opml.element_sets import corrector, improve, improved_sizes, known_sets, trained_model, weighting
 from opml.element_sets.improve import Improved, PublicData
 from opml.element_sets.inside import inside_now, orbit_prediction
-from opml.element_sets.inside.inside_forces import Forces
+from opml.element_sets.inside.inside_forces import ON_ALL_CORES, Forces
 from opml.element_sets.inside.orbit_prediction import OrbitInside
 from opml.interop import ccsds
 from opml.interop.element_sets import mean_elements, rewriting, sgp4_errors
@@ -36,6 +38,7 @@ from opml.orbits.manoeuvres import Manoeuvre
 
 BURNED = 20.0  # days before the date whose burns count: those of the mornings that tell sizes of errors
 
+_SIDE_BY_SIDE = 64  # objects: their arcs fill blocks, and a hundred megabytes
 _DAY = len("2016-09-28")
 
 
@@ -212,13 +215,14 @@ class PublicMorning:
     """All sets that were public on a date, improved: what its objects are predicted from.
 
     weather: OBSERVED, the packaged weather, or a CSSI file; latency: days from epoch to publication of sets
-    that do not say when they were made
+    that do not say when they were made; propagator: as of `Forces`
     """
 
     known: PublicData
     better: Improved
     weather: FilePath
     latency: float
+    propagator: Callable[..., Arcs] = ON_ALL_CORES
 
     @classmethod
     def read(
@@ -236,6 +240,23 @@ class PublicMorning:
         return cls(
             known, improve.improve(known, trained_model.read(trained), progress=progress), weather, latency
         )
+
+    def predict_side_by_side(
+        self, histories: Sequence[Sequence[ElementSet]], *, days: float = LEADS[-1]
+    ) -> Iterator[Prediction | InputError]:
+        """Predict objects in a third of the time; yield what `predict` returns, or the error it raises."""
+        blocks = SharedBlocks()
+        shared = replace(self, propagator=partial(blocks.propagate, threads=os.cpu_count() or 1))
+
+        def attempt(history: Sequence[ElementSet]) -> Prediction | InputError:
+            try:
+                return shared.predict(history, days=days)
+            except InputError as reason:
+                return reason
+
+        for first in range(0, len(histories), _SIDE_BY_SIDE):
+            part = histories[first : first + _SIDE_BY_SIDE]
+            yield from blocks.run([partial(attempt, history) for history in part])
 
     def predict(self, history: Sequence[ElementSet], *, days: float = LEADS[-1]) -> Prediction:
         """Predict an object.
@@ -295,7 +316,7 @@ class PublicMorning:
 
     @cached_property
     def _forces(self) -> Forces:
-        return inside_now.forces_on(self.better.date, str(self.weather))
+        return inside_now.forces_on(self.better.date, str(self.weather), propagator=self.propagator)
 
 
 def known_since(one: ElementSet) -> str:

@@ -154,7 +154,7 @@ class Surroundings:
             read_table(fits["earth_orientation"], "earth_orientation"),
             settings.stations,
             float(activity.dropna(subset=list(FIGURES))["t"].max()),
-            _run_sets(settings, since),
+            _run_sets(settings, since, propagate),
             cache(known_sets.by_object),
             propagate,
         )
@@ -235,12 +235,12 @@ class _Attempts:
         return None
 
 
-def _run_sets(settings: BatchSettings, since: float) -> RunSets | None:
+def _run_sets(settings: BatchSettings, since: float, propagate: Callable[..., Arcs]) -> RunSets | None:
     """Return the public sets of a run, None without any; since: a time before all mornings to be run [s]."""
     if not settings.element_files:
         return None
     first = modified_julian_day(settings.epoch) + (since / DAY if np.isfinite(since) else 0.0)
-    return RunSets.read(settings.element_files, settings.weather, since=first)
+    return RunSets.read(settings.element_files, settings.weather, since=first, propagator=propagate)
 
 
 def _futures(path: FilePath, *, since: float) -> pd.DataFrame:

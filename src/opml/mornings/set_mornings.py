@@ -5,7 +5,7 @@ earlier mornings predicted is judged by the orbit inside the newest set, at its 
 itself.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -17,10 +17,12 @@ import pandas as pd
 from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.files import FilePath
+from opml.dynamics.ensemble import Arcs
 from opml.element_sets import catalogue as catalogues
 from opml.element_sets import improve, known_sets, trained_model
 from opml.element_sets.catalogue import ElementCatalogue
 from opml.element_sets.inside import inside_sizes
+from opml.element_sets.inside.inside_forces import ON_ALL_CORES
 from opml.element_sets.inside.orbit_prediction import OrbitInside
 from opml.element_sets.prediction import Prediction, PublicMorning
 from opml.element_sets.set_errors import OLDEST
@@ -57,10 +59,18 @@ class RunSets:
     weather: Weather
     source: str
     model: CatalogueModel
+    propagator: Callable[..., Arcs] = ON_ALL_CORES
     _mornings: dict[str, PublicMorning] = field(default_factory=dict)
 
     @classmethod
-    def read(cls, paths: Sequence[FilePath], weather: str, *, since: float) -> "RunSets":
+    def read(
+        cls,
+        paths: Sequence[FilePath],
+        weather: str,
+        *,
+        since: float,
+        propagator: Callable[..., Arcs] = ON_ALL_CORES,
+    ) -> "RunSets":
         """Read them; weather: OBSERVED, the packaged one, or a CSSI file; since: modified Julian day (UTC).
 
         Raises InputError for unreadable files.
@@ -68,7 +78,7 @@ class RunSets:
         sets = catalogues.read(paths, leave_out_damaged=True)
         rows = np.flatnonzero(sets.table["t"].to_numpy() >= since - REACH)
         measured, model = known_weather.read(weather), trained_model.read()
-        return cls(sets.take(rows), measured, weather, model)
+        return cls(sets.take(rows), measured, weather, model, propagator)
 
     def on(self, date: str) -> PublicMorning:
         """Return what was public on a date (UTC text), improved. Raises InputError as `improve.read`."""
@@ -76,7 +86,9 @@ class RunSets:
             self._mornings.clear()  # all objects have one morning before any has the next
             known = improve.public_on(date, lambda: self.catalogue, self.weather, source=self.source)
             better = improve.improve(known, self.model, progress=lambda line: None)
-            self._mornings[date] = PublicMorning(known, better, self.source, catalogues.LATENCY)
+            self._mornings[date] = PublicMorning(
+                known, better, self.source, catalogues.LATENCY, self.propagator
+            )
         return self._mornings[date]
 
 

@@ -91,17 +91,13 @@ def test_no_later_weather_counts(forces, sets, tmp_path, monkeypatch):
     today = catalogue.modified_julian_day(date)
     other = other_after(tmp_path / "weather.csv", today)
     paths = [
-        inside_now.find(public, date=date, forces=inside_now.forces_on(date, weather, threads=1)).predict(
-            3.0
-        )[1]
+        inside_now.find(public, date=date, forces=inside_now.forces_on(date, weather)).predict(3.0)[1]
         for weather in ("OBSERVED", other)
     ]
     assert np.isfinite(paths[0]).all()
     np.testing.assert_array_equal(*paths)
     late = other_after(tmp_path / "late.csv", today - 3.0)
-    changed = inside_now.find(public, date=date, forces=inside_now.forces_on(date, late, threads=1)).predict(
-        3.0
-    )[1]
+    changed = inside_now.find(public, date=date, forces=inside_now.forces_on(date, late)).predict(3.0)[1]
     assert not np.array_equal(changed, paths[0])
 
 

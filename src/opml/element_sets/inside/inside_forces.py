@@ -3,16 +3,20 @@
 A publisher's forces are not known in detail; these agree with what theirs make of an orbit to some metres.
 """
 
+import os
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from opml.base import epochs
 from opml.base.constants import BODIES, DAY
+from opml.dynamics.ensemble import Arcs, Departures, propagate
 from opml.dynamics.forces import build, tabulated, with_outlooks
 from opml.dynamics.kernels.surroundings import ForceModel
-from opml.dynamics.settings import FORCES, ForceModelSettings
+from opml.dynamics.settings import FORCES, ForceModelSettings, Integrator
 from opml.environment import known_weather, nodes
 from opml.environment.known_weather import Issues
 
@@ -30,6 +34,13 @@ SMOOTH = 8
 """Degree of gravity under which the effects of drag and light are differenced: within 0.2 % of those under
 the whole field from 300 to 800 km, in a ninth of the time."""
 
+STEPS = Integrator(position_tolerance_m=0.05, min_step_s=0.001, max_step_s=240.0)
+"""Steps of orbits: half as long, they differ by 0.2 m outwards and across after eight days."""
+
+_SMOOTH_STEPS = Integrator(position_tolerance_m=1.0, min_step_s=0.001, max_step_s=450.0)
+
+ON_ALL_CORES = partial(propagate, threads=os.cpu_count() or 1)
+
 _BEFORE = 9.0  # days before the first set that its span reaches
 
 
@@ -37,25 +48,37 @@ _BEFORE = 9.0  # days before the first set that its span reaches
 class Forces:
     """A force model whose times count from `epoch` (UTC text), with daily outlooks of the weather.
 
-    smooth: the same with gravity of degree SMOOTH
+    smooth: the same with gravity of degree SMOOTH; propagator: `ensemble.propagate`, or one like it
     """
 
     model: ForceModel
     smooth: ForceModel
     epoch: str
-    threads: int = 1
+    propagator: Callable[..., Arcs]
+    steps: Integrator = STEPS
 
     @property
     def smoothed(self) -> "Forces":
         """Return those under the smooth field alone."""
-        return replace(self, model=self.smooth)
+        return replace(self, model=self.smooth, steps=_SMOOTH_STEPS)
+
+    def propagate(self, epochs: np.ndarray, departures: Departures) -> Arcs:
+        """Propagate arcs as `ensemble.propagate`."""
+        return self.propagator(self.model, epochs, departures, integrator=self.steps)
 
     def time(self, date: str) -> float:
         """Return the time of UTC text [s since the epoch]."""
         return epochs.seconds_between(self.epoch, date)
 
 
-def read(weather: str | Path, *, first: float, last: float, threads: int = 1, degree: int = DEGREE) -> Forces:
+def read(
+    weather: str | Path,
+    *,
+    first: float,
+    last: float,
+    degree: int = DEGREE,
+    propagator: Callable[..., Arcs] = ON_ALL_CORES,
+) -> Forces:
     """Return the forces for sets with epochs from `first` to `last` (modified Julian days, UTC).
 
     weather: OBSERVED, the packaged weather, or a CSSI file; what was measured after an issue does not count
@@ -79,7 +102,7 @@ def read(weather: str | Path, *, first: float, last: float, threads: int = 1, de
     model, smooth = (
         with_outlooks(build(environment, _settings(highest)), outlooks) for highest in (degree, SMOOTH)
     )
-    return Forces(model, smooth, epoch, threads)
+    return Forces(model, smooth, epoch, propagator)
 
 
 def _settings(degree: int) -> ForceModelSettings:

@@ -10,8 +10,7 @@ well sets agree over it and what errors the newest orbit will have; that has its
 before it.
 """
 
-import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
@@ -22,16 +21,15 @@ from sgp4.api import Satrec
 
 from opml.base import epochs
 from opml.base.constants import DAY, HOUR, WGS84_A
-from opml.dynamics.ensemble import propagate
+from opml.dynamics.ensemble import Arcs
 from opml.element_sets.inside import inside_forces, past_orbits
-from opml.element_sets.inside.inside_forces import Forces
+from opml.element_sets.inside.inside_forces import ON_ALL_CORES, Forces
 from opml.element_sets.inside.orbit_inside import (
     DRAG,
     EVERY,
     LEAST_DRAG,
     LIGHT,
     NUMBERS,
-    STEPS,
     Beginning,
     Equations,
     NearbyOrbit,
@@ -75,7 +73,7 @@ AGREED_BEFORE = 0.4
 
 LITTLE_DRAG = 22.0  # decay [m/d] below which light determines more than drag, and spans are long
 _SHORT = 96.0 * HOUR  # half of the longest span that is tried where drag is not small [s]
-_EVERY = 120.0  # between the states of a prediction [s]
+_STEP = 300.0  # between the states of a prediction [s]
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,20 +118,18 @@ class InsideNow:
         return np.asarray(smooth(days))
 
     def predict(self, days: float, along_track: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
-        """Return times (n,) [s since the date] and GCRF states (n, 6) of the orbit from the date on.
+        """Return times (n,) [s since the date] and GCRF states (n, 6) of the orbit from before the date on.
 
         along_track: (leads, 3) days from the date, by what the orbit is to be ahead there [m], and the
         standard deviation of that; its energy and its drag change so as to come near
         """
         begin = self.orbit.begin_again(self.numbers + self._shifted(along_track))
         now = self.forces.time(self.date)
-        t = now + _EVERY * np.arange(int(np.ceil(DAY * days / _EVERY)) + 2)
-        epochs = np.concatenate([[begin.t], t[t > begin.t]])
-        departures = departing(
-            [begin], self.forces.model, first=np.zeros(1, int), last=np.array([len(epochs) - 1])
-        )
-        arcs = propagate(self.forces.model, epochs, departures, integrator=STEPS)
-        return t - now, np.concatenate([begin.state[None], arcs.path(0)])[-len(t) :]
+        t = np.arange(begin.t, now + DAY * days + 2.0 * _STEP, _STEP)
+        first, last = np.zeros(1, int), np.array([len(t) - 1])
+        arcs = self.forces.propagate(t, departing([begin], self.forces, first=first, last=last))
+        wanted = slice(max(int((now - begin.t) // _STEP) - 1, 0), None)
+        return (t - now)[wanted], np.concatenate([begin.state[None], arcs.path(0)])[wanted]
 
     def _shifted(self, along_track: np.ndarray | None) -> np.ndarray:
         """Return the changes (7,) of mean motion, argument of latitude and Cd A/m that come near to a
@@ -204,14 +200,14 @@ def daily_orbits(daily: Sequence[KnownSet], forces: Forces, now: float) -> Daily
     return DailyOrbits(past, told, span, past.numbers(span, past.sunlight(span) if little else 0.0))
 
 
-def forces_on(date: str, weather: str | Path, *, threads: int | None = None) -> Forces:
+def forces_on(date: str, weather: str | Path, *, propagator: Callable[..., Arcs] = ON_ALL_CORES) -> Forces:
     """Return the forces for the orbits inside all sets that were known on a date (UTC text).
 
     Raises InputError for weather that does not reach.
     """
     today = float(np.sum(epochs.utc(date, 0.0)) - epochs.MJD_ZERO)
     first = today - PAST - OLDEST
-    return inside_forces.read(weather, first=first, last=today, threads=threads or os.cpu_count() or 1)
+    return inside_forces.read(weather, first=first, last=today, propagator=propagator)
 
 
 def find(public: Sequence[KnownSet], *, date: str, forces: Forces) -> InsideNow:
@@ -225,17 +221,19 @@ def find(public: Sequence[KnownSet], *, date: str, forces: Forces) -> InsideNow:
     daily = _thinned([one for one in last_of_days(public) if one.t >= newest.t - DAY * PAST])
     now = forces.time(date)
     past, told, span, numbers = daily_orbits(daily, forces, now)
+    errors, begin = past.errors(numbers), past.orbits[-1].begin_again(numbers[-1])
+    del past  # seven megabytes, while other objects' arcs are propagated
     before = BEFORE if decay(newest.satellite) < STEADY else 0.0
     counted = [one for one in public if newest.t - one.t <= DAY * before]
     [orbit] = orbits_beside(
         forces,
-        [past.orbits[-1].begin_again(numbers[-1])],
+        [begin],
         back=np.array([span.before + newest.t - counted[0].t + EVERY]),
         ahead=np.array([max(past_orbits.REACH - newest.t, span.after + EVERY)]),
     )
     equations = [_equations(orbit, one, now) for one in counted]
     final = solve(orbit, [one.over(t - span.before, t + span.after) for t, one in equations])
-    return InsideNow(forces, date, -newest.t / DAY, span, told, past.errors(numbers), orbit, final)
+    return InsideNow(forces, date, -newest.t / DAY, span, told, errors, orbit, final)
 
 
 def _past(

@@ -206,7 +206,7 @@ def _passages(daily: Sequence[KnownSet], epoch: str, weather: str | Path) -> lis
     if reason := inside_now.unsuited(newest):
         raise NoOrbitError(reason)
     first, last = (float(np.sum(epochs.utc(epoch, one.t)) - epochs.MJD_ZERO) for one in (daily[0], daily[-1]))
-    forces = inside_forces.read(weather, first=first, last=last, threads=os.cpu_count() or 1)
+    forces = inside_forces.read(weather, first=first, last=last)
     now = forces.time(epoch)
     orbits = inside_now.daily_orbits([replace(one, made=np.inf) for one in daily], forces, now)
     errors = orbits.past.errors(orbits.numbers)

@@ -20,9 +20,7 @@ from sgp4.api import Satrec
 
 from opml.base.constants import HOUR
 from opml.base.errors import InputError
-from opml.dynamics.ensemble import Arcs, Departures, propagate
-from opml.dynamics.kernels.surroundings import ForceModel
-from opml.dynamics.settings import Integrator
+from opml.dynamics.ensemble import Arcs, Departures
 from opml.element_sets.inside.inside_forces import Forces
 from opml.interop.element_sets import mean_elements
 from opml.interop.element_sets.element_set import decay, perturbed
@@ -42,10 +40,6 @@ It is no guess of the drag: it keeps a number finite that an orbit above 1000 km
 
 NO_DRAG = 0.01  # [m2/kg]
 LIGHT = 0.02  # Cr A/m of a payload [m2/kg]
-STEPS = Integrator(position_tolerance_m=0.05, min_step_s=0.001, max_step_s=240.0)
-"""Steps of orbits: half as long, they are off by 0.1 m more outwards and across in eight days."""
-
-_SMOOTH_STEPS = Integrator(position_tolerance_m=1.0, min_step_s=0.001, max_step_s=450.0)
 NUMBERS = 8  # six elements, Cd A/m and Cr A/m
 DRAG, SUNLIGHT = 6, 7  # places of the last two
 
@@ -221,7 +215,28 @@ def paths(
 
     ends: (2, orbits) first and last times [s], multiples of `every`, which divides EVERY
     """
-    return _both_ways(forces.model, beginnings, ends, every, STEPS, forces.threads)
+    back, ahead = (
+        _half(forces, beginnings, end, direction * every)
+        for end, direction in zip(ends, (-1.0, 1.0), strict=True)
+    )
+    return [
+        np.concatenate([back.path(k)[::-1], begin.state[None], ahead.path(k)])
+        for k, begin in enumerate(beginnings)
+    ]
+
+
+def _half(forces: Forces, beginnings: Sequence[Beginning], ends: np.ndarray, step: float) -> Arcs:
+    """Return arcs in one direction of time, in steps above or below 0 [s]."""
+    starts = np.array([one.t for one in beginnings])
+    direction, every = np.sign(step), abs(step)
+    epochs = np.arange((direction * starts).min(), (direction * ends).max() + 0.5 * every, every)
+    departures = departing(
+        beginnings,
+        forces,
+        first=np.searchsorted(epochs, direction * starts),
+        last=np.searchsorted(epochs, direction * ends),
+    )
+    return forces.propagate(direction * epochs, departures)
 
 
 def _changes(
@@ -236,7 +251,7 @@ def _changes(
     lit = [replace(one, reflection=one.reflection + LIGHT_STEP) for one in beginnings] if is_lit else []
     families = [*beginnings, *dragged, *lit]
     repeated = np.tile(ends, len(families) // len(beginnings))
-    flown = _both_ways(forces.smooth, families, repeated, EVERY, _SMOOTH_STEPS, forces.threads)
+    flown = paths(forces.smoothed, families, repeated)
     count = len(beginnings)
     changes = []
     for k, own in enumerate(flown[:count]):
@@ -247,61 +262,11 @@ def _changes(
     return changes
 
 
-def _both_ways(
-    model: ForceModel,
-    beginnings: Sequence[Beginning],
-    ends: np.ndarray,
-    every: float,
-    integrator: Integrator,
-    threads: int,
-) -> list[np.ndarray]:
-    """Return the states (n, 6) of orbits every so often [s] from first to last times (2, orbits)."""
-    back, ahead = (
-        _half(model, beginnings, end, direction * every, integrator, threads)
-        for end, direction in zip(ends, (-1.0, 1.0), strict=True)
-    )
-    return [
-        np.concatenate([back.path(k)[::-1], begin.state[None], ahead.path(k)])
-        for k, begin in enumerate(beginnings)
-    ]
-
-
-def _half(
-    model: ForceModel,
-    beginnings: Sequence[Beginning],
-    ends: np.ndarray,
-    step: float,
-    integrator: Integrator,
-    threads: int,
-) -> Arcs:
-    """Return arcs in one direction of time, in steps above or below 0 [s]."""
-    starts = np.array([one.t for one in beginnings])
-    direction, every = np.sign(step), abs(step)
-    epochs = np.arange((direction * starts).min(), (direction * ends).max() + 0.5 * every, every)
-    departures = departing(
-        beginnings,
-        model,
-        first=np.searchsorted(epochs, direction * starts),
-        last=np.searchsorted(epochs, direction * ends),
-    )
-    return propagate(model, direction * epochs, departures, integrator=integrator, threads=threads)
-
-
 def _sgp4_partials(satellite: Satrec, epoch: str, t: np.ndarray) -> np.ndarray:
     """Return what steps of the elements do to SGP4's positions (n, 3, 6), along the bent axes [m]."""
-    changes = np.diag(_steps(satellite))
-    own = mean_elements.states_in_teme([satellite], epoch=epoch, t=t)[0]
-    moved = [
-        bent_rsw(states[:, :3], own)
-        for states in mean_elements.states_in_teme(
-            [perturbed(satellite, side * change) for change in changes for side in (1.0, -1.0)],
-            epoch=epoch,
-            t=t,
-        )
-    ]
-    return np.stack(
-        [0.5 * (plus - minus) for plus, minus in zip(moved[::2], moved[1::2], strict=True)], axis=2
-    )
+    moved = [perturbed(satellite, change) for change in np.diag(_steps(satellite))]
+    own, *others = mean_elements.states_in_teme([satellite, *moved], epoch=epoch, t=t)
+    return np.stack([bent_rsw(states[:, :3], own) for states in others], axis=2)
 
 
 def _steps(satellite: Satrec) -> np.ndarray:
@@ -330,7 +295,7 @@ def begin_at(
 
 
 def departing(
-    begins: Sequence[Beginning], model: ForceModel, *, first: np.ndarray, last: np.ndarray
+    begins: Sequence[Beginning], forces: Forces, *, first: np.ndarray, last: np.ndarray
 ) -> Departures:
     """Return the departures of orbits, each under the weather as it was known; first, last: as of
     `Departures`.
@@ -341,7 +306,7 @@ def departing(
         last=last,
         ballistic=np.array([one.ballistic for one in begins]),
         reflection=np.array([one.reflection for one in begins]),
-        outlook=model.newest_outlook(np.array([one.known for one in begins])),
+        outlook=forces.model.newest_outlook(np.array([one.known for one in begins])),
     )
 
 

@@ -6,7 +6,7 @@ sets of different days agree across the track to metres; over another they are o
 same orbits give the error of each at later sets: the errors that its next one will have.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -15,7 +15,7 @@ import pandas as pd
 
 from opml.base.constants import DAY, HOUR
 from opml.element_sets.inside.orbit_inside import EVERY, LIGHT_STEP, Equations, NearbyOrbit, solve
-from opml.orbits.elements import bent_rsw
+from opml.orbits.elements import bent_rsw, positions_beside
 
 
 @dataclass(frozen=True)
@@ -87,13 +87,15 @@ class PastOrbits:
         revolution or two [m]), ahead (mean along the track [m]), and the same of SGP4 from set i, sgp4_r to
         sgp4_ahead.
         """
-        rows = [
-            (i, j, (self.t[j] - self.t[i]) / DAY, *_sizes(off), *_sizes(off + self._by_sgp4(i, j, numbers)))
-            for i, j, off in self._off(numbers)
-        ]
-        names = ["r", "s", "w", "ahead"]
-        columns = ["i", "j", "days", *names, *(f"sgp4_{name}" for name in names)]
-        return pd.DataFrame(rows, columns=columns, dtype=float)
+        pairs = self._pairs
+        off = pairs.off(numbers)
+        parts = zip(("", "sgp4_"), (off, pairs.off_sgp4 - pairs.changes(numbers) + off), strict=True)
+        columns = {"i": pairs.i, "j": pairs.j, "days": (self.t[pairs.j] - self.t[pairs.i]) / DAY}
+        for name, errors in parts:
+            sizes = np.sqrt(pairs.means(errors**2))
+            columns |= {f"{name}{axis}": sizes[:, k] for k, axis in enumerate("rsw")}
+            columns[f"{name}ahead"] = pairs.means(errors)[:, 1]
+        return pd.DataFrame(columns, dtype=float)
 
     def sunlight(self, span: FitSpan) -> float:
         """Return the step of Cr A/m over which orbits of a span agree best outwards: it shifts their
@@ -102,49 +104,85 @@ class PastOrbits:
         Pairs of sets count as _INDEPENDENT ones, and the number first taken as one more, off by
         GUESSED_LIGHT.
         """
-        dark, lit = (
-            [off[:, 0] for i, j, off in self._off(self.numbers(span, step)) if self._are_apart(i, j)]
-            for step in (0.0, 1.0)
-        )
-        if len(dark) < _FEWEST:
+        pairs = self._pairs
+        apart = self.t[pairs.j] - self.t[pairs.i] >= _APART
+        counted = pairs.there & apart[:, None]
+        dark, lit = (pairs.off(self.numbers(span, step))[counted][:, 0] for step in (0.0, 1.0))
+        if apart.sum() < _FEWEST:
             return 0.0
-        off, change = np.concatenate(dark), np.concatenate(lit) - np.concatenate(dark)
-        weight = _INDEPENDENT / (_AGREED**2 * len(off))
+        change = lit - dark
+        weight = _INDEPENDENT / (_AGREED**2 * len(dark))
         guess = (LIGHT_STEP / GUESSED_LIGHT) ** 2
-        return float(-weight * (off @ change) / (weight * (change @ change) + guess))
-
-    def _off(self, numbers: np.ndarray) -> Iterator[tuple[int, int, np.ndarray]]:
-        """Yield sets i and j with what the orbit of i is off that of j about its epoch (points, 3) [m]."""
-        for j, judge in enumerate(self.orbits):
-            own = _places(judge, self.t[j])
-            states = np.hstack([judge.positions(numbers[j], own), judge.states[own, 3:]])
-            for i in range(j):
-                if self.t[j] - self.t[i] <= REACH:
-                    places = _places(self.orbits[i], self.t[j])
-                    positions = self.orbits[i].positions(numbers[i], places)
-                    yield i, j, bent_rsw(positions, states[: len(places)])
-
-    def _by_sgp4(self, i: int, j: int, numbers: np.ndarray) -> np.ndarray:
-        """Return what SGP4 from set i is off its orbit about the epoch of set j (points, 3) [m]."""
-        places = _places(self.orbits[i], self.t[j])
-        return np.asarray(self._off_sgp4[i][places] - self.orbits[i].partials[places] @ numbers[i])
-
-    def _are_apart(self, i: int, j: int) -> bool:
-        return bool(self.t[j] - self.t[i] >= _APART)
+        return float(-weight * (dark @ change) / (weight * (change @ change) + guess))
 
     @cached_property
-    def _off_sgp4(self) -> list[np.ndarray]:
-        return [orbit.displacements(orbit.beginning.satellite) for orbit in self.orbits]
+    def _pairs(self) -> "_Pairs":
+        """The pairs of sets that are at most REACH apart."""
+        later, earlier = np.tril_indices(len(self.t), -1)
+        near = self.t[later] - self.t[earlier] <= REACH
+        i, j = earlier[near], later[near]
+        by_sgp4 = [orbit.displacements(orbit.beginning.satellite) for orbit in self.orbits]
+        own, there = _places(self.orbits, i, self.t[j])
+        judges, _ = _places(self.orbits, j, self.t[j])
+
+        def gathered(parts: Sequence[np.ndarray], sets: np.ndarray, places: np.ndarray) -> np.ndarray:
+            rows = [parts[k][at] for k, at in zip(sets, places, strict=True)]
+            return np.reshape(rows, (*places.shape, *parts[0].shape[1:]))
+
+        states, partials = ([getattr(one, name) for one in self.orbits] for name in ("states", "partials"))
+        return _Pairs(
+            i,
+            j,
+            there,
+            gathered(states, i, own),
+            gathered(partials, i, own),
+            gathered(by_sgp4, i, own),
+            gathered(states, j, judges),
+            gathered(partials, j, judges),
+        )
 
 
-def _places(orbit: NearbyOrbit, t: float) -> np.ndarray:
-    """Return the points of an orbit about a time."""
-    places = int(np.round((t - orbit.t[0]) / EVERY)) + _AROUND
-    return places[(places >= 0) & (places < len(orbit.t))]
+@dataclass(frozen=True, eq=False)
+class _Pairs:
+    """Pairs of sets i and j, and their orbits at the points about the epoch of j.
+
+    i, j: (pairs,); there: (pairs, points), whether the orbit of i has a point; states: (pairs, points, 6) and
+    partials: (pairs, points, 3, 8) of both as of `NearbyOrbit`; off_sgp4: (pairs, points, 3), by what SGP4
+    from set i is off its orbit
+    """
+
+    i: np.ndarray
+    j: np.ndarray
+    there: np.ndarray
+    states: np.ndarray
+    partials: np.ndarray
+    off_sgp4: np.ndarray
+    states_of_j: np.ndarray
+    partials_of_j: np.ndarray
+
+    def changes(self, numbers: np.ndarray) -> np.ndarray:
+        """Return by what the orbits of i change (pairs, points, 3) with numbers of all sets (sets, 8)."""
+        return np.einsum("pkan,pn->pka", self.partials, numbers[self.i])
+
+    def off(self, numbers: np.ndarray) -> np.ndarray:
+        """Return what the orbits of i are off those of j (pairs, points, 3) [m]; numbers: (sets, 8)."""
+        bent = np.einsum("pkan,pn->pka", self.partials_of_j, numbers[self.j])
+        judges = np.concatenate([positions_beside(self.states_of_j, bent), self.states_of_j[..., 3:]], axis=2)
+        positions = positions_beside(self.states, self.changes(numbers))
+        return bent_rsw(positions.reshape(-1, 3), judges.reshape(-1, 6)).reshape(positions.shape)
+
+    def means(self, values: np.ndarray) -> np.ndarray:
+        """Return the means (pairs, 3) of values (pairs, points, 3) over the points that are there."""
+        there = self.there[..., None]
+        return np.asarray(np.where(there, values, 0.0).sum(axis=1) / there.sum(axis=1))
 
 
-def _sizes(off: np.ndarray) -> tuple[float, ...]:
-    return (*np.sqrt((off**2).mean(axis=0)), float(off[:, 1].mean()))
+def _places(orbits: Sequence[NearbyOrbit], sets: np.ndarray, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the points (n, points) of orbits of sets (n,) about times (n,), and whether they are there."""
+    begins, counts = (np.array([call(orbits[k].t) for k in sets]) for call in (np.min, len))
+    places = np.round((t - begins) / EVERY).astype(int)[:, None] + _AROUND
+    there = (places >= 0) & (places < counts[:, None])
+    return np.clip(places, 0, counts[:, None] - 1), there
 
 
 @dataclass(frozen=True)

@@ -4,20 +4,18 @@ Each is a measurement of where its object was, which judges what was predicted f
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
 
 from opml.base.constants import DAY
-from opml.dynamics.ensemble import propagate
 from opml.element_sets.catalogue import ElementCatalogue
 from opml.element_sets.inside.inside_forces import Forces
 from opml.element_sets.inside.orbit_inside import (
     EVERY,
     LIGHT,
     NUMBERS,
-    STEPS,
     Beginning,
     NearbyOrbit,
     NoOrbitError,
@@ -92,11 +90,11 @@ def _gauged(times: _Times) -> np.ndarray:
     gauged = np.full(len(table), np.nan)
     first = np.array([group[len(group) // 2] for group in table.groupby(groups).indices.values()])
     first = first[np.argsort(t[first], kind="stable")]
-    ballistic = first_drag(table["bstar"].to_numpy())
+    ballistic, smooth = first_drag(table["bstar"].to_numpy()), replace(times, forces=times.forces.smoothed)
     for members in _batches(first):
         begins = [times.begin(row, ballistic[row]) for row in members]
         for _ in range(2):
-            solved = _solved(begins, times, members)
+            solved = _solved(begins, smooth, members)
             begins = [orbit.begin_again(numbers) for orbit, numbers in solved]
         gauged[members] = [one.ballistic for one in begins]
     return pd.Series(gauged).groupby(groups.to_numpy()).transform("max").to_numpy()
@@ -124,7 +122,7 @@ def _at_epochs(forces: Forces, begins: Sequence[Beginning], t: np.ndarray) -> np
     starts = np.array([one.t for one in begins])
     epochs = np.unique(np.concatenate([starts, t]))
     first, last = (np.searchsorted(epochs, times) for times in (starts, t))
-    departures = departing(begins, forces.model, first=first, last=last)
-    arcs = propagate(forces.model, epochs, departures, integrator=STEPS, threads=forces.threads)
+    departures = departing(begins, forces, first=first, last=last)
+    arcs = forces.propagate(epochs, departures)
     paths = [np.concatenate([one.state[None], arcs.path(k)]) for k, one in enumerate(begins)]
     return np.array([path[-1] for path in paths])

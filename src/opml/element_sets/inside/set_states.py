@@ -1,7 +1,6 @@
 """A table of states of many objects: the orbit inside each of their public sets, at its epoch."""
 
 import logging
-import os
 from pathlib import Path
 
 import numpy as np
@@ -72,7 +71,7 @@ def build(
 
 def _states(catalogue: ElementCatalogue, weather: str | Path, ballistic: np.ndarray) -> np.ndarray:
     t = catalogue.table["t"]
-    forces = inside_forces.read(weather, first=t.min(), last=t.max(), threads=os.cpu_count() or 1)
+    forces = inside_forces.read(weather, first=t.min(), last=t.max())
     return set_orbits.states(catalogue, forces, ballistic)[_NUMBERS].to_numpy()
 
 
