@@ -66,12 +66,12 @@ def errors(
     """
     predictions, judges = {}, []
     now = modified_julian_day(morning.better.date)
-    for number in numbers:
-        try:
-            predictions[number] = morning.predict(histories[number])
-        except InputError as reason:
-            print(f"{morning.better.date} {number}: {reason}", file=sys.stderr)
+    outcomes = morning.predict_side_by_side([histories[number] for number in numbers])
+    for number, outcome in zip(numbers, outcomes, strict=True):
+        if isinstance(outcome, InputError):
+            print(f"{morning.better.date} {number}: {outcome}", file=sys.stderr)
             continue
+        predictions[number] = outcome
         judges += [(number, lead, row) for lead, row in _judges(catalogue.table, int(number), now)]
     rows = np.array([row for *_, row in judges])
     sets = catalogue.take(rows)
