@@ -274,7 +274,7 @@ def test_sentences_on_the_paper_are_those_of_the_table_of_interpretations():
     for said in (
         f"{future[2]} becomes {future[3].strip('*')} with both and the prior",
         f"nothing is corrected ({other[2]}). Without the orientation P_ML is {other[3]}",
-        f"together gives {float(higher[-1]):.0f} % instead of {float(higher[1]):.0f} %",
+        f"joint gives {float(higher[-1]):.0f} % instead of {float(higher[1]):.0f} %",
     ):
         assert said in sentences("docs/reproduction")
 
