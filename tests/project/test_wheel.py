@@ -153,7 +153,7 @@ def test_what_readme_installs_runs_what_it_shows(python, tmp_path, monkeypatch):
         server.answers["/SpaceData/SW-Last5Years.csv"] = (200, weather.encode())
         for command in shown:
             told = run(python, "-m", "opml", *command.split(), cwd=tmp_path)
-    assert "root mean squares from 2026-01-0" in told
+    assert "root mean square differences from 2026-01-0" in told
     assert {"iss.oem", "iss.html"} <= {path.name for path in tmp_path.iterdir()}
 
 

@@ -27,10 +27,10 @@ def text(table: pd.DataFrame) -> str:
 
 def _counts(table: pd.DataFrame) -> str:
     """Return how many objects there are by what was applied, and why their sets are as published."""
-    applied = [f"{name} {count}" for name, count in table["applied"].value_counts().items()]
+    applied = [f"{count} {name}" for name, count in table["applied"].value_counts().items()]
     stays = table.loc[table["applied"] == UNCHANGED, "why"].replace("", "no gain on its last mornings")
-    why = [f"{reason} {count}" for reason, count in stays.value_counts().items()]
-    reasons = f" ({', '.join(why)})" if why else ""
+    why = [f"{reason}: {count}" for reason, count in stays.value_counts().items()]
+    reasons = f"; reasons: {', '.join(why)}" if why else ""
     return f"{counted(len(table), 'object')}: {', '.join(applied)}{reasons}"
 
 

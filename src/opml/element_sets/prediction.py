@@ -108,14 +108,13 @@ class Prediction(PredictedOrbit):
             return ""
         rows = judged[judged["lead"] == judged["lead"].max()]
         sgp4, own = (rows[name].abs().median() / 1e3 for name in ("error", "left"))
-        is_inside = isinstance(self.inside, OrbitInside)
-        since = (
-            f"sets of {inside_now.PAST:g} days" if is_inside else f"{improved_sizes.ALONG_MORNINGS} mornings"
-        )
-        name = "orbit inside" if is_inside else "improved set"
+        if isinstance(self.inside, OrbitInside):
+            name, since = "orbit inside", f"{inside_now.PAST:g} days"
+        else:
+            name, since = "improved set", f"{improved_sizes.ALONG_MORNINGS} mornings"
         return (
-            f"along the track after {rows['lead'].iloc[0]:g} d, by its last {since} (n = {len(rows)}): "
-            f"SGP4 {sgp4:.2f} km, {name} {own:.2f} km"
+            f"median error along the track after {rows['lead'].iloc[0]:g} d, in its last {since} "
+            f"(n = {len(rows)}): SGP4 {sgp4:.2f} km, {name} {own:.2f} km"
         )
 
     @property
@@ -153,7 +152,8 @@ class Prediction(PredictedOrbit):
     @property
     def reason(self) -> str:
         """Why that was used, in words."""
-        weight = f"weight {self.how['weight']:.0%}, from the errors of its last {weighting.PAST} mornings"
+        last = f"by the errors of its last {weighting.PAST} mornings"
+        weight = f"the correction has {100.0 * self.how['weight']:.0f} % of the weight {last}"
         inside = self.inside.reason if isinstance(self.inside, OrbitInside) else self.inside
         return "; ".join(dict.fromkeys([inside, str(self.how["why"]) or weight, *self._cautions()]))
 

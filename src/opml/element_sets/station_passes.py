@@ -144,7 +144,7 @@ def text(passes: Mapping[Place, pd.DataFrame]) -> str:
     rows = joined(passes)
     shown = rows.head(_SHOWN).replace(dict.fromkeys(("rise", "highest", "set"), r"\..*$"), "", regex=True)
     told = shown.to_string(index=False, float_format="{:.1f}".format) if len(shown) else "none"
-    return f"passes, the first of {len(rows)}, UTC, [deg], [s]:\n{told}"
+    return f"passes, {len(shown)} of {len(rows)}: UTC, angles [deg], early or late by [s]\n{told}"
 
 
 def _seen(orbit: Orbit, where: Place, t: np.ndarray) -> np.ndarray:

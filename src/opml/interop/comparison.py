@@ -80,7 +80,7 @@ def summary(table: pd.DataFrame) -> str:
     rows = np.sqrt((table[columns] ** 2).groupby(begins).mean())
     rows.insert(0, "times", table.groupby(begins).size())
     rows = rows.dropna(axis="columns", how="all").rename(columns={name: f"{name}_m" for name in columns})
-    lines = [f"root mean squares from {table['utc'].iloc[0]} UTC on", _aligned(rows)]
+    lines = [f"root mean square differences from {table['utc'].iloc[0][:19]} UTC on", _aligned(rows)]
     inside = table["ellipsoid"].dropna()
     if len(inside):
         shares = ", ".join(
@@ -103,7 +103,7 @@ def side_by_side(tables: Mapping[str, pd.DataFrame], other: str) -> str:
     hours = next(iter(tables.values())).set_index("utc")["hours"].loc[rows.index]
     begins = _begins(hours, hours.iloc[-1])
     shown = np.sqrt((rows**2).groupby(begins).mean())
-    return f"root mean square distances [m] from {other}, from {rows.index[0]} UTC on\n{_aligned(shown)}"
+    return f"root mean square distances [m] from {other}, from {rows.index[0][:19]} UTC on\n{_aligned(shown)}"
 
 
 def _begins(hours: pd.Series, end: float) -> pd.Series:

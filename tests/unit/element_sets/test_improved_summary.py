@@ -19,9 +19,8 @@ def test_objects_are_counted_and_their_errors_told_by_height():
     rows += [(650.0, "density", "first sets", 40.0), (650.0, "unchanged", "", 20.0)]
     rows += [(36e3, "unchanged", "deep space", np.nan)] * 2
     counts, _, heads, low, high = improved_summary.text(table(rows)).splitlines()
-    assert counts == (
-        "7 objects: learned 3, unchanged 3, density 1 (deep space 2, no gain on its last mornings 1)"
-    )
+    reasons = "deep space: 2, no gain on its last mornings: 1"
+    assert counts == f"7 objects: 3 learned, 3 unchanged, 1 density; reasons: {reasons}"
     assert heads.split("  ")[0] == "height [km]"
     assert low.split() == ["300-400", "3", "300", "150", "2100", "1050"]
     assert high.split() == ["600-700", "2", "30", "15", "210", "105"]
@@ -29,4 +28,4 @@ def test_objects_are_counted_and_their_errors_told_by_height():
 
 def test_without_errors_there_are_counts_alone():
     rows = [(36e3, "unchanged", "deep space", np.nan)]
-    assert improved_summary.text(table(rows)) == "1 object: unchanged 1 (deep space 1)"
+    assert improved_summary.text(table(rows)) == "1 object: 1 unchanged; reasons: deep space: 1"

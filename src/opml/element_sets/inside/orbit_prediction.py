@@ -44,12 +44,12 @@ class OrbitInside:
     @property
     def reason(self) -> str:
         """Why it is trusted: how far the orbits of past sets agree, in words."""
-        told, span = self.now.agreement, self.now.span
+        agreement, span = self.now.agreement, self.now.span
         side = "on both sides of" if span.is_centred else "before"
-        agreed = (
-            f"agree to {told.r:.0f} m outwards and {told.w:.0f} m across" if told else "are too few to tell"
-        )
-        return f"fits over {span.before / HOUR:g} h {side} its sets {agreed}"
+        fits = f"fits over {span.before / HOUR:g} h {side} its sets"
+        if agreement is None:
+            return f"too few sets to compare {fits}"
+        return f"{fits} agree to {agreement.r:.0f} m outwards and {agreement.w:.0f} m across"
 
     @property
     def past(self) -> pd.DataFrame:
