@@ -35,14 +35,15 @@ def errors(orbit: known_orbits.KnownOrbit, sets: ElementCatalogue, weather: str)
     own, truth = sets.take(there), truth[there]
     days = own.table["t"]
     forces = inside_forces.read(weather, first=days.min(), last=days.max())
-    inside = set_orbits.states(own, forces, np.full(len(there), np.nan))[[*STATE]].to_numpy()
+    inside = set_orbits.states(own, forces, np.full(len(there), np.nan), set_orbits.usual_spans(own))
+    positions = inside[[*STATE[:3]]].to_numpy()
     by_sgp4 = [
         mean_elements.states(one, epoch=EPOCH, t=t[k : k + 1])[0]
         for k, one in zip(there, own.satellites, strict=True)
     ]
     return {
         "later set": bent_rsw(np.array(by_sgp4)[:, :3], truth),
-        "orbit inside": bent_rsw(inside[:, :3], truth),
+        "orbit inside": bent_rsw(positions, truth),
         "its sigma": np.array([inside_sizes.at_epoch(one) for one in own.satellites]),
     }
 

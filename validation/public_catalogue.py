@@ -10,7 +10,7 @@ tell what that file has.
 """
 
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
 
@@ -25,6 +25,7 @@ from opml.element_sets import known_sets
 from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day
 from opml.element_sets.corrector_scores import drawn_weights, weighted_median
 from opml.element_sets.inside import inside_forces, inside_sizes, set_orbits
+from opml.element_sets.inside.orbit_inside import LIGHT
 from opml.element_sets.inside.orbit_prediction import OrbitInside
 from opml.element_sets.prediction import Prediction, PublicMorning
 from opml.element_sets.set_errors import REACH
@@ -76,13 +77,27 @@ def errors(
     rows = np.array([row for *_, row in judges])
     sets = catalogue.take(rows)
     forces = inside_forces.read(morning.weather, first=sets.table["t"].min(), last=sets.table["t"].max())
-    inside = set_orbits.states(sets, forces, np.full(len(rows), np.nan))[[*STATE]].to_numpy()
+    spans, reflection = _alike([predictions[number] for number, *_ in judges], sets)
+    inside = set_orbits.states(sets, forces, np.full(len(rows), np.nan), spans, reflection)[
+        [*STATE]
+    ].to_numpy()
     return pd.DataFrame(
         [
             _row(predictions[number], sets.satellites[k], inside[k]) | {"number": number, "lead": lead}
             for k, (number, lead, _) in enumerate(judges)
         ]
     )
+
+
+def _alike(predictions: Sequence[Prediction], judges: ElementCatalogue) -> tuple[np.ndarray, np.ndarray]:
+    """Return spans and Cr A/m of sets that judge: those of the orbits that are predicted."""
+    spans, reflection = set_orbits.usual_spans(judges), np.full(len(predictions), LIGHT)
+    for row, one in enumerate(predictions):
+        if isinstance(one.inside, OrbitInside):
+            now = one.inside.now
+            spans[row] = now.span.before, now.span.after
+            reflection[row] = now.orbit.reflection(now.numbers)
+    return spans, reflection
 
 
 def _judges(table: pd.DataFrame, number: int, now: float) -> Iterator[tuple[int, int]]:
@@ -114,6 +129,7 @@ def _row(prediction: Prediction, judge, inside: np.ndarray) -> dict[str, object]
         "days": t[0] / DAY,
         "why": "" if isinstance(prediction.inside, OrbitInside) else prediction.inside,
         "judge": "orbit" if by_orbit else "set",
+        "span": prediction.inside.now.span.before if by_orbit else np.nan,
     } | {
         f"{name}{axis}": value for name, own in values.items() for axis, value in zip(_AXES, own, strict=True)
     }
@@ -128,37 +144,42 @@ def append(path: Path, sets: str, weather: str, model: str, dates: Sequence[str]
         rows.to_csv(path, mode="a", header=not path.exists(), index=False)
 
 
+SHARES = {"radial": ("r", "sgp4_r"), "along-track": ("s", "sgp4_s"), "cross-track": ("w", "sgp4_w")}
+"""Columns of the table: errors, and those in % of whose median theirs is."""
+
+_IMPROVED = {"along-track, `improve`": ("improved_s", "sgp4_s")}
+
+
 def table(rows: pd.DataFrame) -> pd.DataFrame:
-    """Return what predictions by orbits inside leave, by band and lead.
-
-    Medians are in % of SGP4's, with intervals of 95 % over dates and objects; along the track the improved
-    set's stand beside. The last column has errors inside the intervals of nine in ten [%].
-    """
+    """Return `medians` of orbits inside and improved sets, and the errors inside intervals of nine in ten [%]."""
     inside = rows[(rows["why"] == "") & (rows["judge"] == "orbit")]
+    inside = inside.assign(morning=[modified_julian_day(date) for date in inside["date"]])
+    is_held = pd.DataFrame(
+        {axis: inside[axis].abs() <= half_width(_LEVEL) * inside[f"sigma_{axis}"] for axis in _AXES}
+    )
+    held = 100.0 * is_held.groupby([_bands(inside), inside["lead"]]).mean()
+    shares = (" / ".join(f"{share:.0f}" for share in row) for row in held.to_numpy())
+    return medians(inside, SHARES | _IMPROVED).assign(**{"inside 90 % [%]": [*shares]})
+
+
+def medians(rows: pd.DataFrame, shares: Mapping[str, tuple[str, str]]) -> pd.DataFrame:
+    """Return medians of errors by band and lead in % of SGP4's, with intervals of 95 % over weeks and objects.
+
+    rows: with number, morning, height, lead, and the columns of shares; shares: as SHARES
+    """
     cells = []
-    for (band, lead), part in inside.groupby([_bands(inside), "lead"]):
+    for (band, lead), part in rows.groupby([_bands(rows), "lead"]):
         rng = derive(SEED, band, str(lead))
-        columns = {name: _share(part, *pair, rng) for name, pair in _SHARES.items()}
-        held = (part[f"{axis}"].abs() <= half_width(_LEVEL) * part[f"sigma_{axis}"] for axis in _AXES)
         counts = {"days": lead, "n": len(part), "objects": part["number"].nunique()}
-        sgp4 = " / ".join(f"{part[f'sgp4_{axis}'].abs().median():.0f}" for axis in _AXES)
-        coverage = " / ".join(f"{100.0 * own.mean():.0f}" for own in held)
-        cells.append({"height [km]": band, **counts, "SGP4 [m]": sgp4, **columns, "inside 90 %": coverage})
+        sgp4 = " / ".join(f"{part[other].abs().median():.0f}" for _, other in SHARES.values())
+        columns = {f"{name} [%]": _share(part, *pair, rng) for name, pair in shares.items()}
+        cells.append({"height [km]": band, **counts, "SGP4 [m]": sgp4, **columns})
     return pd.DataFrame(cells)
-
-
-_SHARES = {
-    "radial": ("r", "sgp4_r"),
-    "along": ("s", "sgp4_s"),
-    "along, `improve`": ("improved_s", "sgp4_s"),
-    "cross": ("w", "sgp4_w"),
-}
 
 
 def _bands(rows: pd.DataFrame) -> pd.Series:
     """Return the band of each row in words."""
-    edges = HEIGHTS / 1e3
-    names = [f"{low:g}-{high:g}" for low, high in pairwise(edges)]
+    names = [f"{low:g}-{high:g}" for low, high in pairwise(HEIGHTS / 1e3)]
     return pd.cut(rows["height"], HEIGHTS, labels=names).astype(str)
 
 
@@ -166,11 +187,10 @@ def _share(part: pd.DataFrame, own: str, other: str, rng: np.random.Generator) -
     """Return the median size of one column in % of that of another, with its interval."""
     sizes = [part[name].abs().to_numpy() for name in (own, other)]
     orders = [np.argsort(size, kind="stable") for size in sizes]
-    dated = part.assign(morning=[modified_julian_day(date) for date in part["date"]])
     draws = []
-    for weights in drawn_weights(dated, rng):
-        medians = [weighted_median(size[k], weights[k]) for size, k in zip(sizes, orders, strict=True)]
-        draws.append(100.0 * medians[0] / medians[1])
+    for weights in drawn_weights(part, rng):
+        drawn = [weighted_median(size[k], weights[k]) for size, k in zip(sizes, orders, strict=True)]
+        draws.append(100.0 * drawn[0] / drawn[1])
     share, (low, high) = 100.0 * np.median(sizes[0]) / np.median(sizes[1]), np.percentile(draws, _INTERVAL)
     return f"{share:.0f} ({low:.0f}-{high:.0f})"
 

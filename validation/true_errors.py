@@ -9,7 +9,8 @@ objects teach, up to CUT. Lines tell P_ML [%] by component and learner, with int
 objects: of a fifth of the rows drawn at random, of the same objects on every fifth morning after CUT, and of
 the others then. Errors count in medians of their band and lead, so that all bands count. Nearly all epochs
 are at the ascending node, where errors have a mean: `median` takes off that of each band and lead. `orbit
-inside` is the one inside the newest set, propagated, without learning.
+inside` is the one inside the newest set, propagated, without learning; a second table has its medians by
+band.
 """
 
 import sys
@@ -40,6 +41,7 @@ from opml.learning.models import boosting, svr
 from opml.learning.models.training_inputs import Training, subsample
 from opml.orbits.elements import bent_rsw
 from opml.tables import STATE, read_table
+from validation import public_catalogue
 
 SEED = 42
 _EPOCH = "2000-01-01T12:00:00"  # from which times count
@@ -165,6 +167,13 @@ def scores(own: pd.DataFrame, by_orbits: np.ndarray, cut: float) -> Iterator[dic
     yield {"component": "rows", **{name: str(members.sum()) for name, members in tests.items()}}
 
 
+def shares(own: pd.DataFrame, by_orbits: np.ndarray) -> pd.DataFrame:
+    """Return `public_catalogue.medians` of the orbits inside newest sets; arguments as of `scores`."""
+    by_sgp4 = own.rename(columns={axis: f"sgp4_{axis}" for axis in _COMPONENTS})
+    flown = by_sgp4.assign(**dict(zip(_COMPONENTS, by_orbits.T, strict=True)))
+    return public_catalogue.medians(flown.dropna(subset=[*_COMPONENTS]), public_catalogue.SHARES)
+
+
 def _median_size(errors: pd.DataFrame) -> pd.Series:
     return errors.abs().median()
 
@@ -214,7 +223,8 @@ def main(arguments: Sequence[str]) -> None:
     errors = np.full((len(own), 3), np.nan)
     forces = inside_forces.read(weather, first=cut - OLDEST, last=last)
     errors[judging] = by_orbits(own.iloc[judging], sets, inside, forces)
-    pd.DataFrame(scores(own, errors, cut)).to_csv(sys.stdout, sep="\t", index=False)
+    for table in (pd.DataFrame(scores(own, errors, cut)), shares(own, errors)):
+        table.to_csv(sys.stdout, sep="\t", index=False)
 
 
 if __name__ == "__main__":

@@ -8,10 +8,12 @@ import pytest
 from catalogue_files import FIRST_DAY, write_sets
 from publisher import small_forces
 
+from opml.base.constants import HOUR
 from opml.base.errors import InputError
 from opml.element_sets import catalogue
 from opml.element_sets.inside import inside_forces, set_orbits
 from opml.element_sets.inside.orbit_prediction import OrbitInside
+from opml.element_sets.inside.past_orbits import FitSpan
 from opml.interop.element_sets import mean_elements
 from opml.interop.element_sets.element_set import elements_epoch
 from opml.orbits.elements import bent_rsw
@@ -20,6 +22,8 @@ from validation import public_catalogue, true_errors
 
 DATE = "2016-01-05T06:00:00"
 AHEAD = 300.0  # of the orbits inside along the track [m]
+ORBIT = SimpleNamespace(reflection=lambda numbers: 0.03)
+INSIDE = OrbitInside(None, SimpleNamespace(span=FitSpan(HOUR, 0.0), orbit=ORBIT, numbers=None), False)
 
 
 @pytest.fixture(scope="module")
@@ -48,7 +52,7 @@ class Morning:
         return SimpleNamespace(
             date=DATE,
             how={"height": 500e3},
-            inside=object.__new__(OrbitInside) if number == 1 else "its sets disagree",
+            inside=INSIDE if number == 1 else "its sets disagree",
             published=newest,
             improved=newest,
             states=lambda t: mean_elements.states(newest, epoch=DATE, t=t),
@@ -57,7 +61,10 @@ class Morning:
 
 
 def test_orbits_inside_judge_objects_that_have_one_and_sets_the_others(sets, inside, monkeypatch, capsys):
-    def states(own, forces, ballistic):
+    def states(own, forces, ballistic, spans, reflection):
+        is_first = own.table["number"].to_numpy() == 1
+        assert (spans == np.where(is_first[:, None], [HOUR, 0.0], set_orbits.usual_spans(own))).all()
+        assert (reflection == np.where(is_first, 0.03, 0.02)).all()
         rows = [sets.satellites.index(one) for one in own.satellites]
         return pd.DataFrame(inside[rows], columns=[*STATE])
 
@@ -87,9 +94,9 @@ def test_tables_have_shares_of_sgp4_and_who_is_told_as_published():
     rows.loc[rows["number"] == 3, ["why", "judge"]] = ["its sets disagree", "set"]
     [line] = public_catalogue.table(rows).to_dict("records")
     assert (line["height [km]"], line["n"], line["objects"]) == ("450-600", 12, 3)
-    assert line["along"] == "10 (10-10)"
-    assert line["along, `improve`"] == "80 (80-80)"
-    assert line["inside 90 %"] == "0 / 0 / 0"
+    assert line["along-track [%]"] == "10 (10-10)"
+    assert line["along-track, `improve` [%]"] == "80 (80-80)"
+    assert line["inside 90 % [%]"] == "0 / 0 / 0"
     [line] = public_catalogue.verdicts(rows).to_dict("records")
     assert (line["predictions"], line["as published"], line["objects inside"]) == (16, 4, 3)
     assert (line["worse in R"], line["worse in W"], line["worse in distance"]) == (1, 1, 1)

@@ -66,12 +66,8 @@ def test_the_log_score_is_that_of_a_normal_law():
 
 
 def test_a_burn_does_not_make_the_log_score():
-    sigma = pd.Series([1.0])
-    assert (
-        corrector_scores.log_score(pd.Series([1e6]), sigma)
-        == corrector_scores.log_score(pd.Series([5.0]), sigma)
-        == 12.5
-    )
+    errors = (pd.Series([error]) for error in (1e6, 5.0))
+    assert [corrector_scores.log_score(one, pd.Series([1.0])) for one in errors] == [12.5, 12.5]
 
 
 def test_sets_that_stay_are_counted():

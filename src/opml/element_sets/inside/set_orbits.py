@@ -33,18 +33,30 @@ _BATCH = 256  # sets at a time, of the same days, so that few lanes of a block i
 _GAUGED = 30.0  # days for which the Cd A/m of one set begins those of the others
 
 
-def states(catalogue: ElementCatalogue, forces: Forces, ballistic: np.ndarray) -> pd.DataFrame:
+def usual_spans(catalogue: ElementCatalogue) -> np.ndarray:
+    """Return the spans (sets, 2) before and after the epochs [s] that are usual for the decay of the sets."""
+    return np.array([2 * [usual_half_span(one)] for one in catalogue.satellites]).reshape(-1, 2)
+
+
+def states(
+    catalogue: ElementCatalogue,
+    forces: Forces,
+    ballistic: np.ndarray,
+    spans: np.ndarray,
+    reflection: np.ndarray | float = LIGHT,
+) -> pd.DataFrame:
     """Return STATE (GCRF) of the orbits inside the sets of a catalogue at their epochs, and `ballistic`,
     their Cd A/m [m2/kg], by the rows of its table; NaN where there is no orbit.
 
     ballistic: (sets,) Cd A/m that each is sought from, as of the day before [m2/kg]; NaN where none is known
+    spans: as of `usual_spans`; reflection: Cr A/m [m2/kg]
     """
+    times = _Times.of(catalogue, forces, spans, np.broadcast_to(reflection, len(spans)))
     unknown = np.flatnonzero(np.isnan(ballistic))
     begin = ballistic.copy()
     if len(unknown):
-        begin[unknown] = _gauged(_Times.of(catalogue.take(unknown), forces))
+        begin[unknown] = _gauged(times.take(unknown))
     rows = pd.DataFrame(np.nan, index=catalogue.table.index, columns=[*STATE, "ballistic"])
-    times = _Times.of(catalogue, forces)
     for members in _batches(np.argsort(times.t, kind="stable")):
         solved = _solved([times.begin(row, begin[row]) for row in members], times, members)
         rows.loc[members, "ballistic"] = [orbit.ballistic(numbers) for orbit, numbers in solved]
@@ -55,17 +67,29 @@ def states(catalogue: ElementCatalogue, forces: Forces, ballistic: np.ndarray) -
 
 @dataclass(frozen=True, eq=False)
 class _Times:
-    """Sets of a catalogue under forces, their epochs and when they were known (sets,) [s]."""
+    """Sets of a catalogue under forces, their epochs and when they were known (sets,) [s].
+
+    spans, reflection: of `states`
+    """
 
     catalogue: ElementCatalogue
     forces: Forces
     t: np.ndarray
     known: np.ndarray
+    spans: np.ndarray
+    reflection: np.ndarray
 
     @classmethod
-    def of(cls, catalogue: ElementCatalogue, forces: Forces) -> "_Times":
+    def of(
+        cls, catalogue: ElementCatalogue, forces: Forces, spans: np.ndarray, reflection: np.ndarray
+    ) -> "_Times":
         t, table = seconds_since(forces.epoch, catalogue.satellites), catalogue.table
-        return cls(catalogue, forces, t, t + DAY * (table["known"] - table["t"]).to_numpy())
+        known = t + DAY * (table["known"] - table["t"]).to_numpy()
+        return cls(catalogue, forces, t, known, spans, reflection)
+
+    def take(self, rows: np.ndarray) -> "_Times":
+        """Return those of some rows."""
+        return self.of(self.catalogue.take(rows), self.forces, self.spans[rows], self.reflection[rows])
 
     def begin(self, row: int, ballistic: float) -> Beginning:
         """Return where the orbit of a set begins to be sought."""
@@ -75,7 +99,7 @@ class _Times:
             set_epoch=float(self.t[row]),
             known=float(self.known[row]),
             ballistic=ballistic,
-            reflection=LIGHT,
+            reflection=float(self.reflection[row]),
         )
 
 
@@ -104,13 +128,13 @@ def _solved(
     begins: list[Beginning], times: _Times, members: np.ndarray
 ) -> list[tuple[NearbyOrbit, np.ndarray]]:
     """Return orbits near sets (members,) and the changes of their numbers, NaN without a solution."""
-    spans = np.array([usual_half_span(one.satellite) for one in begins])
-    orbits = orbits_beside(times.forces, begins, back=spans + EVERY, ahead=spans + EVERY)
+    spans = times.spans[members]
+    orbits = orbits_beside(times.forces, begins, back=spans[:, 0] + EVERY, ahead=spans[:, 1] + EVERY)
     solved = []
-    for row, span, orbit in zip(members, spans, orbits, strict=True):
+    for row, (before, after), orbit in zip(members, spans, orbits, strict=True):
         equations = orbit.equations(orbit.displacements(orbit.beginning.satellite))
         try:
-            numbers = solve(orbit, [equations.over(times.t[row] - span, times.t[row] + span)])
+            numbers = solve(orbit, [equations.over(times.t[row] - before, times.t[row] + after)])
         except NoOrbitError:
             numbers = np.full(NUMBERS, np.nan)
         solved.append((orbit, numbers))

@@ -72,7 +72,8 @@ def build(
 def _states(catalogue: ElementCatalogue, weather: str | Path, ballistic: np.ndarray) -> np.ndarray:
     t = catalogue.table["t"]
     forces = inside_forces.read(weather, first=t.min(), last=t.max())
-    return set_orbits.states(catalogue, forces, ballistic)[_NUMBERS].to_numpy()
+    spans = set_orbits.usual_spans(catalogue)
+    return set_orbits.states(catalogue, forces, ballistic, spans)[_NUMBERS].to_numpy()
 
 
 def _sigmas(catalogue: ElementCatalogue) -> dict[str, np.ndarray]:
