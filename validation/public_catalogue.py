@@ -39,7 +39,7 @@ from opml.tables import STATE
 HEIGHTS = 1e3 * np.array([180.0, 450.0, 600.0, 800.0, 2000.0])
 """Edges of the bands of mean height [m]."""
 
-EACH = 8  # objects of a band and date
+EACH = 15  # objects of a band and date
 SEED = 42
 _LEVEL = 0.9
 _AXES = ("r", "s", "w")
@@ -151,7 +151,7 @@ _IMPROVED = {"along-track, `improve`": ("improved_s", "sgp4_s")}
 
 
 def table(rows: pd.DataFrame) -> pd.DataFrame:
-    """Return `medians` of orbits inside and improved sets, and the errors inside intervals of nine in ten [%]."""
+    """Return `medians` of orbits inside and improved sets, and errors inside intervals of nine in ten [%]."""
     inside = rows[(rows["why"] == "") & (rows["judge"] == "orbit")]
     inside = inside.assign(morning=[modified_julian_day(date) for date in inside["date"]])
     is_held = pd.DataFrame(
@@ -163,7 +163,7 @@ def table(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def medians(rows: pd.DataFrame, shares: Mapping[str, tuple[str, str]]) -> pd.DataFrame:
-    """Return medians of errors by band and lead in % of SGP4's, with intervals of 95 % over weeks and objects.
+    """Return median errors by band and lead in % of SGP4's, with intervals of 95 % over weeks and objects.
 
     rows: with number, morning, height, lead, and the columns of shares; shares: as SHARES
     """

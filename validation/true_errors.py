@@ -22,7 +22,6 @@ import pandas as pd
 from opml.base import epochs
 from opml.base.constants import DAY
 from opml.base.seeds import derive
-from opml.dynamics.ensemble import propagate
 from opml.element_sets import catalogue as catalogues
 from opml.element_sets import corrector_trial, density, features, set_errors
 from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day
@@ -31,7 +30,7 @@ from opml.element_sets.density import LearnedAir
 from opml.element_sets.features import FEATURES
 from opml.element_sets.inside import inside_forces
 from opml.element_sets.inside.inside_forces import Forces
-from opml.element_sets.inside.orbit_inside import LIGHT, STEPS, Beginning, departing
+from opml.element_sets.inside.orbit_inside import LIGHT, Beginning, departing
 from opml.element_sets.set_errors import OLDEST
 from opml.element_sets.training import FIRST_DAY
 from opml.environment import known_weather
@@ -128,8 +127,7 @@ def by_orbits(own: pd.DataFrame, sets: ElementCatalogue, inside: np.ndarray, for
         begins = [
             Beginning(sets.satellites[k], t[k], inside[k, :6], inside[k, 6], LIGHT, known) for k in newest
         ]
-        departures = departing(begins, forces.model, first=first, last=last)
-        arcs = propagate(forces.model, times, departures, integrator=STEPS, threads=forces.threads)
+        arcs = forces.propagate(times, departing(begins, forces, first=first, last=last))
         states = [arcs.path(k)[at - first[k] - 1] for k, at in zip(place, there, strict=True)]
         off[members] = bent_rsw(np.array(states)[:, :3], inside[judge, :6])
     return off

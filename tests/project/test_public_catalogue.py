@@ -45,10 +45,12 @@ class Morning:
 
     better, weather = SimpleNamespace(date=DATE), "OBSERVED"
 
-    def predict(self, history):
-        number, newest = history
+    def predict_side_by_side(self, histories):
+        return [self.predict(*history) for history in histories]
+
+    def predict(self, number, newest):
         if number == 3:
-            raise InputError("sets of two objects")
+            return InputError("sets of two objects")
         return SimpleNamespace(
             date=DATE,
             how={"height": 500e3},
