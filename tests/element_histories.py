@@ -5,15 +5,23 @@ import pandas as pd
 from support import EPOCH
 
 from opml.base.constants import DAY
-from opml.interop.element_sets import histories, tle
-from opml.tables import ELEMENTS, SCHEMAS
+from opml.interop import ccsds
+from opml.interop.element_sets import element_set, tle
+
+ELEMENTS = ["mean_motion", "eccentricity", "inclination", "raan", "argp", "mean_anomaly", "bstar"]
 
 FIRST = [0.0676 / 60.0, 0.0006, *np.radians([51.64, 80.0, 250.0, 100.0])]
 """Elements of an ISS at the epoch; its drag is none."""
 
 
+def satellite(row):
+    """The satellite of a row of `history`."""
+    motion, *others = [float(row[name]) for name in ELEMENTS]
+    return element_set.satellite(ccsds.utc_texts(EPOCH, [row["t"]])[0], [60.0 * motion, *others])
+
+
 def history(days, *, noise=0.0, ahead=None, bstar=0.0, created=None):
-    """The table of sets at days since the epoch, of an orbit without drag.
+    """A table of sets at days since the epoch, of an orbit without drag.
 
     noise: standard deviation of the sets along the track [m]
     ahead: by day from which on, how many metres along the track all sets are ahead
@@ -23,11 +31,10 @@ def history(days, *, noise=0.0, ahead=None, bstar=0.0, created=None):
     shift = noise * np.random.default_rng(1).normal(size=len(days))
     for begin, metres in (ahead or {}).items():
         shift += np.where(days >= begin, metres, 0.0)
-    first = histories.satellite(pd.Series([0.0, *FIRST, 0.0], ["t", *ELEMENTS]), epoch=EPOCH)
+    first = satellite(dict(zip(["t", *ELEMENTS], [0.0, *FIRST, 0.0], strict=True)))
     minutes = days * DAY / 60.0
     motion, eccentricity, inclination, node, perigee, anomaly = FIRST
     columns = {
-        "number": np.full(len(days), 25544),
         "t": days * DAY,
         "mean_motion": motion,
         "eccentricity": eccentricity,
@@ -36,15 +43,12 @@ def history(days, *, noise=0.0, ahead=None, bstar=0.0, created=None):
         "argp": (perigee + first.argpdot * minutes) % (2 * np.pi),
         "mean_anomaly": (anomaly + first.mdot * minutes + shift / 6.78e6) % (2 * np.pi),
         "bstar": bstar,
-        "is_deep": False,
         "t_created": np.nan if created is None else np.asarray(created, float) * DAY,
-        "file": "sets.tle",
-        "line": 2 * np.arange(len(days)) + 1,
     }
-    return pd.DataFrame(columns)[SCHEMAS["element_sets"].names]
+    return pd.DataFrame(columns)
 
 
 def tle_text(sets, number=25544, launch=""):
     """The sets as TLEs of a catalogue number and a designator."""
-    satellites = [histories.satellite(sets.iloc[k], epoch=EPOCH) for k in range(len(sets))]
+    satellites = [satellite(sets.iloc[k]) for k in range(len(sets))]
     return "".join(line + "\n" for one in satellites for line in tle.lines(one, number, launch))

@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 
 from opml.base.constants import DAY
-from opml.interop.element_sets import burns_in_sets, histories
+from opml.interop.element_sets import burns_in_sets, known_sets
 from opml.orbits import manoeuvres
 from opml.orbits.manoeuvres import Manoeuvre
 
@@ -77,10 +77,10 @@ def judged(found: Sequence[Manoeuvre], published: np.ndarray, span: tuple[float,
 def of_object(folder: Path, name: str) -> Judged:
     """Return how the burns found in the history of an object agree with those published."""
     (path,) = (folder / "tle").glob(f"*_{name}.tle.gz")
-    sets = histories.read([path], epoch=EPOCH).sets
+    sets = known_sets.since(EPOCH, known_sets.of_object([path], None), latency=0.0)
     times = manoeuvres.at_times(manoeuvres.read_times(folder / "burns" / f"{name}.yaml"), epoch=EPOCH)
-    span = float(sets["t"].iloc[0]) + FIRST, float(sets["t"].iloc[-1])
-    return judged(burns_in_sets.find_burns(sets, epoch=EPOCH), np.array([one.t for one in times]), span)
+    span = sets[0].t + FIRST, sets[-1].t
+    return judged(burns_in_sets.burns_among(sets, epoch=EPOCH), np.array([one.t for one in times]), span)
 
 
 def main(folder: Path) -> None:

@@ -21,7 +21,6 @@ from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.seeds import derive
 from opml.element_sets import catalogue as catalogues
-from opml.element_sets import known_sets
 from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day
 from opml.element_sets.corrector_scores import drawn_weights, weighted_median
 from opml.element_sets.inside import inside_forces, inside_sizes, set_orbits
@@ -29,7 +28,7 @@ from opml.element_sets.inside.orbit_inside import LIGHT
 from opml.element_sets.inside.orbit_prediction import OrbitInside
 from opml.element_sets.prediction import Prediction, PublicMorning
 from opml.element_sets.set_errors import REACH
-from opml.interop.element_sets import mean_elements
+from opml.interop.element_sets import known_sets, mean_elements
 from opml.interop.element_sets.element_set import ElementSet, seconds_since
 from opml.interop.predicted_orbit import LEADS
 from opml.orbits.elements import bent_rsw

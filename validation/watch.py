@@ -24,8 +24,8 @@ from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.conjunctions import screening
 from opml.conjunctions.conjunction import Conjunction
-from opml.element_sets.catalogue import LATENCY
 from opml.interop.element_sets.element_set import ElementSet, elements_epoch
+from opml.interop.element_sets.known_sets import LATENCY
 from opml.interop.element_sets.mean_elements import read_sets
 from opml.interop.ephemeris import EPOCH
 

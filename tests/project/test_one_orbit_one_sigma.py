@@ -16,9 +16,10 @@ from opml.base import epochs
 from opml.base.constants import DAY
 from opml.benchmark import baselines
 from opml.conjunctions import screening
-from opml.element_sets import known_sets, prediction
+from opml.element_sets import prediction
 from opml.element_sets.catalogue import modified_julian_day
 from opml.element_sets.inside import inside_forces, inside_now
+from opml.interop.element_sets import known_sets
 from opml.interop.ephemeris import EPOCH
 from opml.mornings.records import Records
 from opml.mornings.set_mornings import ObjectOfSets, RunSets

@@ -24,14 +24,14 @@ from opml.base.progress import Progress
 from opml.benchmark import tasks
 from opml.benchmark.answers import COVARIANCE, REQUIRED, about_file
 from opml.benchmark.tasks import BenchmarkTask
-from opml.element_sets import corrector, improve, known_sets, set_errors, weighting
+from opml.element_sets import corrector, improve, set_errors, weighting
 from opml.element_sets import trained_model as models
 from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day
 from opml.element_sets.features import FEATURES
 from opml.element_sets.prediction import PublicMorning
 from opml.element_sets.trained_model import CatalogueModel
 from opml.element_sets.weighting import DENSITY, UNCHANGED, Candidates
-from opml.interop.element_sets import element_fits, mean_elements, sgp4_errors
+from opml.interop.element_sets import element_fits, known_sets, mean_elements, sgp4_errors
 from opml.interop.element_sets.element_set import changed, elements_epoch, propagate, seconds_since
 from opml.interop.predicted_orbit import LEADS
 from opml.learning.models import svr

@@ -22,10 +22,10 @@ LATENCY = "hours from epoch to publication of sets that do not say it (6; 0 with
 
 def latency(options: argparse.Namespace) -> float:
     """Return days from epoch to publication by --latency and --date. Raises InputError for less than 0."""
-    from opml.element_sets import catalogue
+    from opml.interop.element_sets import known_sets
 
     if options.latency is None:
-        return 0.0 if options.date is None else catalogue.LATENCY
+        return 0.0 if options.date is None else known_sets.LATENCY
     if not options.latency >= 0.0:
         raise InputError(f"--latency: expected 0 hours or more, got {options.latency:g}")
     return float(options.latency / 24.0)

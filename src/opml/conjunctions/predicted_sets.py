@@ -12,10 +12,10 @@ from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.conjunctions.trajectories import PropagatedElements, of_states
-from opml.element_sets import known_sets
 from opml.element_sets.improve import FEWEST_SETS
 from opml.element_sets.prediction import Prediction, PublicMorning
 from opml.interop import ccsds
+from opml.interop.element_sets import known_sets
 from opml.interop.element_sets.element_set import ElementSet
 from opml.interop.ephemeris import EPOCH, Ephemeris
 from opml.interop.predicted_orbit import LEADS
@@ -38,7 +38,7 @@ class PredictedSets:
 
     def trajectories(self, elements: PropagatedElements) -> Sequence[Ephemeris]:
         """Return where an object is predicted; by SGP4 with few sets, and where no prediction can be made."""
-        history = self._histories[int(elements.row["number"])]
+        history = self._histories[elements.identity.number]
         if len(history) < FEWEST_SETS or self._days > LEADS[-1] or self._morning is None:
             return elements.trajectories()
         try:

@@ -109,7 +109,7 @@ def read(
     span = _whole(spans) if spans else span_of_days(first, days)
     elements = [path for path in rest if path not in orbits]
     own = [] if ours else read_elements([first], span)
-    known_from = max([span[0], *(float(one.row["known"]) for one in own[:1])])
+    known_from = max([span[0], *(one.time_known for one in own[:1])])
     files = [*([] if ours else [first]), *elements]
     predicted = PredictedSets(files, known_from, span[1], weather)
     ours = ours or _of_elements(own, predicted)
@@ -250,5 +250,4 @@ def object_of_elements(
     elements: PropagatedElements, propagate: Callable[[], Sequence[Ephemeris]]
 ) -> ScreenedObject:
     """Return the object of mean elements; propagate: as that of `ScreenedObject`."""
-    row = elements.row
-    return ScreenedObject(elements.identity, row["file"], propagate, float(row["known"]), elements)
+    return ScreenedObject(elements.identity, elements.source, propagate, elements.time_known, elements)

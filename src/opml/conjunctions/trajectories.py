@@ -1,18 +1,20 @@
 """Trajectories of objects with their covariances: by states in messages, or by mean elements."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from pathlib import Path as File
 
 import numpy as np
-import pandas as pd
 
 from opml.base.constants import DAY, WGS84_A
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.conjunctions import approaches
 from opml.conjunctions.sieve import STEEP, Looks, Sgp4Orbit, Span
-from opml.interop.element_sets import histories, mean_elements, sgp4_errors
+from opml.interop.element_sets import known_sets, mean_elements, sgp4_errors
+from opml.interop.element_sets.burns_in_sets import KnownSet
+from opml.interop.element_sets.element_set import ElementSet
 from opml.interop.element_sets.mean_elements import MOST_DAYS
 from opml.interop.ephemeris import EPOCH, Ephemeris, velocities_of, with_velocities
 from opml.interop.object_ids import ObjectId
@@ -39,7 +41,7 @@ def span_of_days(path: FilePath, days: float) -> Span:
     """
     if not 0.0 < days <= MOST_DAYS:
         raise InputError(f"--days: expected a number above 0 and up to {MOST_DAYS:g}, got {days:g}")
-    newest = float(histories.read([path], epoch=EPOCH).sets["t"].max())
+    newest = max(history[-1].t for _, history in _histories([path]))
     return newest, newest + DAY * days
 
 
@@ -48,13 +50,19 @@ class PropagatedElements:
     """Mean elements that SGP4 propagates."""
 
     identity: ObjectId  # of the object
-    row: pd.Series  # of a table `element_sets`, times from EPOCH, and when it was known
+    known_set: KnownSet  # times since EPOCH
+    source: str  # name of the file
     span: Span  # in which the object is looked for [s]
+
+    @property
+    def time_known(self) -> float:
+        """When the elements were known [s]."""
+        return max(self.known_set.t, self.known_set.made)
 
     @cached_property
     def orbit(self) -> Sgp4Orbit:
         """The elements as SGP4 propagates them."""
-        return Sgp4Orbit(self.row["t"], histories.satellite(self.row, epoch=EPOCH))
+        return Sgp4Orbit(self.known_set.t, self.known_set.satellite)
 
     @cached_property
     def life(self) -> Span | None:
@@ -135,8 +143,16 @@ def read_elements(paths: Sequence[FilePath], span: Span) -> list[PropagatedEleme
 
     They are the newest that were known before the middle of the span, else the first.
     """
-    history = histories.read(paths, epoch=EPOCH)
-    sets = history.sets.assign(known=np.fmax(history.sets["t"], history.sets["t_created"]))
-    past = sets[sets["known"] <= 0.5 * (span[0] + span[1])].drop_duplicates("number", keep="last")
-    chosen = pd.concat([past, sets]).drop_duplicates("number").sort_values("number")
-    return [PropagatedElements(history.objects[row["number"]], row, span) for _, row in chosen.iterrows()]
+    middle = 0.5 * (span[0] + span[1])
+    elements = []
+    for newest, history in _histories(paths):
+        past = [one for one in history if max(one.t, one.made) <= middle]
+        chosen, source = (past or history[:1])[-1], File(newest.path).name
+        elements.append(PropagatedElements(known_sets.identity(newest), chosen, source, span))
+    return elements
+
+
+def _histories(paths: Sequence[FilePath]) -> Iterator[tuple[ElementSet, list[KnownSet]]]:
+    """Yield the newest set of each object in files, and all its sets by epoch, times since EPOCH."""
+    for history in known_sets.by_object(paths).values():
+        yield history[-1], known_sets.since(EPOCH, history, latency=0.0)

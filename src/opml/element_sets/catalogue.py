@@ -4,26 +4,18 @@ import logging
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import partial
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 from sgp4.api import Satrec
 
 from opml.base import epochs
-from opml.base.errors import InputError
 from opml.base.files import FilePath
-from opml.interop.element_sets import mean_elements
-from opml.interop.element_sets.element_set import ElementSet, each, mean_height, numbered, of_files
-
-LATENCY = 0.25  # days from the epoch of a set to its publication, where the set does not say when it was made
-
-SUFFIXES = (".tle", ".txt", ".3le", ".json", ".csv", ".xml", ".kvn", ".omm")
-"""Endings of the files of a folder that are read, `.gz` after them or not."""
+from opml.interop.element_sets.element_set import ElementSet, mean_height, of_files
+from opml.interop.element_sets.known_sets import LATENCY, find_files, readable
 
 _MOST_DAYS = 1e6  # more than any modified Julian day
 _LATE = 3.0  # days after its epoch when no publisher makes a set any more
-_DAMAGED = 20  # a file is refused where more than one set of so many cannot be read
 
 _log = logging.getLogger(__name__)
 
@@ -61,27 +53,6 @@ class ElementCatalogue:
         )
 
 
-def find_files(paths: Iterable[FilePath]) -> list[Path]:
-    """Return the files of paths, those of a folder by their names.
-
-    Raises InputError for a path that is missing, and a folder without element sets.
-    """
-    return [file for path in paths for file in _files_of(Path(path))]
-
-
-def _files_of(path: Path) -> list[Path]:
-    if not path.exists():
-        raise InputError(f"{path}: no such file")
-    if not path.is_dir():
-        return [path]
-    files = sorted(
-        file for file in path.rglob("*") if file.name.lower().removesuffix(".gz").endswith(SUFFIXES)
-    )
-    if not files:
-        raise InputError(f"{path}: expected files of element sets ({', '.join(SUFFIXES)}), got none")
-    return files
-
-
 def read(
     paths: Iterable[FilePath], *, latency: float = LATENCY, leave_out_damaged: bool = False
 ) -> ElementCatalogue:
@@ -100,23 +71,6 @@ def read(
         told = "element sets made more than %g d after their epochs: %d of %d: is CREATION_DATE a download's?"
         _log.warning(told, _LATE, late, len(table))
     return ElementCatalogue(table, [one.satellite for one in sets])
-
-
-def readable(path: FilePath, leave_out_damaged: bool = False) -> list[ElementSet]:
-    """Return the sets of a file that name their object; the others are counted in the log.
-
-    Raises InputError as `read`.
-    """
-    damaged: list[InputError] = []
-    sets = [*each(mean_elements.read_sets(path, damaged), numbered, damaged)]
-    if not leave_out_damaged and _DAMAGED * len(damaged) > len(sets) + len(damaged):
-        raise damaged[0]
-    if damaged:
-        _log.warning("%s: damaged sets left out: %d, the first: %s", path, len(damaged), damaged[0])
-    if supplemental := sum(one.satellite.classification == "C" for one in sets):
-        told = "%s: sets of operators' ephemerides: %d: burns to come are in them, errors are of others"
-        _log.warning(told, path, supplemental)
-    return sets
 
 
 def _epoch(satellite: Satrec) -> float:

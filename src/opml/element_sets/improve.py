@@ -30,7 +30,7 @@ from opml.element_sets.trained_model import CatalogueModel
 from opml.element_sets.weighting import DENSITY, PAST, UNCHANGED
 from opml.environment import known_weather
 from opml.environment.weather import Weather
-from opml.interop.element_sets import rewriting
+from opml.interop.element_sets import known_sets, rewriting
 from opml.interop.element_sets.element_set import DEEP_SPACE, semi_major_axis
 from opml.interop.element_sets.rewriting import Better
 from opml.tables import TABLE_SUFFIXES, write_as
@@ -90,7 +90,7 @@ class Improved:
 
 
 def read(
-    paths: Iterable[FilePath], *, date: str, weather: str | Path, latency: float = catalogues.LATENCY
+    paths: Iterable[FilePath], *, date: str, weather: str | Path, latency: float = known_sets.LATENCY
 ) -> PublicData:
     """Read what was public on a date (UTC text).
 

@@ -22,14 +22,13 @@ from opml.base.files import FilePath
 from opml.base.progress import Progress
 from opml.dynamics.ensemble import Arcs
 from opml.dynamics.shared_blocks import SharedBlocks
-from opml.element_sets import catalogue as catalogues
-from opml.element_sets import corrector, improve, improved_sizes, known_sets, trained_model, weighting
+from opml.element_sets import corrector, improve, improved_sizes, trained_model, weighting
 from opml.element_sets.improve import Improved, PublicData
 from opml.element_sets.inside import inside_now, orbit_prediction
 from opml.element_sets.inside.inside_forces import ON_ALL_CORES, Forces
 from opml.element_sets.inside.orbit_prediction import OrbitInside
 from opml.interop import ccsds
-from opml.interop.element_sets import mean_elements, rewriting, sgp4_errors
+from opml.interop.element_sets import known_sets, mean_elements, rewriting, sgp4_errors
 from opml.interop.element_sets.burns_in_sets import KnownSet, burns_among
 from opml.interop.element_sets.element_set import LOW, ElementSet, changed, elements_epoch, seconds_since
 from opml.interop.predicted_orbit import LEADS, PredictedOrbit, check_days
@@ -202,7 +201,7 @@ def predict(
     paths = [sets] if isinstance(sets, (str, os.PathLike)) else list(sets)
     history = known_sets.of_object(paths, None if object is None else str(object))
     if latency is None:
-        latency = 0.0 if date is None else catalogues.LATENCY
+        latency = 0.0 if date is None else known_sets.LATENCY
     date = known_since(history[-1]) if date is None else date
     morning = PublicMorning.read(
         [*paths, *catalogue], date=date, weather=weather, trained=trained, latency=latency, progress=progress
@@ -232,7 +231,7 @@ class PublicMorning:
         date: str,
         weather: FilePath,
         trained: FilePath | None = None,
-        latency: float = catalogues.LATENCY,
+        latency: float = known_sets.LATENCY,
         progress: Progress = lambda line: None,
     ) -> "PublicMorning":
         """Read it from files and folders of sets; raises as `predict` does."""

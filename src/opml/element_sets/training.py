@@ -22,6 +22,7 @@ from opml.element_sets.catalogue import modified_julian_day
 from opml.element_sets.density import LearnedAir
 from opml.element_sets.trained_model import CatalogueModel
 from opml.environment import known_weather, solar_activity
+from opml.interop.element_sets.known_sets import find_files
 
 HOUR_OF_MORNING = 0.25  # time of day [d] of the mornings that are learned from, 06 UTC
 FIRST_DAY = 52275  # modified Julian day from which the forecast of the density learns, 2002-01-01
@@ -46,7 +47,7 @@ def train(
 
     Raises InputError for unreadable files, and where there is too little to learn from.
     """
-    found = {name: catalogues.find_files(paths) for name, paths in populations.items()}
+    found = {name: find_files(paths) for name, paths in populations.items()}
     end = np.inf if date is None else modified_julian_day(date)
     sets = {name: catalogues.read(files).until(end).daily() for name, files in found.items()}
     for name, known_sets in sets.items():

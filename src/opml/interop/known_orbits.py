@@ -21,7 +21,8 @@ from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.interop import ccsds, formats, object_ids, oem, orbit_segments
-from opml.interop.element_sets import histories
+from opml.interop.element_sets import known_sets, mean_elements
+from opml.interop.element_sets.burns_in_sets import KnownSet
 from opml.interop.element_sets.mean_elements import MOST_DAYS
 from opml.interop.ephemeris import EPOCH, LONGEST_STEP, Ephemeris, with_velocities
 from opml.interop.object_ids import UNKNOWN, ObjectId
@@ -31,7 +32,6 @@ from opml.interop.predicted_orbit import PredictedOrbit
 from opml.tables import STATE, read_kind, read_metadata, read_table
 
 _SAME = 1e-5  # [s]
-_SHOWN = 5  # objects in an error
 _OTHER_UNIT = 0.5  # of most chords between positions by which velocities are off
 
 _log = logging.getLogger(__name__)
@@ -117,12 +117,12 @@ class States(KnownOrbit):
 class Sets(KnownOrbit):
     """An orbit of mean elements: at each time the set is propagated, by SGP4, whose epoch is nearest."""
 
-    sets: pd.DataFrame  # of one object
+    sets: Sequence[KnownSet]  # by epoch, times since EPOCH
 
-    @property
+    @cached_property
     def t(self) -> np.ndarray:
         """Epochs (n,) [s since EPOCH]."""
-        return read_only(self.sets["t"].to_numpy())
+        return read_only(np.array([one.t for one in self.sets]))
 
     def at(self, t: np.ndarray) -> np.ndarray:
         """Return states as `KnownOrbit.at`; a set is propagated 30 days at most."""
@@ -131,7 +131,7 @@ class Sets(KnownOrbit):
         young = np.abs(t - self.t[nearest]) <= DAY * MOST_DAYS
         for row in np.unique(nearest[young]):
             near = young & (nearest == row)
-            states[near] = histories.states_of(self.sets.iloc[row], epoch=EPOCH, t=t[near])
+            states[near] = mean_elements.states(self.sets[row].satellite, epoch=EPOCH, t=t[near])
         return states
 
 
@@ -205,22 +205,6 @@ def parts_of(ephemeris: Ephemeris) -> list[Ephemeris]:
 
 
 def _of_sets(paths: Sequence[FilePath], wanted: str | None) -> Sets:
-    history = histories.read(paths, epoch=EPOCH)
-    sets = histories.of_object(history.sets, _number(paths[0], history, wanted))
-    return Sets(str(paths[0]), sets, identity=history.objects[sets["number"].iloc[0]])
-
-
-def _number(path: FilePath, history: histories.History, wanted: str | None) -> int | None:
-    """Return the catalogue number of what is wanted: a number, a name or a designator."""
-    if wanted is None and len(history.objects) > 1:
-        first = ", ".join(map(str, [*history.objects][:_SHOWN]))
-        raise InputError(
-            f"{path}: expected one object, named by --object or --other-object, got {first}, ..."
-        )
-    if wanted is None:
-        return None
-    called = [number for number, one in history.objects.items() if one.is_called(wanted)]
-    if len(called) == 1:
-        return called[0]
-    objects = ", ".join(str(history.objects[number]) for number in (called or [*history.objects])[:_SHOWN])
-    raise InputError(f"{path}: expected one object {wanted}, got {objects}")
+    history = known_sets.of_object(paths, wanted)
+    identity = known_sets.identity(history[-1])
+    return Sets(str(paths[0]), known_sets.since(EPOCH, history), identity=identity)

@@ -27,8 +27,9 @@ from opml.dynamics.ensemble import Arcs
 from opml.dynamics.kernels.surroundings import ForceModel
 from opml.dynamics.settings import ForceModelSettings, Integrator
 from opml.dynamics.shared_blocks import SharedBlocks
-from opml.element_sets import known_sets, station_passes
+from opml.element_sets import station_passes
 from opml.element_sets.catalogue import modified_julian_day
+from opml.interop.element_sets import known_sets
 from opml.interop.element_sets.element_set import ElementSet
 from opml.learning.models.learners import JobLearner
 from opml.mornings import days, measurement_files

@@ -19,7 +19,7 @@ from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.dynamics.ensemble import Arcs
 from opml.element_sets import catalogue as catalogues
-from opml.element_sets import improve, known_sets, trained_model
+from opml.element_sets import improve, trained_model
 from opml.element_sets.catalogue import ElementCatalogue
 from opml.element_sets.inside import inside_sizes
 from opml.element_sets.inside.inside_forces import ON_ALL_CORES
@@ -32,7 +32,7 @@ from opml.environment.weather import Weather
 from opml.ephemerides.along_track_shift import LEAST_EPOCHS
 from opml.ephemerides.paths import Paths
 from opml.interop import ccsds
-from opml.interop.element_sets import mean_elements, sgp4_errors
+from opml.interop.element_sets import known_sets, mean_elements, sgp4_errors
 from opml.interop.element_sets.element_set import ElementSet, seconds_since
 from opml.mornings import outcomes, verdicts
 from opml.mornings.candidates import STEP
@@ -87,7 +87,7 @@ class RunSets:
             known = improve.public_on(date, lambda: self.catalogue, self.weather, source=self.source)
             better = improve.improve(known, self.model, progress=lambda line: None)
             self._mornings[date] = PublicMorning(
-                known, better, self.source, catalogues.LATENCY, self.propagator
+                known, better, self.source, known_sets.LATENCY, self.propagator
             )
         return self._mornings[date]
 

@@ -30,7 +30,6 @@ DOUBT = [f"doubt_{axis}" for axis in "xyz"]
 SIGMA_STATE = [f"sigma_{name}" for name in STATE]
 """Columns of the standard deviations behind a covariance (`rsw_covariance.rsw_covariances`)."""
 
-ELEMENTS = ["mean_motion", "eccentricity", "inclination", "raan", "argp", "mean_anomaly", "bstar"]
 
 IMPROVED_LEADS = (1, 3, 5, 7)  # days from the date to the errors that the table of improved sets expects
 

@@ -213,7 +213,7 @@ def test_the_command_writes_and_prints(truth, tmp_path, capsys):
 def test_orbits_of_other_times_and_objects_are_refused(truth, tmp_path):
     ours = known_orbits.read([written(tmp_path / "ours.oem", truth)])
     (tmp_path / "sets.tle").write_text(tle_text(history([100.0])) + tle_text(history([100.0]), number=7))
-    assert "expected one object, named by --object or --other-object, got 7, 25544" in refusal(
+    assert "expected --object for one of several objects, got 7, 25544" in refusal(
         known_orbits.read, [tmp_path / "sets.tle"]
     )
     assert "sets.tle: expected one object 8, got" in refusal(known_orbits.read, [tmp_path / "sets.tle"], "8")
@@ -254,7 +254,7 @@ def test_sets_of_one_name_are_not_the_first_of_them(tmp_path):
     path = tmp_path / "debris.tle"
     path.write_text("".join(f"DEB\n{tle_text(history([0.0]), number)}" for number in (101, 102)))
     assert known_orbits.read([path], "102").identity.number == 102
-    assert "expected one object deb, got DEB (101), DEB (102)" in refusal(known_orbits.read, [path], "deb")
+    assert "expected one object deb, got 101 DEB, 102 DEB" in refusal(known_orbits.read, [path], "deb")
 
 
 def test_covariances_along_the_velocity_are_turned(truth, tmp_path):

@@ -5,7 +5,8 @@ import pandas as pd
 import pytest
 import sinking_histories
 
-from opml.element_sets import catalogue, improve, prediction, trained_model, weighting
+from opml.element_sets import improve, prediction, trained_model, weighting
+from opml.interop.element_sets import known_sets
 
 DATE = "2026-01-08T06:00:00"
 NUMBER = 101
@@ -38,7 +39,7 @@ def beside(folder):
 
 def test_the_set_is_that_of_the_whole_catalogue(folder, beside):
     known = improve.read(
-        [folder / "own.tle", folder / "others"], date=DATE, weather="OBSERVED", latency=catalogue.LATENCY
+        [folder / "own.tle", folder / "others"], date=DATE, weather="OBSERVED", latency=known_sets.LATENCY
     )
     table = improve.improve(known, trained_model.read(None)).table.set_index("number")
     assert len(table) == 12

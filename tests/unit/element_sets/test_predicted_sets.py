@@ -26,7 +26,6 @@ from opml.element_sets import (
     catalogue,
     corrector,
     improved_sizes,
-    known_sets,
     prediction,
     station_passes,
     weighting,
@@ -34,7 +33,7 @@ from opml.element_sets import (
 from opml.element_sets.inside import inside_forces, orbit_prediction
 from opml.element_sets.inside.orbit_prediction import OrbitInside
 from opml.interop import orbit_segments
-from opml.interop.element_sets import burns_in_sets, element_set, mean_elements, sgp4_errors, tle
+from opml.interop.element_sets import burns_in_sets, element_set, known_sets, mean_elements, sgp4_errors, tle
 from opml.report.results import with_unit
 from opml.workflow import prediction_files
 

@@ -8,9 +8,9 @@ import sinking_histories
 from data_server import as_omms, serving
 
 from opml import cli
-from opml.element_sets import known_sets
 from opml.fetch import space_track
 from opml.fetch.public_data import Query
+from opml.interop.element_sets import known_sets
 
 LINES = sinking_histories.sets_of(101, 5)
 PASSWORD = "correct-horse"

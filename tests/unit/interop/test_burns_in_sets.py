@@ -5,11 +5,12 @@ import re
 
 import numpy as np
 import pytest
-from element_histories import history
+from element_histories import history, satellite
 from support import EPOCH
 
 from opml.base.constants import DAY
 from opml.interop.element_sets import burns_in_sets
+from opml.interop.element_sets.burns_in_sets import KnownSet
 from opml.orbits.manoeuvres import Manoeuvre
 
 DAYS = np.arange(-20.0, 21.0)
@@ -40,7 +41,9 @@ def sets_with(raised=None, tilted=None, created=None, days=DAYS):
 
 
 def found(sets):
-    return burns_in_sets.find_burns(sets, epoch=EPOCH)
+    known = np.maximum.accumulate(np.fmax(sets["t"], sets["t_created"]))
+    rows = zip(sets["t"], known, [satellite(row) for _, row in sets.iterrows()], strict=True)
+    return burns_in_sets.burns_among([KnownSet(*row) for row in rows], epoch=EPOCH)
 
 
 @pytest.mark.parametrize("step", [{"raised": {4.5: 60.0}}, {"raised": {4.5: -60.0}}, {"tilted": {4.5: 60.0}}])

@@ -11,10 +11,11 @@ from support import refusal
 
 from opml.base import epochs
 from opml.base.constants import DAY
-from opml.element_sets import known_sets, prediction
+from opml.element_sets import prediction
 from opml.element_sets.catalogue import modified_julian_day
 from opml.element_sets.inside import inside_forces, inside_now
 from opml.interop import orbit_segments
+from opml.interop.element_sets import known_sets
 from opml.mornings import days, set_mornings
 from opml.mornings.calendar import Calendar
 from opml.mornings.days import UnderWay

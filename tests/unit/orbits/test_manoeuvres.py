@@ -4,12 +4,11 @@ import math
 
 import numpy as np
 import pytest
-from element_histories import history
 from support import EPOCH, refusal, refusals
 
 from opml.orbits import manoeuvres
 from opml.orbits.manoeuvres import Manoeuvre
-from opml.tables import write_table
+from opml.tables import SCHEMAS, write_table
 
 PUBLISHED = """\
 SATCAT number: 25544
@@ -43,7 +42,7 @@ def test_tables_keep_manoeuvres_and_since_when_they_are_known(tmp_path):
     burns = [Manoeuvre(5.0), Manoeuvre(7.0, 9.0), Manoeuvre(8.0, restarts=True)]
     facts = manoeuvres.facts(burns)
     assert facts == {"manoeuvres": [{"t": 5.0}, {"t": 7.0, "known": 9.0}, {"t": 8.0, "restarts": True}]}
-    write_table(tmp_path / "t.parquet", history([1.0]), "element_sets", metadata=facts)
+    write_table(tmp_path / "t.parquet", SCHEMAS["tracking"].empty(), "tracking", metadata=facts)
     assert manoeuvres.read_manoeuvres(tmp_path / "t.parquet") == burns
 
 

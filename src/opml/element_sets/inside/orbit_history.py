@@ -21,14 +21,13 @@ from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.base.progress import Progress
-from opml.element_sets import known_sets
 from opml.element_sets.inside import inside_forces, inside_now
 from opml.element_sets.inside.inside_forces import Forces
 from opml.element_sets.inside.inside_now import DailyOrbits
 from opml.element_sets.inside.inside_sizes import FLOOR
 from opml.element_sets.inside.orbit_inside import EVERY, NoOrbitError, paths
 from opml.interop import ccsds, oem
-from opml.interop.element_sets import sgp4_errors
+from opml.interop.element_sets import known_sets, sgp4_errors
 from opml.interop.element_sets.burns_in_sets import KnownSet, burns_among
 from opml.interop.element_sets.element_set import elements_epoch
 from opml.interop.ephemeris import Ephemeris

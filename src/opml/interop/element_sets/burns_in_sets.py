@@ -7,16 +7,14 @@ off: sets are made of tracks up to some hours after their epochs.
 """
 
 import logging
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 import numpy as np
-import pandas as pd
 from sgp4.api import Satrec
 
 from opml.base.constants import DAY
 from opml.interop import ccsds
-from opml.interop.element_sets.histories import satellite
 from opml.orbits.manoeuvres import Manoeuvre
 
 OFF = 5.0  # how many standard deviations two sets are apart between which a burn lies
@@ -76,16 +74,6 @@ class _Past:
         return OFF * growth * sigma
 
 
-def find_burns(sets: pd.DataFrame, *, epoch: str) -> list[Manoeuvre]:
-    """Return the burns that a history shows, in order of time.
-
-    sets: table `element_sets` of one object
-
-    Each is logged.
-    """
-    return burns_among(_sets(sets, epoch), epoch=epoch)
-
-
 def burns_among(sets: Iterable[KnownSet], *, epoch: str) -> list[Manoeuvre]:
     """Return the burns that sets of one object in order of time show; each is logged."""
     burns, past = [], _Past()
@@ -104,12 +92,6 @@ def burns_among(sets: Iterable[KnownSet], *, epoch: str) -> list[Manoeuvre]:
         else:
             off.append(one)
     return burns
-
-
-def _sets(sets: pd.DataFrame, epoch: str) -> Iterator[KnownSet]:
-    made = np.maximum.accumulate(np.fmax(sets["t"], sets["t_created"]).to_numpy())
-    for k, (_, row) in enumerate(sets.iterrows()):
-        yield KnownSet(float(row["t"]), float(made[k]), satellite(row, epoch=epoch))
 
 
 def _difference(earlier: KnownSet, later: KnownSet) -> np.ndarray:
