@@ -73,9 +73,9 @@ def test_what_is_taken_from_a_facade_is_its_own(facade):
 
 
 MOST = {
-    "lines of the package": 46_050,
-    "lines of tests": 35_050,
-    "classes": 355,
+    "lines of the package": 45_600,
+    "lines of tests": 35_000,
+    "classes": 345,
     "docstrings that begin with what, which, how, where, of": 48,
     "variables called found, one, made, told": 58,
 }
