@@ -110,6 +110,14 @@ def test_the_worst_weeks_are_those_of_their_table():
     assert [len(axes.lines[0].get_xdata()) for axes in figure.axes] == [9, 28, 12]
 
 
+def test_the_orbit_inside_leaves_least_but_along_the_track():
+    least = {}
+    for row in tsv("true_errors"):
+        share = int(row["other objects, later [%]"].split()[0])
+        least[row["component"]] = min(least.get(row["component"], (100, "")), (share, row["method"]))
+    assert [method.split()[0] for _, method in least.values()] == ["orbit", "boosted", "orbit"]
+
+
 def test_what_learning_costs_a_satellite_is_the_skill_of_its_table():
     table = {first: cells for first, *cells in rows("docs/reality", "## Swarm A")}
     skill = int(table["`mechanism`, the best that learned"][-1])
