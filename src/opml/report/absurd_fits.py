@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 
 from opml.report import texts
-from opml.report.document import Block, Heading, Paragraph
+from opml.report.document import Block
 from opml.report.mornings import Dataset
 from opml.report.results import length
 
@@ -37,9 +37,9 @@ def section(absurd: Mapping[Dataset, str], window_hours: float) -> Iterator[Bloc
     """
     if not absurd:
         return
-    yield Heading(TITLE)
+    yield f"## {TITLE}"
     for (rso, stations), words in absurd.items():
-        yield Paragraph(f"**{rso}, {stations}.** {words}")
+        yield f"**{rso}, {stations}.** {words}"
     longer = max(LONGER_HOURS, 2.0 * window_hours)
     yield from texts.blocks("absurd_fits.section", hours=window_hours, longer=longer)
 

@@ -10,7 +10,7 @@ from opml.learning.judge import calibration
 from opml.learning.judge.errors_by_duration import at_days
 from opml.learning.judge.model_choice import Mornings, summed
 from opml.report import absurd_fits, texts, uncertainty
-from opml.report.document import Block, Heading, Items, Paragraph, Picture, link_to
+from opml.report.document import Block, Picture, items, link_to
 from opml.report.mornings import TITLE as EVERY_MORNING
 from opml.report.mornings import Dataset, days_within
 from opml.report.skill import skill
@@ -57,10 +57,10 @@ def section(
     absurd: datasets whose fits are of no use
     proof: headings of the sections that the answers follow from
     """
-    yield Heading(TITLE)
+    yield f"## {TITLE}"
     for (rso, stations), source in sources.items():
         mornings = replays.get((rso, stations))
-        items = [f"**Why:** {', '.join(map(link_to, proof))}."]
+        points = [f"**Why:** {', '.join(map(link_to, proof))}."]
         if mornings is None:
             verdict = "No morning was replayed, so no model can be recommended."
         else:
@@ -68,11 +68,11 @@ def section(
             parts = _left(mornings, marks), _held(mornings, durations), _others(mornings, laws)
             verdict = f"Use `{chosen}`: {' '.join(parts)}"
             file = texts.sentences("answer.file", path=source.files[chosen], day=source.day, end=source.end)
-            items += [file, _training(mornings, laws)]
-        items += _to_watch(mornings, source, durations, (rso, stations) in absurd)
+            points += [file, _training(mornings, laws)]
+        points += _to_watch(mornings, source, durations, (rso, stations) in absurd)
         figures = ", ".join(f"[{shows}]({path})" for shows, path in source.figures.items())
-        yield Paragraph(f"**{rso}, {stations}.** {verdict}")
-        yield Items([*items, f"**Figures:** {figures}."])
+        yield f"**{rso}, {stations}.** {verdict}"
+        yield items([*points, f"**Figures:** {figures}."])
         if (rso, stations) in pictures:
             shows = f"Errors of {rso} by {stations}: before correction, as issued, and of each model"
             yield Picture(pictures[rso, stations], source.figures[ALL_MODELS], shows)

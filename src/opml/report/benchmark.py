@@ -15,7 +15,7 @@ from opml.benchmark import scores, suspicions, tasks
 from opml.benchmark.answers import read as read_answers
 from opml.benchmark.scores import AXES, LEVEL, STORM
 from opml.report import texts
-from opml.report.document import Block, Heading, Items, Paragraph, as_it_is, html_page
+from opml.report.document import Block, as_it_is, html_page, items
 from opml.report.results import NO_VALUE, rounded_cell
 
 SUFFIXES = (".html", ".json", ".tsv")  # forms of a score
@@ -131,18 +131,18 @@ def board_lines(score: Score) -> str:
 
 def document(score: Score) -> list[Block]:
     """Return the page."""
-    suspicions_found = Items([as_it_is(text) for text in score.suspicions])
-    nothing = Paragraph("Nothing of the answers is suspicious.")
+    suspicions_found = items(map(as_it_is, score.suspicions))
+    nothing = "Nothing of the answers is suspicious."
     return [
-        Heading(f"{score.task}: {as_it_is(score.tool)}", level=1),
-        Paragraph(as_it_is(score.title)),
-        Heading("Findings"),
+        f"# {score.task}: {as_it_is(score.tool)}",
+        as_it_is(score.title),
+        "## Findings",
         suspicions_found if score.suspicions else nothing,
         *texts.blocks("benchmark.scores", level=100 * LEVEL),
         *(block for name in AXES.values() for block in _axis_table(score.scores, name)),
         *_part_table("heights", score.by_height.assign(part=score.by_height["from"] / 1e3)),
         *_part_table("weather", score.by_weather.assign(part=score.by_weather["weeks"])),
-        Paragraph(f"Answers' SHA-256: `{score.digest}`"),
+        f"Answers' SHA-256: `{score.digest}`",
     ]
 
 

@@ -9,7 +9,7 @@ from opml.base.progress import counted
 from opml.mornings.calendar import HORIZON
 from opml.mornings.outcomes import DO_NOT_USE, FAILED, GOOD, UNPROVEN, WIDE
 from opml.report import texts
-from opml.report.document import Block, Card, Cards, Heading, as_it_is
+from opml.report.document import Block, Card, as_it_is
 from opml.report.results import NO_VALUE, length, with_unit
 
 Outcome = Mapping[str, Any]
@@ -35,8 +35,8 @@ LEADS = (1, 3, 7)  # days of duration whose errors the page states
 def document(outcomes: Sequence[Outcome], weather: Weather, *, date: str) -> list[Block]:
     """Return the page of a date; outcomes: of all objects."""
     return [
-        Heading(f"{date}: {summary(outcomes)}", 1),
-        Cards([card(outcome) for outcome in worst_first(outcomes)]),
+        f"# {date}: {summary(outcomes)}",
+        [card(outcome) for outcome in worst_first(outcomes)],
         *texts.blocks("day.legend", shapes=", ".join(f"{SHAPES[word]} {word}" for word in SHAPES)),
         *in_figures(outcomes),
         *_past(outcomes),

@@ -1,6 +1,7 @@
-"""Short documents: headings, paragraphs, lists, tables, pictures; as Markdown, HTML and tab-separated text.
+"""Short documents: texts, tables, pictures and cards; as Markdown, HTML and tab-separated text.
 
-Texts may hold `code` between backticks, **bold** words between double asterisks and [links](#to-a-heading).
+A text is in Markdown: a heading behind `#`, a list whose items are lines behind `- `, or else a paragraph. It
+may hold `code` between backticks, **bold** words between double asterisks and [links](#to-a-heading).
 """
 
 import base64
@@ -13,28 +14,6 @@ from pathlib import Path
 
 from opml.base.files import FilePath, replacing
 from opml.tables import HOW_TO_CSV
-
-
-@dataclass(frozen=True)
-class Heading:
-    """A heading, of level 1 for the document's title."""
-
-    text: str
-    level: int = 2
-
-
-@dataclass(frozen=True)
-class Paragraph:
-    """A paragraph."""
-
-    text: str
-
-
-@dataclass(frozen=True)
-class Items:
-    """A list of texts, each with a point before it."""
-
-    texts: Sequence[str]
 
 
 @dataclass(frozen=True)
@@ -55,13 +34,6 @@ class Picture:
 
 
 @dataclass(frozen=True)
-class Pictures:
-    """Narrow pictures side by side, as many as the page has room for."""
-
-    pictures: Sequence[Picture]
-
-
-@dataclass(frozen=True)
 class Card:
     """A small panel: a title, a line that says most, texts, and a row of marks."""
 
@@ -72,14 +44,15 @@ class Card:
     marks: Sequence[tuple[str, str, str]]
 
 
-@dataclass(frozen=True)
-class Cards:
-    """Cards side by side, as many as the page has room for."""
+Block = str | Table | Picture | Card | list[Picture] | list[Card]
+"""A part of a document; narrow pictures, or cards, stand side by side, as many as the page has room for."""
 
-    cards: Sequence[Card]
+_HEADING = re.compile(r"(#+) (.*)", re.DOTALL)
 
 
-Block = Heading | Paragraph | Items | Table | Picture | Pictures | Cards
+def items(texts: Iterable[str]) -> str:
+    """Return a list of texts."""
+    return "\n".join(f"- {text}" for text in texts)
 
 
 def link_to(heading: str) -> str:
@@ -128,8 +101,8 @@ def write(
     The pages end with a line on tables as CSV.
     No file is left half written.
     """
-    pages = [*blocks, Paragraph(HOW_TO_CSV)]
-    title = next(block.text for block in blocks if isinstance(block, Heading))
+    pages = [*blocks, HOW_TO_CSV]
+    title = next(block for block in blocks if isinstance(block, str)).removeprefix("# ")
     table = table or next(block for block in blocks if isinstance(block, Table))
     for path, text in (
         (path_md, markdown(pages)),
@@ -154,21 +127,17 @@ _SENTENCE = 40  # characters of a cell that is not to be squeezed to a word a li
 
 def _markdown(block: Block) -> str:
     match block:
-        case Heading(text, level):
-            return f"{'#' * level} {text}"
-        case Paragraph(text):
-            return text
-        case Items(texts):
-            return "\n".join(f"- {text}" for text in texts)
+        case str():
+            return block
         case Table(header, rows):
             lines = [header, ["---"] * len(header), *rows]
             return "\n".join(f"| {' | '.join(line)} |" for line in lines)
         case Picture(_, link, shows):
             return f"![{shows}]({link})"
-        case Pictures(pictures):
-            return "\n\n".join(map(_markdown, pictures))
-        case Cards(cards):
-            return "\n\n".join(map(_markdown_card, cards))
+        case Card():
+            return _markdown_card(block)
+        case list():
+            return "\n\n".join(map(_markdown, block))
 
 
 def _markdown_card(card: Card) -> str:
@@ -183,12 +152,8 @@ def as_it_is(text: str) -> str:
 
 def _html(block: Block) -> str:
     match block:
-        case Heading(text, level):
-            return f'<h{level} id="{_anchor(text)}">{_inline(text)}</h{level}>'
-        case Paragraph(text):
-            return f"<p>{_inline(text)}</p>"
-        case Items(texts):
-            return "<ul>\n" + "\n".join(f"<li>{_inline(text)}</li>" for text in texts) + "\n</ul>"
+        case str():
+            return _html_text(block)
         case Table(header, rows):
             kinds = [_kind([row[k] for row in rows]) for k in range(len(header))]
             lines = [_row(header, "th", kinds), *(_row(row, "td", kinds) for row in rows)]
@@ -198,10 +163,21 @@ def _html(block: Block) -> str:
             return (
                 f'<p class="picture"><img alt="{html.escape(shows)}" src="data:image/png;base64,{data}"></p>'
             )
-        case Pictures(pictures):
-            return '<div class="pictures">\n' + "\n".join(map(_html, pictures)) + "\n</div>"
-        case Cards(cards):
-            return '<div class="cards">\n' + "\n".join(map(_html_card, cards)) + "\n</div>"
+        case Card():
+            return _html_card(block)
+        case list():
+            kind = "cards" if block and isinstance(block[0], Card) else "pictures"
+            return f'<div class="{kind}">\n' + "\n".join(map(_html, block)) + "\n</div>"
+
+
+def _html_text(text: str) -> str:
+    if heading := _HEADING.fullmatch(text):
+        level, words = len(heading[1]), heading[2]
+        return f'<h{level} id="{_anchor(words)}">{_inline(words)}</h{level}>'
+    if text.startswith("- "):
+        lines = (line.removeprefix("- ") for line in text.split("\n"))
+        return "<ul>\n" + "\n".join(f"<li>{_inline(line)}</li>" for line in lines) + "\n</ul>"
+    return f"<p>{_inline(text)}</p>"
 
 
 def _html_card(card: Card) -> str:

@@ -8,7 +8,7 @@ import pandas as pd
 from opml.base.constants import DAY
 from opml.interop import ccsds
 from opml.report import texts
-from opml.report.document import Block, Heading
+from opml.report.document import Block
 from opml.report.mornings import Dataset
 from opml.report.results import NO_VALUE
 from opml.tables import BURN
@@ -29,7 +29,7 @@ def section(
     known = {dataset: table for dataset, table in noise.items() if not table.empty}
     watched = {dataset: table for dataset, table in estimates.items() if "held_back" in table}
     if known or watched:
-        yield Heading(TITLE)
+        yield f"## {TITLE}"
     if known:
         yield from _residuals(known)
     if watched:

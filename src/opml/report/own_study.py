@@ -21,7 +21,7 @@ from opml.learning.models.learners import learns
 from opml.naming import SPLIT, Experiment, parse_test, parse_train, strip_seed
 from opml.report import absurd_fits, answer, measurement_residuals, mornings, texts, uncertainty
 from opml.report.answer import Sources
-from opml.report.document import Block, Heading, Paragraph
+from opml.report.document import Block
 from opml.report.mornings import Dataset
 from opml.report.results import NO_VALUE, Results, length, percent
 from opml.report.settings_tables import assumed_model, force_models, learner_table, weather
@@ -95,7 +95,7 @@ def document(report: OwnStudyReport, tables: OwnStudyTables) -> list[Block]:
     absurd = absurd_fits.symptoms(tables.estimates)
     rsos = ", ".join(dict.fromkeys(rso for rso, _ in report.datasets))
     return [
-        Heading(f"The study of {rsos}", 1),
+        f"# The study of {rsos}",
         *answer.section(
             replays,
             report.sources,
@@ -127,12 +127,12 @@ def _by_dataset(values: Mapping[ModelKey, Value]) -> dict[Dataset, dict[str, Val
 
 def _forces(report: OwnStudyReport) -> Iterator[Block]:
     if "simulated" in report.truths:
-        yield Heading("Truth and assumed model")
+        yield "## Truth and assumed model"
         yield force_models(report.settings.environment, report.settings.force_models)
         return
-    yield Heading("Assumed model")
+    yield "## Assumed model"
     if "files" in report.truths:
-        yield Paragraph("The true orbit is that of the files, without a force model.")
+        yield "The true orbit is that of the files, without a force model."
     yield assumed_model(report.settings.environment, report.settings.force_models)
 
 
@@ -201,7 +201,7 @@ def _errors(report: OwnStudyReport, tables: OwnStudyTables) -> Iterator[Block]:
     replays, rows = _by_dataset(tables.replays), []
     for dataset, models in _by_dataset(tables.evaluations).items():
         best = _reference(report, models, replays.get(dataset, {}))
-        yield Paragraph(f"**{', '.join(dataset)}.** Skill is relative to {best}.")
+        yield f"**{', '.join(dataset)}.** Skill is relative to {best}."
         before, sizes = next(iter(models.values()))["true"], growth[*dataset, next(iter(models))]
         cells = [*_size_cells(sizes, days, "before"), skill_cell(_summed(before), best.left)]
         rows.append([*dataset, NO_CORRECTION, "no", *cells])

@@ -9,7 +9,7 @@ from opml.element_sets.prediction import Prediction
 from opml.element_sets.station_passes import LEVEL, Place
 from opml.interop.predicted_orbit import UNKNOWABLE, PredictedOrbit
 from opml.report import texts
-from opml.report.document import Block, Heading, Paragraph, Picture, Pictures, as_it_is
+from opml.report.document import Block, Picture, as_it_is
 from opml.report.results import length, with_unit
 
 _SECONDS, _DATE = len("2016-09-28T12:09:45"), len("2016-09-28T")
@@ -23,20 +23,20 @@ def document(
     """Return the page; passes: by place; pictures: errors over days, and the ground track."""
     rows = prediction.expected().dropna(axis="columns", how="all")
     return [
-        Heading(as_it_is(f"{prediction.identity}: {prediction.days:g} days from {_z(prediction.date)}"), 1),
+        "# " + as_it_is(f"{prediction.identity}: {prediction.days:g} days from {_z(prediction.date)}"),
         *([_in_short(rows)] if "along_track" in rows else []),
         *_how(prediction),
-        Pictures(pictures),
+        [*pictures],
         *(_expected(rows) if "along_track" in rows else []),
-        Paragraph(f"One sigma each: {prediction.basis}; {UNKNOWABLE}."),
+        f"One sigma each: {prediction.basis}; {UNKNOWABLE}.",
         *(block for where, rows in passes.items() for block in _passes(where, rows)),
     ]
 
 
-def _in_short(rows: pd.DataFrame) -> Paragraph:
+def _in_short(rows: pd.DataFrame) -> str:
     later = rows[rows["lead"] > 0.0].to_dict("records")
     parts = (f"**{with_unit(row['along_track'])}** after {row['lead']:g} d" for row in later)
-    return Paragraph(f"Expected error along the track, one sigma: {', '.join(parts)}.")
+    return f"Expected error along the track, one sigma: {', '.join(parts)}."
 
 
 def _how(prediction: PredictedOrbit) -> Iterator[Block]:
@@ -61,9 +61,9 @@ def _expected(rows: pd.DataFrame) -> Iterator[Block]:
 
 
 def _passes(where: Place, rows: pd.DataFrame) -> Iterator[Block]:
-    yield Heading(as_it_is(f"Passes over {where.name}"))
+    yield "## " + as_it_is(f"Passes over {where.name}")
     if rows.empty:
-        yield Paragraph("None.")
+        yield "None."
         return
     cells = [
         [

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from functools import cache
 from importlib.resources import files
 
-from opml.report.document import Block, Heading, Paragraph, Table
+from opml.report.document import Block, Table
 
 
 @cache
@@ -20,14 +20,11 @@ def blocks(piece: str, rows: Sequence[Sequence[str]] = (), /, **values: object) 
     report, _, name = piece.partition(".")
     for part in _pieces(report)[name].split("\n\n"):
         text = " ".join(part.splitlines()).format(**values)
-        if part.startswith("#"):
-            marks, _, heading = text.partition(" ")
-            yield Heading(heading, len(marks))
-        elif part.startswith("|"):
+        if part.startswith("|"):
             cells = text.removeprefix("| ").removesuffix(" |").split(" | ")
             yield Table([cell for cell in cells if cell], rows)
         else:
-            yield Paragraph(text)
+            yield text
 
 
 def sentences(piece: str, /, **values: object) -> str:

@@ -6,7 +6,7 @@ import pytest
 
 from opml.mornings import days
 from opml.report import day
-from opml.report.document import Paragraph, html_page, markdown
+from opml.report.document import html_page, markdown
 
 SCORE = {"day": 1, "predictions": 5, "along_track_m": 40.0, "along_track_95_m": 90.0, "inside": 0.8}
 
@@ -127,4 +127,4 @@ def test_a_damaged_file_marks_nothing_up():
     ],
 )
 def test_links_lead_to_places_alone(text, link):
-    assert f"<p>{link}</p>" in html_page([Paragraph(text)], title="")
+    assert f"<p>{link}</p>" in html_page([text], title="")

@@ -11,7 +11,7 @@ from opml.dynamics.settings import ForceModels
 from opml.environment.settings import EnvironmentSettings
 from opml.naming import Experiment
 from opml.report import document, paper_claims, reproduction, settings_tables
-from opml.report.document import Heading, Items, Paragraph, Table
+from opml.report.document import Table, items
 from opml.report.results import Results
 from opml.study.paper import Paper
 from opml.study.settings.model import names
@@ -20,7 +20,7 @@ from opml.tables import HOW_TO_CSV
 PAPER = paper_values()
 ENVIRONMENT = EnvironmentSettings(**PAPER["environment"])
 MODELS = ForceModels(**PAPER["force_models"])
-BLOCKS = [Heading("Title", 1), Paragraph("Say `x < y`."), Table(["a", "b"], [["1", "`2`"], ["3", "4"]])]
+BLOCKS = ["# Title", "Say `x < y`.", Table(["a", "b"], [["1", "`2`"], ["3", "4"]])]
 
 
 def test_markdown():
@@ -47,7 +47,7 @@ def test_page_is_html_that_needs_nothing_else():
 
 def test_links_lead_to_headings_and_lists_are_lists():
     assert document.link_to("Is it true: e_y?") == "[Is it true: e_y?](#is-it-true-e_y)"
-    blocks = [Heading("Is it true: e_y?"), Items(["**why:** [here](figs/a.png)", "`b`"])]
+    blocks = ["## Is it true: e_y?", items(["**why:** [here](figs/a.png)", "`b`"])]
     page = document.html_page(blocks, title="A")
     assert '<h2 id="is-it-true-e_y">' in page
     assert '<li><strong>why:</strong> <a href="figs/a.png">here</a></li>\n<li><code>b</code></li>' in page
@@ -70,15 +70,13 @@ def test_a_column_of_sentences_is_no_column_of_single_words():
 
 
 def test_bold_words_are_bold_in_the_page():
-    assert "<p><strong>iss.</strong> 2 * 3</p>" in document.html_page(
-        [Paragraph("**iss.** 2 * 3")], title="A"
-    )
+    assert "<p><strong>iss.</strong> 2 * 3</p>" in document.html_page(["**iss.** 2 * 3"], title="A")
 
 
 def test_documents_are_written_whole(tmp_path):
     paths = [tmp_path / "new" / f"t.{kind}" for kind in ("md", "tsv", "html")]
     document.write(BLOCKS, *paths)
-    assert paths[0].read_text() == document.markdown([*BLOCKS, Paragraph(HOW_TO_CSV)])
+    assert paths[0].read_text() == document.markdown([*BLOCKS, HOW_TO_CSV])
     assert "<p>Any table as CSV: <code>opml table FILE --csv</code></p>\n</body>" in paths[2].read_text()
     assert paths[1].read_text() == "a\tb\n1\t2\n3\t4\n"
     assert sorted(paths[0].parent.iterdir()) == sorted(paths)

@@ -6,7 +6,7 @@ from importlib.resources import files
 from support import REPOSITORY
 
 from opml.report import texts
-from opml.report.document import Heading, Paragraph, Table
+from opml.report.document import Table
 
 REPORTS = REPOSITORY / "src" / "opml" / "report"
 
@@ -27,7 +27,7 @@ def test_a_piece_is_headings_paragraphs_and_tables():
     told = {"title": "T", "verdict": "v", "rso": "a", "stations": "b", "days": texts.across(["1 d", "2 d"])}
     (heading, _) = texts.blocks("mornings.section", title="T", confidence=95.0)
     (paragraph, table) = texts.blocks("mornings.dataset", [["x"]], **told)
-    assert (heading, paragraph) == (Heading("T"), Paragraph("**a, b.** v"))
+    assert (heading, paragraph) == ("## T", "**a, b.** v")
     assert table == Table(["model", "1 d", "2 d", "skill, %"], [["x"]])
     (_, _, empty) = texts.blocks("reproduction.readings", names=texts.across([]))
     assert empty.header == ["interpretation"]

@@ -7,7 +7,7 @@ from typing import Any
 from opml.base.files import FilePath
 from opml.report import day, texts
 from opml.report.day import WORST_FIRST, Outcome, Weather
-from opml.report.document import Block, Cards, Heading, Picture, Pictures, Table
+from opml.report.document import Block, Picture, Table
 
 MOST = 200
 """Objects that a page has cards of."""
@@ -30,13 +30,13 @@ def document(
     """
     cards = [day.card(one) for one in day.worst_first(outcomes) if one["object"] in set(watched)]
     blocks: list[Block] = [
-        Heading(f"{date}: {day.summary(outcomes)}", 1),
+        f"# {date}: {day.summary(outcomes)}",
         *texts.blocks("day_of_many.counts", _counts(outcomes), table="day.tsv"),
         *texts.blocks("day_of_many.map"),
-        Pictures([Picture(picture, "day.png", "one sigma along the track after a day, by orbit")]),
+        [Picture(picture, "day.png", "one sigma along the track after a day, by orbit")],
     ]
     if cards:
-        blocks += [*texts.blocks("day_of_many.watched"), Cards(cards)]
+        blocks += [*texts.blocks("day_of_many.watched"), cards]
     blocks += texts.blocks("day_of_many.worst", worst=min(WORST, len(outcomes)))
     return [*blocks, *day.in_figures(day.worst_first(outcomes)[:WORST]), *day.space_weather(weather)]
 

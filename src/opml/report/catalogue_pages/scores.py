@@ -8,7 +8,7 @@ import pandas as pd
 from opml.element_sets.corrector_scores import ALL, LEVEL
 from opml.element_sets.features import BANDS
 from opml.report import texts
-from opml.report.document import Block, Items
+from opml.report.document import Block, items
 from opml.report.results import rounded_cell
 
 
@@ -24,7 +24,7 @@ def document(
     rows = [_cells(row) for row in _ordered(scores).to_dict("records")]
     return [
         *texts.blocks("scores.head"),
-        Items([_season(name, dates, trained_on[name]) for name, dates in seasons.items()]),
+        items(_season(name, dates, trained_on[name]) for name, dates in seasons.items()),
         *texts.blocks("scores.scores", rows, level=LEVEL),
     ]
 
