@@ -114,7 +114,7 @@ class Fitting:
             earlier=self._numbered(kept),
         )
         hours = self.settings.window_hours
-        return found.assign(track=self.recent.numbers[found["track"]], window_hours=hours)
+        return self._kept(found.assign(window_hours=hours))
 
     def over(self, windows: Sequence[float], start: pd.DataFrame, records: Records) -> pd.DataFrame:
         """Return the estimates of one track over other windows [h], where none are kept.
@@ -138,7 +138,12 @@ class Fitting:
             track=int(track),
             earlier=lacking,
         )
-        return found.assign(track=self.recent.numbers[found["track"]])
+        return self._kept(found)
+
+    def _kept(self, estimates: pd.DataFrame) -> pd.DataFrame:
+        """Return new estimates as the table `kept_estimates`, of tracks by their numbers in the records."""
+        numbered = estimates.assign(track=self.recent.numbers[estimates["track"]])
+        return numbered[SCHEMAS["kept_estimates"].names]
 
     def starts(self, kept: pd.DataFrame) -> pd.DataFrame:
         """Return the `starts` table: of earlier estimates, or determined where these are too old."""

@@ -29,12 +29,11 @@ def filled(schema, count, value, **more):
     return pd.DataFrame(columns | more)
 
 
-def finished(name, value, *, models=("fit96",), day=DAY, **optional):
-    """A morning of an object whose numbers are all the same; optional: columns of what was judged."""
-    tables = {table: filled(SCHEMAS[table], 2, value) for table in Records.TABLES}
+def finished(name, value, *, models=("fit96",), day=DAY):
+    """A morning of an object whose numbers are all the same."""
+    tables = [filled(SCHEMAS[table], 2, value) for table in Records.TABLES]
     paths = [Paths(filled(paths_schema(models), 3, value))] if models else []
-    judged = tables["judged"].assign(**optional)
-    records = Records(tables["kept_estimates"], judged, tables["issued"], paths)
+    records = Records(*tables, paths=paths)
     return FinishedMorning(records, failed(name, day, "good", "why"), "digest", {"eglin": "here"})
 
 

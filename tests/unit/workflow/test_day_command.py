@@ -68,7 +68,7 @@ def test_what_is_ahead_is_told(tmp_path):
     )
     done = tmp_path / "days" / "2016-10-02" / "batch_0"
     done.mkdir(parents=True)
-    mark = {"settings": "", "stations": {}, "optional": [], "models": []}
+    mark = {"settings": "", "stations": {}, "models": []}
     (done / "done.json").write_text(json.dumps({"second": mark}))
     ahead = mornings_ahead(TODAY, settings)
     assert ahead == {"first": 6, "second": 1}

@@ -12,9 +12,9 @@ and those that failed are added later.
 """
 
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -32,8 +32,6 @@ from opml.tables import SCHEMAS, Schema, of_objects, paths_schema, read_metadata
 PATHS = "paths.parquet"  # the file of ephemerides
 
 _DONE, _OUTCOMES = "done.json", "outcomes.json.gz"
-_ABSENT: dict[str, Any] = {"bool": False, "int64": 0, "float64": np.nan, "string": ""}
-"""What optional columns hold for objects that lack them."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +40,6 @@ class MorningMark:
 
     settings: str  # their digest
     stations: Mapping[str, str]  # digests of those that measured the object, by name
-    optional: Sequence[str]  # columns that its tables have beside those of their schemas
     models: Sequence[str]  # of its ephemerides; none where it made none
 
 
@@ -58,16 +55,8 @@ class FinishedMorning:
     @property
     def mark(self) -> MorningMark:
         """How it was made."""
-        optional = [
-            column.name
-            for name, table in self.records.tables.items()
-            for column in SCHEMAS[name].optional
-            if column.name in table
-        ]
-        more = paths_schema([]).optional
-        optional += [c.name for c in more if any(c.name in one.table for one in self.records.paths)]
         models = [model for paths in self.records.paths for model in paths.models]
-        return MorningMark(self.settings, self.stations, optional, models)
+        return MorningMark(self.settings, self.stations, models)
 
 
 class BatchDay:
@@ -100,17 +89,15 @@ class BatchDay:
 
     def rows(self, table: str, name: str) -> pd.DataFrame:
         """Return the rows of an object. Raises InputError as `table` does."""
-        return self.table(table).rows(name, self.marks[name].optional)
+        return self.table(table).rows(name)
 
     def paths(self, name: str) -> list[Paths]:
         """Return the ephemerides of an object, if any are there."""
         models = self.marks[name].models
         if not models or self._paths is None:
             return []
-        schema, optional = paths_schema(models), self.marks[name].optional
-        names = [*schema.names, *(one.name for one in schema.optional if one.name in optional)]
-        rows = self._paths.rows(name, optional)
-        return [Paths(rows[names])] if len(rows) else []
+        rows = self._paths.rows(name)
+        return [Paths(rows[paths_schema(models).names])] if len(rows) else []
 
     @cached_property
     def _paths(self) -> "ObjectRows | None":
@@ -132,9 +119,7 @@ class BatchDay:
         paths = {name: made[name].records.paths if name in made else self.paths(name) for name in marks}
         if tables := {name: one.table for name, found in paths.items() for one in found}:
             models = list(dict.fromkeys(model for name in tables for model in marks[name].models))
-            of_none, of_all = paths_schema([]), paths_schema(models)
-            schema = replace(of_none, optional=(*of_none.optional, *of_all.columns[len(of_none.columns) :]))
-            self._write(PATHS, tables, schema, {**metadata, "models": models})
+            self._write(PATHS, tables, paths_schema(models), {**metadata, "models": models})
         told = [made[name].outcome if name in made else self.outcomes[name] for name in marks]
         outcomes.write(self.folder / _OUTCOMES, told)
         with replacing(self.folder / _DONE) as temporary:
@@ -143,9 +128,9 @@ class BatchDay:
     def _write(
         self, file: str, rows: Mapping[str, pd.DataFrame], schema: Schema, metadata: Mapping[str, Any]
     ) -> None:
-        """Write rows of objects below each other; those that lack a column of some have no values there."""
-        table, whole = joined([one.assign(object=name) for name, one in rows.items()], schema)
-        write_table(self.folder / file, table, whole, metadata=metadata)
+        """Write rows of objects below each other; those that lack a column have no values there."""
+        table = joined([one.assign(object=name) for name, one in rows.items()], schema)
+        write_table(self.folder / file, table, of_objects(schema), metadata=metadata)
 
     def _read(self, file: str, schema: Schema) -> "ObjectRows":
         if file not in self._tables:
@@ -154,19 +139,11 @@ class BatchDay:
         return self._tables[file]
 
 
-def joined(tables: Sequence[pd.DataFrame], schema: Schema) -> tuple[pd.DataFrame, Schema]:
-    """Return tables of objects below each other, and their columns, with all optional ones that some have.
-
-    Those that lack one have no values there.
-    """
-    found = [column for column in schema.optional if any(column.name in one for one in tables)]
-    filled = [
-        one.assign(**{c.name: _ABSENT[c.dtype] for c in found if c.name not in one})
-        for one in tables
-        if len(one)
-    ]
-    whole = of_objects(replace(schema, columns=(*schema.columns, *found), optional=()))
-    return pd.concat(filled, ignore_index=True) if filled else whole.empty(), whole
+def joined(tables: Sequence[pd.DataFrame], schema: Schema) -> pd.DataFrame:
+    """Return tables of objects below each other, with the columns of a schema."""
+    whole = of_objects(schema)
+    filled = [one.reindex(columns=whole.names) for one in tables if len(one)]
+    return pd.concat(filled, ignore_index=True) if filled else whole.empty()
 
 
 @dataclass(frozen=True)
@@ -185,7 +162,7 @@ class ObjectRows:
         slices = {str(name): slice(a, b) for name, a, b in zip(names, first, ends, strict=True)}
         return cls(table, schema, slices)
 
-    def rows(self, name: str, optional: Iterable[str] = ()) -> pd.DataFrame:
-        """Return the rows of an object; optional: columns that it has beside those of the schema."""
-        names = [*self.schema.names, *(one.name for one in self.schema.optional if one.name in optional)]
-        return self.table.iloc[self.slices.get(name, slice(0))][names].reset_index(drop=True)
+    def rows(self, name: str) -> pd.DataFrame:
+        """Return the rows of an object."""
+        rows = self.table.iloc[self.slices.get(name, slice(0))]
+        return rows[self.schema.names].reset_index(drop=True)

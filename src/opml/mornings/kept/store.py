@@ -89,10 +89,7 @@ class Store:
         Raises InputError where a table is missing or damaged, or ephemerides are gone.
         """
         places = [self.places(day)[name] for day in days]
-        optional = {column for place in places for column in place.marks[name].optional}
-        estimates, judged, issued = (
-            self._rows(table, tuple(days)).rows(name, optional) for table in Records.TABLES
-        )
+        estimates, judged, issued = (self._rows(table, tuple(days)).rows(name) for table in Records.TABLES)
         recent = [place for day, place in zip(days, places, strict=True) if day >= since]
         paths = [one for place in recent for one in _whole_paths(place, name)]
         return Records(estimates, judged, issued, paths)
@@ -111,7 +108,7 @@ class Store:
                     rows = place.table(table).table
                     own = [name for name in place.marks if places.get(name) is place]
                     found.append(rows[rows["object"].isin(own)])
-            rows = joined(found, schema)[0].sort_values("object", kind="stable", ignore_index=True)
+            rows = joined(found, schema).sort_values("object", kind="stable", ignore_index=True)
             self._past[table, days] = ObjectRows.of(rows, schema)
         return self._past[table, days]
 
