@@ -51,7 +51,7 @@ from opml.learning.data.error_components import CORRECTED
 from opml.learning.judge import metrics
 from opml.learning.judge.evaluation import evaluate
 from opml.learning.judge.standardised_by_test import as_tested
-from opml.learning.models import learners
+from opml.learning.models import daily_training, learners
 from opml.learning.models.contract import Model
 from opml.learning.models.daily_training import DailyLearner
 from opml.mornings.prediction import Request
@@ -628,8 +628,8 @@ def replay(
     True
     """
     known = _known(catalogue)
-    first_day = replays.first_day(daily, known, train_days=train_days)
-    starts = replays.morning_departures(known, every_hours=every_hours, first_day=first_day)
+    day = daily_training.first_day(daily.settings, window_hours=known.window_hours, train_days=train_days)
+    starts = replays.morning_departures(known, every_hours=every_hours, first_day=day)
     predictions = catalogue.predictions
     spread = _spreads(propagator, catalogue)(predictions[predictions["i"].isin(starts["track"])])
     judge = replays.at_starts(replays.judge(daily.dataset, predictions, None), starts, spread)

@@ -4,7 +4,7 @@ from opml.catalog.propagator import Propagator, PropagatorSettings
 from opml.ephemerides import replays
 from opml.ephemerides.known_tables import KnownSettings, KnownTables
 from opml.learning.data import dataset
-from opml.learning.models.daily_training import DailyLearner
+from opml.learning.models.daily_training import DailyLearner, first_day
 from opml.learning.models.learners import paths_of_each
 from opml.tables import read_table, write_table
 from opml.workflow.jobs import job, metadata_of_each, progress
@@ -27,8 +27,8 @@ with job(snakemake) as metadata:
     for learner, others in zip(settings.learners, paths, strict=True):
         rows = known.marked(dataset.read(files.dataset, others))
         daily = DailyLearner(rows, learner, settings.seed, settings.train_days[0])
-        first_day = replays.first_day(daily, known, train_days=settings.train_days)
-        starts = replays.morning_departures(known, every_hours=settings.every_hours, first_day=first_day)
+        day = first_day(learner, window_hours=settings.window_hours, train_days=settings.train_days)
+        starts = replays.morning_departures(known, every_hours=settings.every_hours, first_day=day)
         judged = replays.judge(daily.dataset, predictions, later)
         series.append(replays.ReplaySeries(daily, starts, replays.at_starts(judged, starts, spread)))
     tables = replays.build(

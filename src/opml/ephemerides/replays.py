@@ -24,7 +24,6 @@ from opml.ephemerides.task_part import Grid
 from opml.learning.data.splits import known_at
 from opml.learning.judge.error_sizes import as_known
 from opml.learning.models.daily_training import DailyLearner
-from opml.learning.models.learners import needed_tables
 from opml.tables import DOUBT, SCHEMAS, SPREAD, STATE
 
 STEP = 120.0
@@ -43,23 +42,6 @@ def morning_departures(known: KnownTables, *, every_hours: float, first_day: flo
 def first_of_each(estimates: pd.DataFrame, *, every_hours: float) -> pd.DataFrame:
     """Return the first estimate of every so many hours since the epoch."""
     return estimates[~np.floor(estimates["t"] / (HOUR * every_hours)).duplicated().to_numpy()]
-
-
-def first_day(daily: DailyLearner, known: KnownTables, *, train_days: Sequence[float]) -> float:
-    """Return the day of the first morning.
-
-    A learner that learns waits until half of the days to train on are over, any other until a window of
-    tracks is full.
-    """
-    begin, end = train_days
-    if daily.learns:
-        return float(np.ceil(begin + 0.5 * (end - begin)))
-    hours = [known.window_hours]
-    if "mechanism" in needed_tables(daily.variables):
-        hours.append(known.long_window_hours)
-    if daily.arc:
-        hours.append(daily.arc[0])
-    return begin + max(hours) / 24.0
 
 
 def judge(dataset: pd.DataFrame, predictions: pd.DataFrame, later: pd.DataFrame | None) -> pd.DataFrame:

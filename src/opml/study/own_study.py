@@ -1,13 +1,13 @@
 """The experiments of a study of one's own: models against splits on any RSO, replayed mornings, fits."""
 
-import math
 from dataclasses import dataclass
 from functools import cached_property
 
 from opml import naming
 from opml.learning.data.error_components import CORRECTED
 from opml.learning.judge.calibration import marks
-from opml.learning.models.learners import arc_of, learns, resolved
+from opml.learning.models.daily_training import first_day
+from opml.learning.models.learners import learns, resolved
 from opml.naming import Experiment
 from opml.report.answer import ALL_MODELS, Sources
 from opml.report.own_study import OwnStudyReport, RunFacts
@@ -129,9 +129,18 @@ class OwnStudy:
         train, _ = self.splits[self.shown_split]
         if naming.parse_train(naming.strip_seed(train, naming.SPLIT)).kind != "days":
             return []
-        last = float(self.study.settings.run.duration_days) - 3.0  # two more mornings have to be over then
+        run = self.study.settings.run
+        last = float(run.duration_days) - 3.0  # two more mornings have to be over then
+        days = naming.parse_train(naming.strip_seed(train, naming.SPLIT)).days
+        hours = run.estimation.window_hours
+
+        def begins(name: str) -> float:
+            own = naming.parse_learner(name, self.study.learners)
+            learner = resolved(own, component=CORRECTED, variables=())
+            return first_day(learner, window_hours=hours, train_days=days)
+
         return self.study.settings.study.get("replayed") or [
-            name for name in REPLAYED if name in self.learners and self._first_day(name) <= last
+            name for name in REPLAYED if name in self.learners and begins(name) <= last
         ]
 
     @cached_property
@@ -144,18 +153,6 @@ class OwnStudy:
             for rso, stations in self.datasets
             for learner in self.replayed_models
         }
-
-    def _first_day(self, learner: str) -> float:
-        """Return the day of a model's first morning, as `opml.ephemerides.replays` has it."""
-        settings = naming.parse_learner(learner, self.study.learners)
-        train = naming.strip_seed(self.splits[self.shown_split][0], naming.SPLIT)
-        first, last = naming.parse_train(train).days
-        if learns(settings):
-            return math.ceil(first + 0.5 * (last - first))
-        needed = resolved(settings, component=CORRECTED, variables=())
-        arc = arc_of(needed)
-        hours = max(self.study.settings.run.estimation.window_hours, arc[0] if arc else 0.0)
-        return float(first + hours / 24.0)
 
     def mornings(self, rso: str, stations: str) -> dict[str, dict[str, str]]:
         """Return the parts of the names of a dataset's replays, by model."""

@@ -24,7 +24,7 @@ from opml.learning.data import dataset
 from opml.learning.data.cleaning import Cleaning
 from opml.learning.data.splits import are_over
 from opml.learning.models import learners
-from opml.learning.models.daily_training import DailyLearner
+from opml.learning.models.daily_training import DailyLearner, first_day
 from opml.orbits.elements import in_rsw
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import COMPONENTS, SCHEMAS, STATE, read_table, write_table
@@ -61,7 +61,7 @@ def series_of(propagator, tables, learner=LAW, rows=None):
     """What is to be replayed of a learner."""
     known, predictions = tables["known"], tables["predictions"]
     daily = DailyLearner(tables["rows"] if rows is None else rows, learner, seed=1)
-    first = replays.first_day(daily, known, train_days=TRAIN)
+    first = first_day(learner, window_hours=known.window_hours, train_days=TRAIN)
     starts = replays.morning_departures(known, every_hours=3.0, first_day=first)
     pairs = predictions[predictions["i"].isin(starts["track"])]
     spreads = weather_spread.build(
@@ -185,10 +185,8 @@ def test_what_is_known_later_changes_no_morning(propagator, tables, table):
         (learners.of_job(RUNS | {"window_hours": 48.0}), 2.0),
     ],
 )
-def test_the_first_morning_has_a_full_window_of_all_fits(tables, learner, day):
-    known = replace(tables["known"], long_window_hours=36.0)
-    daily = DailyLearner(tables["rows"], learner, seed=1)
-    assert replays.first_day(daily, known, train_days=TRAIN) == day
+def test_the_first_morning_has_a_full_window_of_all_fits(learner, day):
+    assert first_day(learner, window_hours=12.0, train_days=TRAIN) == day
 
 
 def test_starts_are_the_first_usable_ones_of_their_hours(tables):

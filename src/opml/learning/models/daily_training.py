@@ -1,5 +1,6 @@
 """A learner retrained each morning, on the errors that are known when the day begins."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -59,3 +60,16 @@ class DailyLearner:
         if rows.empty:
             raise InputError(f"training: expected errors that were known by day {now / DAY:g}, got none")
         return rows
+
+
+def first_day(settings: ResolvedSettings, *, window_hours: float, train_days: Sequence[float]) -> float:
+    """Return the day of a learner's first morning.
+
+    A learner that learns waits until half of the days to train on are over, any other until a window of
+    tracks is full.
+    """
+    begin, end = train_days
+    if learners.learns(settings.own):
+        return float(np.ceil(begin + 0.5 * (end - begin)))
+    arc = learners.arc_of(settings)
+    return begin + max(window_hours, arc[0] if arc else 0.0) / 24.0
