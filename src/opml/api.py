@@ -39,6 +39,7 @@ from opml.ephemerides import corrected, replays
 from opml.ephemerides.ephemeris_task import Task, departure
 from opml.ephemerides.known_tables import KnownTables
 from opml.ephemerides.task_part import Grid
+from opml.fetch import public_data
 from opml.interop import comparison, crd, formats, known_orbits, points_from_files, sinex, tdm
 from opml.interop.element_sets import mean_elements
 from opml.interop.known_orbits import KnownOrbit
@@ -394,13 +395,14 @@ def predict(
     stations: Sequence[Station] = (),
     area_to_mass: float | None = None,
 ) -> PredictedOrbit:
-    """Predict an object with a covariance: SGP4 from its newest element set, improved, or a fit.
+    """Predict an object with a covariance: the orbit inside its element sets, or a fit to measurements.
 
-    files: files or folders of TLEs or OMMs; or files of points (OEM, SP3, CPF, CSV) or tracks (TDM); days: 7
-    at most; object: name, designator or number, of several; date: a time (UTC), None for when the newest was
-    known; weather: NEWEST, of ``opml fetch``, else packaged, or a CSSI file; catalogue: others' sets to
-    compare with; trained: a model of ``opml train``; stations: of tracks; area_to_mass: of what was measured
-    [m2/kg], None: a guess, above 1000 km by light.
+    files: of TLEs or OMMs, or folders of them; a number or a name, whose sets are fetched as by ``opml
+    fetch``; or files of points (OEM, SP3, CPF, CSV) or tracks (TDM); days: 7 at most; object: name,
+    designator or number, of several; date: a time (UTC), None for when the newest was known; weather:
+    NEWEST, as fetched, else packaged, or a CSSI file; catalogue: others' sets to compare with; trained: a
+    model of ``opml train``; stations: of tracks; area_to_mass: of what was measured [m2/kg], None: a guess,
+    above 1000 km by light.
     Raises InputError for unreadable files, an object that is not there, days out of range, old weather.
     Source: ``opml docs improve``.
 
@@ -411,7 +413,8 @@ def predict(
     >>> bool(made.to_pandas()["sigma_s"].is_monotonic_increasing)
     True
     """
-    paths, name = _paths("predict", files), None if object is None else str(object)
+    paths, fetched = public_data.sets_or_files(_paths("predict", files), lambda line: None)
+    name = fetched if object is None else str(object)
     date = None if date is None else epochs.instant(date)
     if not isinstance(days, (int, float)):
         raise InputError(f"predict: days: expected a number, got {days!r}")

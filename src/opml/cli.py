@@ -261,6 +261,7 @@ _PREDICTED = "what is written, each by its suffix: .oem, .tle, .kvn, .xml, .csv,
 
 def _predict(options: argparse.Namespace) -> None:
     from opml.element_sets import station_passes
+    from opml.fetch import public_data
     from opml.interop import formats
     from opml.interop.predicted_orbit import UNKNOWABLE
     from opml.workflow import prediction_files
@@ -275,7 +276,8 @@ def _predict(options: argparse.Namespace) -> None:
     places = [station_passes.place(text) for text in options.station]
     mask = station_passes.mask(options.mask)
     with on_stderr() as progress:
-        _fetch_object(options, progress)
+        options.files, fetched = public_data.sets_or_files(options.files, progress)
+        options.object = fetched if options.object is None else options.object
         kind = formats.kind_of(options.files[0], formats.ELEMENTS, formats.ORBIT, formats.TRACKS)
         made = (_propagate_sets if kind == formats.ELEMENTS else _fit)(options, progress)
     over = {place: station_passes.passes(made, place, mask) for place in places}
@@ -293,20 +295,6 @@ def _predict(options: argparse.Namespace) -> None:
         print(station_passes.text(over))
     for path in [*options.output, *filter(None, [options.passes])]:
         print(f"{path} is written")
-
-
-def _fetch_object(options: argparse.Namespace, progress: "Progress") -> None:
-    """Put the fetched sets in the place of an object's number or name, where that is no file."""
-    from opml.fetch import public_data
-
-    text = options.files[0]
-    if (
-        len(options.files) == 1
-        and not os.path.exists(text)
-        and os.path.basename(text) == text.partition(".")[0]
-    ):
-        options.files = [str(path) for path in public_data.at_hand(text, progress)]
-        options.object = options.object or text
 
 
 def _propagate_sets(options: argparse.Namespace, progress: "Progress") -> "Prediction":

@@ -152,7 +152,7 @@ class Prediction(PredictedOrbit):
     def reason(self) -> str:
         """Why that was used, in words."""
         last = f"by the errors of its last {weighting.PAST} mornings"
-        weight = f"the correction has {100.0 * self.how['weight']:.0f} % of the weight {last}"
+        weight = f"weight among the options: {100.0 * self.how['weight']:.0f} %, {last}"
         inside = self.inside.reason if isinstance(self.inside, OrbitInside) else self.inside
         return "; ".join(dict.fromkeys([inside, str(self.how["why"]) or weight, *self._cautions()]))
 

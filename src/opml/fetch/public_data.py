@@ -10,7 +10,7 @@ before, so that its 60 years are requested at most once.
 
 import io
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import quote, unquote, urlencode
@@ -19,7 +19,7 @@ import astropy_iers_data
 import pandas as pd
 
 from opml.base.errors import InputError
-from opml.base.files import data_folder, replacing
+from opml.base.files import FilePath, data_folder, replacing
 from opml.environment import earth_orientation, solar_activity, space_weather
 from opml.fetch.downloads import Download, Downloads, NoAnswerError, now
 from opml.interop import formats
@@ -108,14 +108,15 @@ def sets_of(query: Query) -> list[Path]:
     return folders
 
 
-def at_hand(text: str, say: Say) -> list[Path]:
-    """Return the folders with an object's sets, after a request of sets and weather.
-
-    text: number or name of the object
+def sets_or_files(paths: Sequence[FilePath], say: Say) -> tuple[Sequence[FilePath], str | None]:
+    """Return files of an object and None; for its number or name alone, its fetched sets and that text.
 
     Where a server gives no data, the newest files serve, and their age is reported. Raises NoAnswerError
     where there is none of the object.
     """
+    text = str(paths[0])
+    if len(paths) > 1 or os.path.exists(text) or os.path.basename(text) != text.partition(".")[0]:
+        return paths, None
     query = Query.of(text)
     try:
         renew_object_data([query], say=say)
@@ -123,7 +124,7 @@ def at_hand(text: str, say: Say) -> list[Path]:
         if not sets_of(query):
             raise
         say(f"{error}; at hand: {_ages(query)}")
-    return sets_of(query)
+    return sets_of(query), text
 
 
 def _downloads() -> Downloads:

@@ -9,6 +9,7 @@ import pytest
 import sinking_histories
 from data_server import MODIFIED, as_csv, serving
 
+import opml
 from opml import cli
 from opml.environment import earth_orientation, known_weather, solar_activity
 from opml.fetch import downloads, public_data
@@ -176,6 +177,8 @@ def test_an_object_is_predicted_by_its_number_and_name(server, capsys, clock, tm
     again = capsys.readouterr()
     assert again.out == by_name
     assert "no such file here; at hand: sets of 30 h ago, weather of 30 h ago" in again.err
+    made = opml.predict("101")
+    assert told.out.startswith(f"{made.identity} from {made.date} UTC: {made.way}")
     assert cli.main(["predict", "7"]) == 1
     assert "got 404: no such file here" in capsys.readouterr().err
 
