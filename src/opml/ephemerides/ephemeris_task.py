@@ -95,7 +95,7 @@ def reached(columns: pd.DataFrame, names: Sequence[str]) -> Iterator[pd.DataFram
 def ephemeris_table(rows: pd.DataFrame, states: np.ndarray, covariances: np.ndarray) -> pd.DataFrame:
     """Return the table of one ephemeris.
 
-    rows: `TaskPart.columns` of one estimate
+    rows: `TaskPart.pairs` of one estimate
     states: (n, 6) GCRF [m, m/s]
     covariances: (n, 6, 6) in RSW
     """

@@ -70,21 +70,13 @@ class TaskPart:
     grid: Grid
     made: dict[Hashable, pd.DataFrame] = field(default_factory=dict, repr=False, compare=False)
 
-    def columns(
-        self, variables: Sequence[str] = (), *, arc: tuple[float, float] | None = None
-    ) -> pd.DataFrame:
-        """Return predictions from the starts to the grid, with the learning variables that a model needs.
-
-        arc: window [h] and memory [days] of the arcs that it needs
-
-        j is the number of the epoch on the grid. Rows without numbers are where an arc does not reach.
-        """
-        return self.pairs().assign(**self.variables(variables, arc=arc))
-
     def variables(
         self, variables: Sequence[str], *, arc: tuple[float, float] | None = None
     ) -> dict[str, pd.Series]:
-        """Return the duration and the learning variables of `columns` by their names."""
+        """Return the duration and the learning variables that a model needs of `pairs`, by their names.
+
+        arc: window [h] and memory [days] of the arcs that it needs
+        """
         pairs = self.pairs()
         of_estimates = self.known.at_estimates
         names = [name for name in variables if name in of_estimates]
@@ -109,7 +101,10 @@ class TaskPart:
 
     @_once
     def pairs(self) -> pd.DataFrame:
-        """Return predictions from the starts to the grid."""
+        """Return predictions from the starts to the grid, j the number of an epoch on it.
+
+        Rows without numbers are where an arc does not reach.
+        """
         return self._predicted(self.starts, self.propagator)
 
     @_once

@@ -354,7 +354,6 @@ class Params:
             "learners": list(study.mornings(wildcards.rso, wildcards.stations)),
             "laws": study.laws,
             "seed": self.plan.seeds.split,
-            "days": study.report.durations,
             "note": f"{describe_run(wildcards.rso, wildcards.stations)}\n{self.plan.weather}",
         }
 

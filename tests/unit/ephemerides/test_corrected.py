@@ -121,7 +121,8 @@ def test_columns_on_the_grid_are_those_at_tracks(propagator, known):
     """What the tables say of pairs of tracks, they say of the grid's epochs, too."""
     grid = Grid(step=0.01 * DAY, max_days=0.8, end=2.0 * DAY)
     part = TaskPart(propagator, known, known.estimates.iloc[1:3], grid)
-    dense = part.columns(("v_y", "l_y"), arc=(24.0, 30.0)).set_index(["i", "j"])
+    variables = part.variables(("v_y", "l_y"), arc=(24.0, 30.0))
+    dense = part.pairs().assign(**variables).set_index(["i", "j"])
     at_tracks = {"arrivals": known.estimates.set_index("track")["t"], "max_days": 0.8}
     fits = known.estimates, known.other(24.0)
     pairs, long = (prediction.predict(propagator, fit, **at_tracks) for fit in fits)
@@ -162,9 +163,9 @@ def test_arcs_that_fly_together_are_those_that_fly_alone(degree, known, iss):
 
 def test_what_parts_an_arc_is_told_without_further_arcs(propagator, known, monkeypatch):
     part = TaskPart(propagator, known, known.estimates.iloc[1:3], replace(GRID, step=300.0))
-    whole, expected = part.arcs(24.0), part.columns(("l_arc_y", "v_arc_y"), arc=(24.0, 30.0))
+    whole, expected = part.arcs(24.0), part.variables(("l_arc_y", "v_arc_y"), arc=(24.0, 30.0))
     monkeypatch.setattr(other_windows, "perturbed", None)
-    found = part.columns(("l_arc_y",), arc=(24.0, 30.0))
+    found = part.variables(("l_arc_y",), arc=(24.0, 30.0))
     assert found["l_arc_y"].tolist() == expected["l_arc_y"].tolist() == whole["l_arc_y"].tolist()
     assert np.ptp(found["l_arc_y"]) > 1.0
 
@@ -185,10 +186,9 @@ def test_the_grid_is_regular_and_begins_after_the_estimate(table):
 
 
 def test_the_orbit_is_moved_by_what_the_model_says(table, propagator, known):
-    rows = TaskPart(propagator, known, known.estimates.iloc[[1, 2]], GRID).columns(
-        LAW.variables, arc=Taught.arc
-    )
-    said = LAW.predict(rows[list(LAW.variables)].to_numpy())
+    part = TaskPart(propagator, known, known.estimates.iloc[[1, 2]], GRID)
+    rows = part.variables(LAW.variables, arc=Taught.arc)
+    said = LAW.predict(np.column_stack([rows[name] for name in LAW.variables]))
     states = table[STATE].to_numpy()
     moved = in_rsw(table[[f"{name}_predicted" for name in STATE]].to_numpy() - states, states)
     assert np.abs(said).max() > 30.0
