@@ -163,7 +163,7 @@ def test_a_study_of_ones_own_names_all_its_products(project):
     plan = project.snakemake("-n", "study", other, "--configfile", "mine.yaml").stdout
     for name in ("study.md", "study.html", "figs/study/mine/models.pdf"):
         assert f"results/mine/{name}" in plan
-    assert "results/mine/figs/study/mine/eglin-kaena_errors.png" in plan
+    assert "results/mine/figs/study/mine/eglin-kaena_drag.png" in plan
     once = dict.fromkeys(["truth", "dataset", "study_report", "replays", "replay"], 1)
     # Estimates have the windows of fit24, fit48 and fit96 beside the study's own.
     assert jobs(plan).items() >= (once | {"estimation": 4}).items()

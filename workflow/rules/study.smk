@@ -2,7 +2,6 @@
 from snakemake.logging import logger
 
 STUDY_REPORT = product("study")
-STUDY_ERRORS = product("figs/study/{rso}/{stations}_errors")
 STUDY_RESIDUALS = product("figs/study/{rso}/{stations}_residuals")
 STUDY_DRAG = product("figs/study/{rso}/{stations}_drag")
 STUDY_MODELS = product("figs/study/{rso}/models")
@@ -59,26 +58,6 @@ if OWN.is_asked:
             **drawing("study", config),
         message:
             "Study: which model to use, and why"
-
-    use rule errors as study_errors with:
-        input:
-            lambda wildcards: paths_of(
-                rules.evaluate.output.evaluation,
-                *OWN.corrections(wildcards.rso, wildcards.stations).values(),
-            ),
-        output:
-            **figures(STUDY_ERRORS, caption="study_errors", section=SECTIONS["study"]),
-        log:
-            STUDY_ERRORS.log,
-        benchmark:
-            STUDY_ERRORS.benchmark
-        params:
-            **drawing(
-                "study_errors",
-                lambda wildcards: PARAMS.comparison(OWN.corrections(wildcards.rso, wildcards.stations)),
-            ),
-        message:
-            "Figure: errors of {wildcards.rso} by {wildcards.stations} before and after correction"
 
     use rule errors as study_drag with:
         input:

@@ -50,10 +50,7 @@ STUDY_FILES = (
         *(
             path_of(file, rso=rso, stations=stations)
             for rso, stations in OWN.datasets
-            for file in [
-                *rules.study_errors.output,
-                *rules.study_drag.output,
-            ]
+            for file in rules.study_drag.output
         ),
         *(
             path_of(file, rso=rso, stations=stations)

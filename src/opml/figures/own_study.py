@@ -10,8 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter
 
 from opml.base.constants import DAY
-from opml.base.errors import InputError
-from opml.figures.axis_labels import lines, si_unit, size_label
+from opml.figures.axis_labels import lines, size_label
 from opml.figures.display_names import display_learner
 from opml.figures.line_ends import name_ends
 from opml.figures.style import (
@@ -26,17 +25,13 @@ from opml.figures.style import (
     TRUE_COLOR,
     add_head_and_legend,
     add_note,
-    legend,
     page_figure,
-    panel_figure,
     screen_figure,
 )
 from opml.figures.ticks import mark_dates, metres, rounded
 from opml.learning.judge.errors_by_duration import REACH_DAYS
 from opml.learning.judge.model_choice import Mornings
 from opml.tables.convergence import none_converged
-
-_COLUMNS = 3  # panels side by side
 
 BIN_DAYS = 0.5
 LEAST_ROWS = 5
@@ -47,28 +42,6 @@ UNCORRECTED_NOTE = "errors without correction: medians and middle halves by a pr
 
 BASELINE = PREDICTED_COLOR  # colour of the models other than the one that a figure shows
 OUTSIDE = 0.3  # room above and below the middle 90 % of the estimates of Cd, in parts of their range
-
-
-def errors(evaluations: Mapping[str, pd.DataFrame], *, component: str, note: str = "") -> Figure:
-    """Draw sizes of errors before and after correction [m or m/s] by duration [d]; one panel per model.
-
-    Lines are medians, the bands reach up to the 95th percentile. Raises InputError without a model.
-
-    evaluations: those tables, by model
-    """
-    if not evaluations:
-        raise InputError("errors of a study: expected at least one model that corrects, got none")
-    tables = {display_learner(model): table for model, table in evaluations.items()}
-    figure = panel_figure(
-        list(tables),
-        lambda axes, title: _draw_growth(axes, tables[title], component),
-        columns=_COLUMNS,
-        heights_mm=(20.0, 50.0),
-    )
-    figure.supxlabel("prediction duration [d]", fontsize=8.0)
-    figure.supylabel(_size_label(component), fontsize=8.0)
-    legend(figure, columns=4, note=note)
-    return figure
 
 
 def residuals(mornings: Mornings, *, laws: Collection[str], note: str = "") -> Figure:
@@ -91,10 +64,11 @@ def residuals(mornings: Mornings, *, laws: Collection[str], note: str = "") -> F
         if name in named:
             look |= {"lw": 1.2, "color": BASELINE, "label": "learned" if name in laws else "without learning"}
         axes.plot(median.index, median, zorder=2.5, **look)
-    _size_axis(axes, "e_y")
+    axes.set_yscale("log")
+    axes.yaxis.set_major_formatter(FuncFormatter(metres))
     axes.set_xlim(0.0, before.index[-1])
     axes.set_xlabel("prediction duration [d]")
-    axes.set_ylabel(_size_label("e_y"))
+    axes.set_ylabel(size_label("e_y", "m").removesuffix(" [m]"))  # its ticks have the unit
     ends = {display_learner(name): float(medians[name].iloc[-1]) for name in named}
     name_ends(axes, ends, dict.fromkeys(ends, BASELINE))
     bands = "lines: medians, grey: other models; bands: middle 50 % and 90 % of the errors"
@@ -134,29 +108,6 @@ def _draw_bands(axes: Axes, percentiles: pd.DataFrame, color: str, marker: str, 
     axes.fill_between(days, percentiles["25"], percentiles["75"], color=color, alpha=0.25, lw=0.0)
     look: dict[str, Any] = {"ms": 3.5, "zorder": 3.0, "label": label, "clip_on": False}
     axes.plot(days, percentiles["50"], f"{marker}-", color=color, **look)
-
-
-def _size_label(component: str) -> str:
-    """Return the label of an axis of sizes, whose ticks have the unit where it is a length."""
-    return size_label(component, si_unit(component)).removesuffix(" [m]")
-
-
-def _size_axis(axes: Axes, component: str) -> None:
-    axes.set_yscale("log")
-    if si_unit(component) == "m":
-        axes.yaxis.set_major_formatter(FuncFormatter(metres))
-
-
-def _draw_growth(axes: Axes, evaluation: pd.DataFrame, component: str) -> None:
-    for column, color, marker, label in (
-        ("true", TRUE_COLOR, "o", "no correction"),
-        ("residual", RESIDUAL, "^", "corrected"),
-    ):
-        growth = sizes(evaluation, column)
-        axes.plot(growth["50"], f"{marker}-", color=color, ms=3.0, label=f"{label}, median")
-        look: dict[str, Any] = {"color": color, "alpha": 0.18, "lw": 0.0, "label": f"{label}, to 95 %"}
-        axes.fill_between(growth.index, growth["50"], growth["95"], **look)
-    _size_axis(axes, component)
 
 
 def drag_figure(

@@ -222,7 +222,6 @@ class OwnStudy:
         folder = f"{run.results}/corrected/{rso}/{stations}{label}/{days}"
         figures = {
             **({ALL_MODELS: f"study/{rso}/{stations}_residuals"} if models else {}),
-            "model by model": f"study/{rso}/{stations}_errors",
             "P_ML": f"study/{rso}/models",
             "Cd and the weather": f"study/{rso}/{stations}_drag",
         }

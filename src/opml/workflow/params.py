@@ -18,7 +18,7 @@ from opml.naming import Experiment
 from opml.orbits import sheets
 from opml.study.settings.model.catalogue import SeasonSettings
 from opml.study.settings.model.whole import RunSettings
-from opml.workflow.plan import Plan, end_plan
+from opml.workflow.plan import Plan
 
 
 class Wildcards(Protocol):
@@ -285,21 +285,6 @@ class Params:
             "cleaning": dict(self.plan.study.entry("cleaning")),
             "experiment": experiment.names(),
             **more,
-        }
-
-    def comparison(self, experiments: Mapping[str, Experiment]) -> dict[str, Any]:
-        """Return the params of a figure that compares models on one test.
-
-        experiments: by the model's name; the plan ends where there is none
-        """
-        if not experiments:
-            end_plan("study: learners: expected at least one model that corrects, got none")
-        names = next(iter(experiments.values())).names() | {"learner": "models"}
-        return {
-            "epoch": self.run.epoch,
-            "weather": self.plan.weather,
-            "learners": list(experiments),
-            "experiment": names,
         }
 
     @property

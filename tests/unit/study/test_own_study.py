@@ -6,12 +6,11 @@ import numpy as np
 import pandas as pd
 import pytest
 from mornings import replays
-from support import paper_values, refusal, study_of
+from support import paper_values, study_of
 
 from opml.environment.settings import EnvironmentSettings
 from opml.figures import own_study as figures
 from opml.figures.style import MUTED
-from opml.figures.ticks import metres
 from opml.learning.judge.errors_by_duration import at_days
 from opml.learning.judge.model_choice import Mornings
 from opml.report import absurd_fits, document
@@ -353,27 +352,6 @@ def test_a_duration_that_nothing_reaches_has_no_number():
     assert "| 4 d |" not in text
 
 
-def test_figure_of_errors_has_one_panel_per_model():
-    figure = figures.errors({"svr": evaluation(), "running": evaluation(seed=1)}, component="e_y")
-    assert [axes.get_title(loc="left") for axes in figure.axes] == ["the paper's SVR", "running"]
-    assert all(axes.get_yscale() == "log" for axes in figure.axes)
-    before, after = figure.axes[0].lines
-    assert np.median(after.get_ydata()) == pytest.approx(0.1 * np.median(before.get_ydata()))
-    assert figure.get_supylabel() == "along-track error $|e_{y}|$"
-    assert {metres(100.0), metres(2e4)} == {"100 m", "20 km"}  # the ticks have the unit
-    assert "at least one model" in refusal(figures.errors, {}, component="e_y")
-
-
-def test_a_figure_of_many_models_is_no_higher_than_a_page():
-    table = evaluation()
-    few, many = (
-        figures.errors({f"model{k}": table for k in range(count)}, component="e_y") for count in (6, 17)
-    )
-    assert few.axes[0].get_gridspec().ncols == 3
-    assert many.axes[0].get_gridspec().ncols == 4
-    assert many.get_size_inches()[1] * 25.4 < 297.0
-
-
 def mornings_of(*names):
     """Replayed mornings of models that leave a tenth, two tenths, ... of 50 times 100 m a day."""
     table = replays(days=25)
@@ -429,13 +407,9 @@ def test_percentiles_of_sizes_by_duration():
     assert found["50"].is_monotonic_increasing
 
 
-def test_errors_of_a_few_predictions_are_drawn(tmp_path):
+def test_errors_of_a_few_predictions_have_a_size_each():
     few = evaluation().iloc[:6].assign(duration=DAY * np.arange(1.0, 7.0))
-    figure = figures.errors({"svr": few}, component="e_y")
-    (axes,) = figure.axes
-    np.testing.assert_allclose(axes.lines[0].get_ydata(), few["true"].abs())
-    figure.savefig(tmp_path / "few.pdf")
-    assert len(figures.sizes(few, "true")) == 6
+    np.testing.assert_allclose(figures.sizes(few, "true")["50"], few["true"].abs())
 
 
 def test_windows_of_the_fits_that_models_ask_for():

@@ -377,19 +377,10 @@ def test_ephemerides_start_from_what_is_known_at_the_end_of_the_training():
     }
 
 
-def test_models_are_compared_on_one_test():
-    jobs = params()
+def test_a_figure_of_errors_has_the_parts_of_its_experiment():
     one = Experiment(**dict(experiment().items()))
-    compared = jobs.comparison({"svr": one, "boosting": one})
-    assert compared["learners"] == ["svr", "boosting"]
-    assert compared["experiment"] == one.names() | {"learner": "models"}
-    errors = jobs.errors(one, published=30.0)
+    errors = params().errors(one, published=30.0)
     assert (errors["experiment"], errors["published"]) == (one.names(), 30.0)
-
-
-def test_without_a_model_that_corrects_the_plan_ends():
-    with pytest.raises(SystemExit, match="opml: study: learners: expected at least one model that corrects"):
-        params().comparison({})
 
 
 def test_mornings_are_noted_with_the_weather():
