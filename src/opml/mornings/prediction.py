@@ -237,25 +237,13 @@ def predict(request: Request, settings: OrbitSettings, *, progress: Progress) ->
     expected = f"{request.files[0]}: expected an orbit for {request.days:g} days, got"
     try:
         light = usual_errors.GUESSED if request.area_to_mass is None else usual_errors.GIVEN
-        issued_last = _issued_last(watched, left, records, now=times.date, light=light)
+        orbit = _fitted_orbit(request, times, watched, left, records, light=light)
     except NotSmoothError:
         raise InputError(f"{expected} fits over several windows that differ too fast") from None
-    t = issued_last.table["t"].to_numpy() - times.date
-    if t[-1] < DAY * request.days:
-        ends = f"after {t[-1] / DAY:.1f}" if t[-1] > 0.0 else "as little was measured before the date"
+    if (end := float(orbit.table["t"].iloc[-1])) < DAY * request.days:
+        ends = f"after {end / DAY:.1f}" if end > 0.0 else "as little was measured before the date"
         raise InputError(f"{expected} one that comes down, or is hardly determined, {ends}")
-    past = issued_last.past.assign(lead=issued_last.past["duration"] / DAY, left=issued_last.past["e_y"])
-    return FittedOrbit(
-        watched.identity,
-        _text(times.epoch, times.date),
-        request.days,
-        past[["morning", "lead", "left"]].reset_index(drop=True),
-        _basis(issued_last.past),
-        issued_last.table.assign(t=t),
-        settings.models[issued_last.model],
-        issued_last.verdict,
-        sum(times.mornings[0] <= one.t for one in [*watched.known_by(times.date), *records.burns]),
-    )
+    return orbit
 
 
 def _area_by_light(request: Request, settings: OrbitSettings, times: _Times) -> float | None:
@@ -361,23 +349,14 @@ def _object_propagators(
     )
 
 
-@dataclass(frozen=True)
-class _Issued:
-    """What the last morning issued: the table `corrected`, its model, and the rows of `judged` of that."""
-
-    table: pd.DataFrame
-    model: str
-    verdict: Verdict
-    past: pd.DataFrame
-
-
-def _issued_last(
-    watched: Watched, left: TrackMorning, records: Records, *, now: float, light: float
-) -> _Issued:
-    """Return what the newest morning issued that could: the model that erred least.
+def _fitted_orbit(
+    request: Request, times: _Times, watched: Watched, left: TrackMorning, records: Records, *, light: float
+) -> FittedOrbit:
+    """Return what the newest morning issued that could: the orbit of the model that erred least.
 
     Where that is not known, it is a fit's own Cd, or the mean of the past where the fit hardly knows it.
     """
+    now = times.date
     base, paths, models = watched.plan.base, records.paths[-1], watched.plan.models
     rso = watched.model.fits.rso
     formal = usual_errors.formal_errors(records.estimates, records.paths, base=base, rso=rso, light=light)
@@ -391,7 +370,18 @@ def _issued_last(
     sizes = usual_errors.sizes(past, formal, start=paths.start, now=now)
     at = issued.epochs(paths.table, STEP)
     table = paths.ephemeris(model, sizes, at=at)
-    return _Issued(table, model, _verdict(watched, left, records, past, now=now), past)
+    errors = past.assign(lead=past["duration"] / DAY, left=past["e_y"])
+    return FittedOrbit(
+        watched.identity,
+        _text(times.epoch, now),
+        request.days,
+        errors[["morning", "lead", "left"]].reset_index(drop=True),
+        _basis(past),
+        table.assign(t=table["t"] - now),
+        models[model],
+        _verdict(watched, left, records, past, now=now),
+        sum(times.mornings[0] <= one.t for one in [*watched.known_by(now), *records.burns]),
+    )
 
 
 def _holds_cd(model: ResolvedSettings) -> bool:

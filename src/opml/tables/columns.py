@@ -141,8 +141,6 @@ STATE_COVARIANCES = covariance_names(STATE)
 
 PARAMETER_COVARIANCES = covariance_names(PARAMETERS)
 
-POSITION_COVARIANCES = covariance_names("xyz")
-
 
 def state_rows(table: pd.DataFrame) -> np.ndarray:
     """Return the states (n, 6) of a table, row by row in memory."""

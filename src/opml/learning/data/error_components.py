@@ -6,6 +6,3 @@ POSITION = [f"e_{axis}" for axis in AXES]
 """Components of the error of a position; a list, because a DataFrame takes a list of columns."""
 
 CORRECTED = "e_y"  # the component that is corrected, along the path; the others follow from it
-
-UNCORRECTED = "none"
-"""The learner that corrects nothing; the covariances of the fits belong to its predictions."""
