@@ -39,10 +39,10 @@ def table() -> dict[tuple[str, str], dict[int, float]]:
         if re.match(r"\| [a-z].* \|", line)
     ]
     found = {
-        (re.sub(r" by a \[.*", "", kind), body.split(",")[0]): {
+        (re.sub(r" by a \[.*|: \[.*", "", kind), body.split(",")[0]): {
             lead: float(size) for lead, size in zip(LEADS, sizes, strict=True) if re.match(r"[\d.]+$", size)
         }
-        for kind, body, *sizes, _ in rows
+        for kind, body, *sizes in rows
     }
     return {key: errors for key, errors in found.items() if errors}
 

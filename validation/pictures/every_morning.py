@@ -36,7 +36,7 @@ LOOKS = {
 FIRST = 10
 """Mornings before the first that is shown: objects have hardly a past."""
 
-SOON = 7
+SOON = 14
 """Days after a burn within which a verdict counts as its consequence."""
 
 
@@ -99,12 +99,12 @@ def _draw_row(axes: Axes, height: int, days: Sequence[float], words: pd.Series) 
 
 
 def headline(table: pd.DataFrame, burnt: Mapping[str, Sequence[date]]) -> str:
-    """Return in words how many mornings are good, and how many that are not to be used follow a burn."""
-    found = table.stack()
-    refused = found.index[found == DO_NOT_USE]
-    after = sum(any(0 <= (day - burn).days <= SOON for burn in burnt[name]) for day, name in refused)
-    good = f"{100.0 * (found == GOOD).mean():.0f} % of {len(found)} mornings are {GOOD}"
-    return f"{good}; of {len(refused)} not to be used {after} follow a burn within a week"
+    """Return in words how many mornings are good, and how many others follow a burn."""
+    words = table.stack()
+    others = words.index[words != GOOD]
+    after = sum(any(0 <= (day - burn).days <= SOON for burn in burnt[name]) for day, name in others)
+    good = f"{len(words) - len(others)} of {len(words)} mornings are {GOOD}"
+    return f"{good}; {after} of {len(others)} others follow a burn within {SOON} days"
 
 
 def main() -> None:
