@@ -117,7 +117,7 @@ def make_environment(
 ) -> Environment:
     """Tabulate the environment of a run of `days` from an epoch (UTC), once for all that follows.
 
-    gravity: EGM2008, EIGEN-6S or an ICGEM file; kernel: DE440 or an SPK file; activity: MSAFE, OBSERVED or a
+    gravity: EGM2008 or an ICGEM file; kernel: DE440 or an SPK file; activity: MSAFE, OBSERVED or a
     file of either kind; percentile: of MSAFE; degree: highest degree and order kept of the field.
     Raises InputError where a source cannot be read or does not reach.
 

@@ -12,17 +12,11 @@ from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
-import pooch
 
 from opml.base import epochs
 from opml.base.constants import DAY, JULIAN_YEAR
 from opml.base.errors import InputError
 
-EIGEN_6S_URL = "https://gitlab.orekit.org/orekit/orekit-data/-/raw/main/Potential/"
-_EIGEN_6S_FILE = "eigen-6s.gfc"
-_EIGEN_6S_SHA256 = "1b6e170c9df2eee0523fb24cec6cd2ef963ea6458089291ec9a80ac735cc9f24"
-
-DOWNLOAD_TIMEOUT_S = 30.0  # longest silence of the server [s]
 MAX_DEGREE = 10_000  # nearly twice the degree of any published field; a header with a larger one is damaged
 
 _REQUIRED = ("product_type", "modelname", "earth_gravity_constant", "radius", "max_degree")
@@ -150,19 +144,10 @@ def check_tide_system(tide_system: str) -> None:
 
 
 def resolve(name_or_path: str | Path) -> Path:
-    """Return the path of the ICGEM file in a setting.
-
-    'EGM2008' is the packaged file (degree and order 70). 'EIGEN-6S' is fetched once from Orekit's public data
-    into the user's cache (or the folder in OPML_CACHE), and its digest checked. Anything else is a path.
-    Raises InputError where the fetch fails.
-    """
-    match str(name_or_path):
-        case "EGM2008":
-            return Path(str(files("opml") / "data" / "egm2008_70.gfc"))
-        case "EIGEN-6S":
-            return _fetch_eigen_6s()
-        case path:
-            return Path(path)
+    """Return the path of the ICGEM file in a setting: EGM2008, in the package to degree 70, or a path."""
+    if str(name_or_path) == "EGM2008":
+        return Path(str(files("opml") / "data" / "egm2008_70.gfc"))
+    return Path(name_or_path)
 
 
 def read_icgem(path: str | Path) -> GravityField:
@@ -341,22 +326,3 @@ def _check_complete(path: str | Path, present: np.ndarray) -> None:
             f"{path}: expected coefficients up to max_degree {len(present) - 1}, "
             f"got none of degree {n}, order {m}"
         )
-
-
-def _fetch_eigen_6s() -> Path:
-    cache = pooch.create(
-        path=pooch.os_cache("opml"),
-        base_url=EIGEN_6S_URL,
-        registry={_EIGEN_6S_FILE: f"sha256:{_EIGEN_6S_SHA256}"},
-        env="OPML_CACHE",
-    )
-    url = EIGEN_6S_URL + _EIGEN_6S_FILE
-    try:
-        return Path(cache.fetch(_EIGEN_6S_FILE, downloader=pooch.HTTPDownloader(timeout=DOWNLOAD_TIMEOUT_S)))
-    except OSError as reason:
-        raise InputError(
-            f"EIGEN-6S: expected {url} within reach, got {type(reason).__name__}; "
-            "a path to a copy of the file does as well"
-        ) from None
-    except ValueError:
-        raise InputError(f"EIGEN-6S: expected SHA-256 {_EIGEN_6S_SHA256} of {url}, got another") from None

@@ -10,8 +10,7 @@ class EnvironmentSettings(Section):
     """Earth, Sun and Moon, and what is known of them."""
 
     gravity_field: Text = setting(
-        "`EGM2008` (to degree 70, in the package), `EIGEN-6S` (the paper's, fetched once and checked) or an"
-        " ICGEM file",
+        "`EGM2008` (to degree 70, in the package) or an ICGEM file, such as EIGEN-6S (the paper's)",
         unit="name or path",
     )
     ephemerides: Text = setting("`DE440` or an SPK kernel", unit="name or path")

@@ -17,8 +17,6 @@ from opml.environment import (
 )
 from opml.study.settings.model.whole import RunSettings
 
-FETCHED = "EIGEN-6S"  # the gravity field that only the workflow's rule may fetch; the rule checks its degree
-
 
 def check(run: RunSettings, *, is_measured: bool = False) -> None:
     """Raise InputError where a source is unreadable, ends before the run, or lacks a degree of a force model.
@@ -38,11 +36,10 @@ def check(run: RunSettings, *, is_measured: bool = False) -> None:
             _check_activity(setting, source, epoch, ends, sources.percentile)
     _check_knowledge(run, ends)
     _check_atmosphere(run, ends)
-    if sources.gravity_field != FETCHED:
-        field = gravity_field.read_icgem(gravity_field.resolve(sources.gravity_field)).freeze(epoch)
-        for name, model in (("truth", run.force_models.truth), ("assumed", run.force_models.assumed)):
-            field.truncate(model.degree, model.order)
-            _check_tides(name, model, field.tide_system)
+    field = gravity_field.read_icgem(gravity_field.resolve(sources.gravity_field)).freeze(epoch)
+    for name, model in (("truth", run.force_models.truth), ("assumed", run.force_models.assumed)):
+        field.truncate(model.degree, model.order)
+        _check_tides(name, model, field.tide_system)
 
 
 def _check_knowledge(run: RunSettings, ends: np.ndarray) -> None:

@@ -1,9 +1,5 @@
 """ICGEM files: figures, time-variable terms, and files that cannot be used."""
 
-import hashlib
-from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
-from threading import Event, Thread
-
 import numpy as np
 import pytest
 from support import refusal, refusals
@@ -164,86 +160,3 @@ def test_a_truncated_file_is_refused(tmp_path, kept):
 def test_a_missing_file_is_refused(tmp_path):
     with pytest.raises(InputError, match=r"absent\.gfc: expected an ICGEM file"):
         gravity_field.read_icgem(gravity_field.resolve(tmp_path / "absent.gfc"))
-
-
-def test_eigen_6s_out_of_reach_is_said_in_one_line(tmp_path, monkeypatch):
-    monkeypatch.setenv("OPML_CACHE", str(tmp_path))
-    monkeypatch.setattr(gravity_field, "EIGEN_6S_URL", "http://127.0.0.1:9/")
-    with pytest.raises(InputError, match=r"^EIGEN-6S: expected http") as caught:
-        gravity_field.resolve("EIGEN-6S")
-    assert "\n" not in str(caught.value)
-    assert not [path for path in tmp_path.rglob("*") if path.is_file()]
-
-
-CONTENT = (HEAD + ROWS).encode()
-
-
-ALL = len(CONTENT)
-OUT_OF_REACH = "expected http.* within reach, got "
-ANSWERS = {  # status, length that is promised, content that comes, and what is said of it
-    "another file": (200, ALL - 1, CONTENT[1:], "expected SHA-256 .* got another"),
-    "half of it": (200, ALL, CONTENT[: ALL // 2], OUT_OF_REACH),
-    "its beginning, then nothing": (200, ALL, CONTENT[:100], OUT_OF_REACH),
-    "a circle": (302, 0, b"", OUT_OF_REACH + "TooManyRedirects"),
-    "a page of its own": (404, ALL, CONTENT, OUT_OF_REACH + "HTTPError"),
-}
-
-
-class Handler(BaseHTTPRequestHandler):
-    """Answers as its server is told to, without a word on stderr."""
-
-    def do_GET(self):
-        status, length, content = self.server.answers.get(self.path, self.server.answers["/"])
-        self.send_response(status)
-        self.send_header("Location", "/moved")
-        self.send_header("Content-Length", str(length))
-        self.end_headers()
-        self.wfile.write(content)
-        if len(content) == 100:  # keeps the line open
-            self.wfile.flush()
-            self.server.over.wait(10.0)
-
-    def log_message(self, *_):
-        pass
-
-
-@pytest.fixture
-def fetched(tmp_path, monkeypatch):
-    """Fetches EIGEN-6S, whose content is told to be CONTENT, from a server of its own into an empty cache."""
-
-    def fetch(answers):
-        with ThreadingHTTPServer(("127.0.0.1", 0), Handler) as server:
-            server.answers, server.over = answers, Event()
-            Thread(target=server.serve_forever, daemon=True).start()
-            monkeypatch.setenv("OPML_CACHE", str(tmp_path))
-            monkeypatch.setattr(gravity_field, "EIGEN_6S_URL", f"http://127.0.0.1:{server.server_port}/")
-            monkeypatch.setattr(gravity_field, "_EIGEN_6S_SHA256", hashlib.sha256(CONTENT).hexdigest())
-            monkeypatch.setattr(gravity_field, "DOWNLOAD_TIMEOUT_S", 0.5)
-            try:
-                return gravity_field.resolve("EIGEN-6S")
-            finally:
-                server.over.set()
-                server.shutdown()
-
-    return fetch
-
-
-@pytest.mark.parametrize("case", ANSWERS)
-def test_a_fetch_that_goes_wrong_is_said_and_leaves_nothing(tmp_path, fetched, case):
-    *answer, message = ANSWERS[case]
-    with pytest.raises(InputError, match=rf"^EIGEN-6S: {message}"):
-        fetched({"/": answer})
-    assert not [path for path in tmp_path.rglob("*") if path.is_file()]
-
-
-def test_a_file_that_has_moved_is_fetched(fetched):
-    moved = {"/": (302, 0, b""), "/moved": (200, ALL, CONTENT)}
-    assert gravity_field.read_icgem(fetched(moved)).name == "TOY"
-
-
-def test_eigen_6s_in_the_cache_is_used_without_network(tmp_path, monkeypatch):
-    (tmp_path / "eigen-6s.gfc").write_bytes(CONTENT)
-    monkeypatch.setenv("OPML_CACHE", str(tmp_path))
-    monkeypatch.setattr(gravity_field, "EIGEN_6S_URL", "http://127.0.0.1:9/")
-    monkeypatch.setattr(gravity_field, "_EIGEN_6S_SHA256", hashlib.sha256(CONTENT).hexdigest())
-    assert gravity_field.read_icgem(gravity_field.resolve("EIGEN-6S")).name == "TOY"
