@@ -4,7 +4,6 @@ from opml.environment.earth_orientation import bulletin_digest
 EARTH_ORIENTATION = product("environment/earth_orientation")
 EPHEMERIDES = product("environment/ephemerides")
 SOLAR_ACTIVITY = product("environment/{activity}")
-THERMOSPHERE = product(f"environment/{tables.THERMOSPHERE}")
 HINDCAST = product("environment/hindcast")
 OUTLOOKS = product(f"environment/{tables.OUTLOOKS}_{{hours}}h")
 FUTURES = product("environment/futures_{members}")
@@ -87,30 +86,6 @@ rule solar_activity:
         "Solar activity: {params.settings[source]}"
     script:
         "../scripts/solar_activity.py"
-
-
-rule thermosphere:
-    input:
-        users(ENVIRONMENT.source_files(ENVIRONMENT.true_activity)),
-    output:
-        THERMOSPHERE.table,
-    log:
-        THERMOSPHERE.log,
-    benchmark:
-        THERMOSPHERE.benchmark
-    conda:
-        "../envs/opml.yaml"
-    resources:
-        mem_mb=2000,
-    params:
-        settings=lambda _: PARAMS.span
-        | {"source": ENVIRONMENT.source(ENVIRONMENT.true_activity)}
-        | contents(ENVIRONMENT.source_files(ENVIRONMENT.true_activity)),
-        code=code("thermosphere.py"),
-    message:
-        "Thermosphere: densities of NRLMSIS 2.1 around the Earth under {params.settings[source]}"
-    script:
-        "../scripts/thermosphere.py"
 
 
 rule hindcast:

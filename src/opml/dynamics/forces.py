@@ -8,7 +8,6 @@ import pandas as pd
 
 from opml.base.constants import BODIES, SPEED_OF_LIGHT
 from opml.base.epochs import days_of_year
-from opml.base.thermosphere_grid import ALTITUDES, DENSITIES, LATITUDES, LOCAL_TIMES
 from opml.dynamics import solid_tides as solid_earth
 from opml.dynamics.frames import ORIENTATION, spin
 from opml.dynamics.kernels import dtm2000
@@ -20,8 +19,6 @@ from opml.dynamics.run_environment import Environment
 from opml.dynamics.settings import ForceModelSettings
 from opml.environment import celestial_bodies, earth_orientation, gravity_field
 from opml.environment.weather import ACTIVITY
-
-_EMPTY = np.empty((0, len(LOCAL_TIMES), len(LATITUDES), len(ALTITUDES)), np.float32)
 
 
 def tabulated(
@@ -47,14 +44,11 @@ def tabulated(
     )
 
 
-def build(
-    environment: Environment, settings: ForceModelSettings, *, thermosphere: pd.DataFrame | None = None
-) -> ForceModel:
+def build(environment: Environment, settings: ForceModelSettings) -> ForceModel:
     """Make a force model from an environment.
 
     environment: the tables of Earth orientation, third bodies and solar activity have the same uniform nodes,
     that of the gravity field is fully normalised
-    thermosphere: densities at the same nodes; DTM2000's where there are none
 
     Raises InputError where the field is of a tide system to which no tides can be added.
     """
@@ -86,7 +80,6 @@ def build(
         midnight=float(midnight),
         seasons=np.ascontiguousarray(dtm2000.seasons(coefficients, days)),
         thermosphere=coefficients,
-        tabulated=_EMPTY if thermosphere is None else logarithms(thermosphere),
         weights=factors,
         tides=earth_tides,
         columns=c.shape[1] + 1,
@@ -129,13 +122,6 @@ def _precession(environment: Environment) -> np.ndarray:
 
 TABULATED = {"relativity": _precession}
 """Time-dependent columns of added forces, (nodes, columns) of an environment, by name."""
-
-
-def logarithms(thermosphere: pd.DataFrame) -> np.ndarray:
-    """Return a tabulated thermosphere as the kernels read it, in single precision: 2e-6 of a density."""
-    shape = (-1, len(LOCAL_TIMES), len(LATITUDES), len(ALTITUDES))
-    logarithms = np.log(thermosphere[list(DENSITIES)].to_numpy()).astype(np.float32)
-    return np.ascontiguousarray(logarithms).reshape(shape)
 
 
 def with_outlooks(model: ForceModel, table: pd.DataFrame) -> ForceModel:

@@ -1,6 +1,6 @@
 """Settings of the forces that arcs are propagated under, and of how they are integrated."""
 
-from typing import Annotated, Literal
+from typing import Annotated
 
 from annotated_types import Ge
 
@@ -50,18 +50,8 @@ class ForceModelSettings(Section):
     )
 
 
-class TrueForceModel(ForceModelSettings):
-    """The force model of the truth."""
-
-    atmosphere: Literal["DTM2000", "NRLMSIS"] = setting(
-        "density model of the truth; `NRLMSIS` is tabulated with measured weather",
-        see="physics.md#drag",
-        default="DTM2000",
-    )
-
-
 class ForceModels(Section):
     """The truth's force model, and that of fits and predictions."""
 
-    truth: TrueForceModel = setting("force model of the truth")
+    truth: ForceModelSettings = setting("force model of the truth")
     assumed: ForceModelSettings = setting("force model of fits and predictions")

@@ -12,7 +12,6 @@ from opml.environment import (
     gravity_field,
     known_weather,
     nodes,
-    nrlmsis,
     solar_activity,
 )
 from opml.study.settings.model.whole import RunSettings
@@ -35,7 +34,6 @@ def check(run: RunSettings, *, is_measured: bool = False) -> None:
         if source:
             _check_activity(setting, source, epoch, ends, sources.percentile)
     _check_knowledge(run, ends)
-    _check_atmosphere(run, ends)
     field = gravity_field.read_icgem(gravity_field.resolve(sources.gravity_field)).freeze(epoch)
     for name, model in (("truth", run.force_models.truth), ("assumed", run.force_models.assumed)):
         field.truncate(model.degree, model.order)
@@ -55,18 +53,6 @@ def _check_knowledge(run: RunSettings, ends: np.ndarray) -> None:
             known_weather.check(source, epoch, ends)
     except InputError as error:
         raise InputError(f"environment.knowledge: {kind}: {error}") from None
-
-
-def _check_atmosphere(run: RunSettings, ends: np.ndarray) -> None:
-    """Raise InputError where the truth has NRLMSIS, without its code or measured weather."""
-    sources = run.environment
-    if run.force_models.truth.atmosphere != nrlmsis.NAME:
-        return
-    try:
-        nrlmsis.check_installed()
-        nrlmsis.read_weather(sources.true_solar_activity or sources.solar_activity, run.epoch, ends)
-    except InputError as error:
-        raise InputError(f"force_models.truth.atmosphere: {nrlmsis.NAME}: {error}") from None
 
 
 def _check_tides(name: str, model: ForceModelSettings, tide_system: str) -> None:

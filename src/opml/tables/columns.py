@@ -47,11 +47,6 @@ ENVIRONMENT = ("earth_orientation", "ephemerides", "solar_activity", "gravity_fi
 
 OUTLOOKS = "outlooks"  # table of forecast activity, where the assumed model knows forecasts only
 
-THERMOSPHERE = "thermosphere"
-"""Table of densities, where the truth is propagated through another atmosphere than DTM2000's."""
-
-OPTIONAL = (OUTLOOKS, THERMOSPHERE)  # tables that only some force models need
-
 
 @dataclass(frozen=True)
 class Column:

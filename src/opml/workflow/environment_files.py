@@ -5,7 +5,7 @@ from functools import cached_property
 from pathlib import Path
 
 from opml import tables
-from opml.environment import known_weather, nrlmsis, solar_activity
+from opml.environment import known_weather, solar_activity
 from opml.environment.settings import EnvironmentSettings
 from opml.study.settings.model.whole import RunSettings
 
@@ -46,11 +46,8 @@ class EnvironmentFiles:
 
     @cached_property
     def truth(self) -> dict[str, str]:
-        """Tables that the truth reads; another activity and atmosphere than the assumed ones, where set."""
-        paths = self._all | {"solar_activity": self.path(self.true_activity)}
-        if self.run.force_models.truth.atmosphere == nrlmsis.NAME:
-            paths[tables.THERMOSPHERE] = self.path(tables.THERMOSPHERE)
-        return paths
+        """Tables that the truth reads; another activity than the assumed one, where set."""
+        return self._all | {"solar_activity": self.path(self.true_activity)}
 
     @cached_property
     def fits(self) -> dict[str, str]:

@@ -61,7 +61,7 @@ class Params:
         """Epoch, length and step, force model and integrator of truths."""
         return self.span | {
             "step_s": self.run.tracking.step_s,
-            "force_model": self.run.force_models.truth.model_dump(exclude={"atmosphere"}),
+            "force_model": self.run.force_models.truth.model_dump(),
             "integrator": _given(self.run.integrator),
         }
 

@@ -11,7 +11,7 @@ from opml.base.constants import BODIES as NAMES
 from opml.base.constants import DAY, EARTH_RATE
 from opml.dynamics.kernels import dtm2000, surroundings
 from opml.dynamics.kernels.lanes import WIDTH
-from opml.dynamics.kernels.surroundings import BODIES, CLOCK, ROTATION, SPIN, SUN_ITRF
+from opml.dynamics.kernels.surroundings import BODIES, ROTATION, SPIN, SUN_ITRF, TIDE
 from opml.environment import celestial_bodies, earth_orientation, solar_activity
 
 TIMES = [0.0, 1.0, 3599.9, DAY * 3 + 1234.5, DAY * 17 + 0.25, DAY * 49.99]
@@ -43,7 +43,7 @@ def looked_up(t, model):
     factors = np.full((dtm2000.FACTORS, WIDTH), np.nan)
     _look_up(t, model, values, factors)
     rotation = values[ROTATION : ROTATION + 9].reshape(3, 3)
-    return rotation, values[SPIN:SUN_ITRF], values[SUN_ITRF:CLOCK], values[BODIES:].reshape(-1, 3), factors
+    return rotation, values[SPIN:SUN_ITRF], values[SUN_ITRF:TIDE], values[BODIES:].reshape(-1, 3), factors
 
 
 @pytest.fixture(scope="module")

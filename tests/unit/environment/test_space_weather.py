@@ -9,10 +9,9 @@ import pytest
 from support import refusal, refusals, shared
 
 from opml.base import epochs
-from opml.base.constants import DAY, HOUR
+from opml.base.constants import DAY
 from opml.base.errors import InputError
-from opml.base.thermosphere_grid import DENSITIES
-from opml.environment import known_weather, nodes, nrlmsis, solar_activity, space_weather
+from opml.environment import known_weather, nodes, solar_activity, space_weather
 
 EPOCH = "2016-09-28T12:09:45"
 CSV = """# a comment
@@ -240,11 +239,3 @@ def test_a_burst_of_the_sun_is_no_weather(day, usual, caplog):
     assert found["f107"].max() < 170.0
     assert np.ptp(found["f107_mean"]) < 3.0
     assert "fluxes replaced that are bursts" in caplog.text
-
-
-def test_densities_are_finite_through_a_burst():
-    t = np.arange(0.0, 4.0 * DAY, 6.0 * HOUR)
-    table = nrlmsis.tabulate("OBSERVED", "2011-03-06T00:00:00", t)
-    densities = table[list(DENSITIES)].to_numpy()
-    assert np.isfinite(densities).all()
-    assert densities.min() > 0.0

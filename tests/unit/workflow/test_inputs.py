@@ -161,14 +161,11 @@ def test_fits_have_an_outlook_every_three_hours_and_predictions_one_of_the_run()
     assert "outlooks" not in files.truth
 
 
-def test_the_truth_may_have_another_activity_and_another_atmosphere():
-    models = paper_values()["force_models"]
-    models["truth"] = models["truth"] | {"atmosphere": "NRLMSIS"}
-    files = environment({"true_solar_activity": "OBSERVED"}, force_models=models)
+def test_the_truth_may_have_another_activity():
+    files = environment({"true_solar_activity": "OBSERVED"})
     assert files.true_activity == "true_solar_activity"
     assert files.truth["solar_activity"] == table("true_solar_activity")
-    assert files.truth["thermosphere"] == table("thermosphere")
-    assert "thermosphere" not in files.predictions
+    assert files.predictions["solar_activity"] == table("solar_activity")
 
 
 @pytest.mark.parametrize(("source", "paths"), [("EGM2008", []), ("own/field.gfc", ["own/field.gfc"])])

@@ -1,13 +1,13 @@
 """Acceleration of arcs under a force model, the sum of all forces, and the density along them."""
 
-from opml.dynamics.kernels import dtm2000, tabulated
+from opml.dynamics.kernels import dtm2000
 from opml.dynamics.kernels.added_forces import FORCES, sum_of
 from opml.dynamics.kernels.drag import drag
 from opml.dynamics.kernels.geodetic import geodetic
 from opml.dynamics.kernels.gravity import gravity
 from opml.dynamics.kernels.lanes import compiled, select, sqrt
 from opml.dynamics.kernels.radiation_pressure import illumination, radiation_pressure
-from opml.dynamics.kernels.surroundings import BODIES, CLOCK, ROTATION, SPIN, SUN_ITRF
+from opml.dynamics.kernels.surroundings import BODIES, ROTATION, SPIN, SUN_ITRF
 from opml.dynamics.kernels.third_body import third_bodies
 
 _with_added = sum_of(FORCES.values())
@@ -57,17 +57,12 @@ def acceleration(x, y, z, vx, vy, vz, ballistic, reflection, kind, model, values
 
 @compiled
 def density(px, py, pz, inverse_r, kind, model, values, factors, scratch):
-    """Return geodetic altitude [m] and density [kg/m3], by the model's table, without one by DTM2000.
+    """Return geodetic altitude [m] and density [kg/m3], by DTM2000.
 
     px, py, pz: position in ITRF [m]
     kind, model, values, factors, scratch: as in `acceleration`
     """
     altitude, sin_lat, cos_lat, sin_lon, cos_lon = geodetic(px, py, pz, inverse_r)
-    if model.tabulated.shape[0] > 0:
-        node, part, clock = int(values[CLOCK]), values[CLOCK + 1], values[CLOCK + 2]
-        return altitude, tabulated.density(
-            altitude, sin_lat, cos_lat, sin_lon, cos_lon, model.tabulated, node, part, clock, scratch
-        )
     sun_x, sun_y = values[SUN_ITRF], values[SUN_ITRF + 1]
     norm = (sun_x * sun_x + sun_y * sun_y) ** -0.5
     # Local solar time from midnight, the meridian opposite to the Sun's.

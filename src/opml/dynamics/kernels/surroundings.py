@@ -16,9 +16,9 @@ from opml.dynamics.kernels.gravity import row
 from opml.dynamics.kernels.lanes import compiled, rows
 from opml.dynamics.kernels.tides import Tides
 
-ROTATION, SPIN, SUN_ITRF, CLOCK, TIDE = 0, 9, 12, 15, 18
+ROTATION, SPIN, SUN_ITRF, TIDE = 0, 9, 12, 15
 BODIES = TIDE + tides.COLUMNS
-"""First indices of the parts of the values; the clock is a node, the part of a step since, and UTC [d].
+"""First indices of the parts of the values.
 
 The tide is zero where the force model has none. Behind the bodies are the columns of added forces.
 """
@@ -44,7 +44,6 @@ class ForceModel(NamedTuple):
     midnight: float  # start of the epoch's UTC day [s since the epoch]
     seasons: np.ndarray  # (days, 5, WIDTH), from dtm2000.seasons
     thermosphere: np.ndarray  # (97, WIDTH), from dtm2000.coefficients
-    tabulated: np.ndarray  # (nodes, local times, latitudes, altitudes): ln of density; no nodes: DTM2000
     weights: np.ndarray  # (terms, 7), from gravity.weights
     tides: Tides  # of the weights
     columns: int  # orders in the weights
@@ -120,7 +119,7 @@ def allocate(model: ForceModel) -> tuple[np.ndarray, np.ndarray]:
 def look_up(t: float, model: ForceModel, values: np.ndarray, factors: np.ndarray) -> None:
     """Fill `values` and DTM2000's `factors` at time t [s], and add the tides to the weights of the model.
 
-    The values are rotation, spin, Sun, clock, tide, bodies and the columns of added forces.
+    The values are rotation, spin, Sun, tide, bodies and the columns of added forces.
     """
     node, u = _locate(t, model.first, model.step, model.orientation.shape[0])
     w = _weights(u)
@@ -139,9 +138,7 @@ def look_up(t: float, model: ForceModel, values: np.ndarray, factors: np.ndarray
     sx, sy, sz = values[BODIES], values[BODIES + 1], values[BODIES + 2]
     for k in range(3):
         values[SUN_ITRF + k] = values[3 * k] * sx + values[3 * k + 1] * sy + values[3 * k + 2] * sz
-    days = (t - model.midnight) / DAY
-    values[CLOCK], values[CLOCK + 1], values[CLOCK + 2] = node, u, days - math.floor(days)
-    day = min(max(math.floor(days), 0), model.seasons.shape[0] - 1)
+    day = min(max(math.floor((t - model.midnight) / DAY), 0), model.seasons.shape[0] - 1)
     for kind in range(model.activity.shape[0]):
         activity = model.activity[kind]
         reduce_to_date(

@@ -82,6 +82,7 @@ def _text(key: Key) -> Sequence[str]:
 
 
 _EARLIER = {
+    "atmosphere": "it is gone: the truth has DTM2000, under true_solar_activity if that is set",
     "cleaning": "it is study.cleaning now",
     "conjunctions": "it is gone: opml screen finds them",
     "experiments": "they are keys of study now",
