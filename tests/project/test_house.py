@@ -73,9 +73,9 @@ def test_what_is_taken_from_a_facade_is_its_own(facade):
 
 
 MOST = {
-    "lines of the package": 45_480,
-    "lines of tests": 34_950,
-    "classes": 338,
+    "lines of the package": 45_230,
+    "lines of tests": 34_740,
+    "classes": 336,
     "docstrings that begin with what, which, how, where, of": 48,
     "variables called found, one, made, told": 58,
 }
