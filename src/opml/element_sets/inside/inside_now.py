@@ -37,6 +37,7 @@ from opml.element_sets.inside.orbit_inside import (
     departing,
     first_drag,
     orbits_beside,
+    size_change,
     solve,
     usual_half_span,
 )
@@ -70,6 +71,12 @@ most.
 
 AGREED_BEFORE = 0.4
 """The same for spans before the epochs: those of older sets share what no radar saw, and agree too well."""
+
+LEAST_BURN = 1.0
+"""Change of an orbit's size that shows a burn [m]: of Sentinel-3A's sets it is 0.1 m from day to day, and the
+smallest burn of 2018 was one of 3 m."""
+
+_DRAG_ERROR = 0.25  # part of the decay by which a forecast of it may be off
 
 LITTLE_DRAG = 22.0  # decay [m/d] below which light determines more than drag, and spans are long
 _SHORT = 96.0 * HOUR  # half of the longest span that is tried where drag is not small [s]
@@ -232,8 +239,29 @@ def find(public: Sequence[KnownSet], *, date: str, forces: Forces) -> InsideNow:
         ahead=np.array([max(past_orbits.REACH - newest.t, span.after + EVERY)]),
     )
     equations = [_equations(orbit, one, now) for one in counted]
-    final = solve(orbit, [one.over(t - span.before, t + span.after) for t, one in equations])
+    parts = [one.over(t - span.before, t + span.after) for t, one in equations]
+    ages = np.array([(newest.t - one.t) / DAY for one in counted])
+    final = solve(orbit, parts[_first_of_one_size(orbit, parts, ages) :])
     return InsideNow(forces, date, -newest.t / DAY, span, told, errors, orbit, final)
+
+
+def _first_of_one_size(
+    orbit: NearbyOrbit, parts: Sequence[tuple[np.ndarray, np.ndarray]], ages: np.ndarray
+) -> int:
+    """Return from which set on all have an orbit of the newest's size: those before it are of before a burn.
+
+    parts: of the normal equations; ages: (sets,) days before the newest
+    """
+    newest, elements = solve(orbit, parts[-1:]), slice(DRAG)
+    # With the drag of the newest: that of each set would be taken for a burn, and a burn for drag.
+    motions = [
+        np.linalg.lstsq(square[elements, elements], (moment - square @ newest)[elements])[0][_MOTION]
+        for square, moment in parts
+    ]
+    satellite = orbit.beginning.satellite
+    off = size_change(satellite, np.array(motions))
+    parted = np.abs(off) > LEAST_BURN + _DRAG_ERROR * max(decay(satellite), 0.0) * ages
+    return int(np.flatnonzero(parted).max(initial=-1)) + 1
 
 
 def _past(

@@ -23,7 +23,7 @@ from opml.base.errors import InputError
 from opml.dynamics.ensemble import Arcs, Departures
 from opml.element_sets.inside.inside_forces import Forces
 from opml.interop.element_sets import mean_elements
-from opml.interop.element_sets.element_set import decay, perturbed
+from opml.interop.element_sets.element_set import decay, perturbed, semi_major_axis
 from opml.orbits.elements import bent_rsw, positions_beside
 
 EVERY = 1800.0
@@ -271,6 +271,11 @@ def _sgp4_partials(satellite: Satrec, epoch: str, t: np.ndarray) -> np.ndarray:
 
 def _steps(satellite: Satrec) -> np.ndarray:
     return _UNITS * [satellite.no_kozai, 1.0, 1.0, 1.0, 1.0, 1.0]
+
+
+def size_change(satellite: Satrec, steps: np.ndarray) -> np.ndarray:
+    """Return by how much the semi-major axis changes with steps of the mean motion (n,) [m]."""
+    return -2.0 / 3.0 * semi_major_axis(satellite.no_kozai) * _UNITS[0] * steps
 
 
 def _sums(values: np.ndarray) -> np.ndarray:
