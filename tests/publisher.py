@@ -1,5 +1,7 @@
 """A publisher of element sets: SGP4 fitted to an orbit under full forces, on both sides of each epoch."""
 
+from dataclasses import replace
+
 import numpy as np
 from support import EPOCH
 
@@ -34,6 +36,17 @@ def begun(forces, satellite, *, day, ballistic=0.01, reflection=SUNLIT):
     return orbit_inside.begin_at(
         satellite, forces.epoch, set_epoch=t, known=known, ballistic=ballistic, reflection=reflection
     )
+
+
+def burned(forces, truth, *, day, speed):
+    """The orbit after a burn along the track [m/s], from three days before it as if it had always been so."""
+    k = int(np.searchsorted(truth.t, forces.time(EPOCH) + DAY * day))
+    state = truth.states[k] * np.repeat([1.0, 1.0 + speed / np.linalg.norm(truth.states[k, 3:])], 3)
+    begin = replace(truth.beginning, t=truth.t[k], state=state)
+    [orbit] = orbit_inside.orbits_beside(
+        forces, [begin], back=np.array([3.0 * DAY]), ahead=np.array([(24.0 - day) * DAY])
+    )
+    return orbit
 
 
 def published(forces, truth, day):

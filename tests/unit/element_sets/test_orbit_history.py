@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 import pytest
-from publisher import HALF, published
+from publisher import HALF, burned, published
 from support import EPOCH
 
 from opml import cli
@@ -58,6 +58,21 @@ def test_the_past_is_a_smooth_orbit_from_set_to_set(path, truth, tmp_path, capsy
     segment = orbit_history.find(path).segments[0]
     between = StatePolynomials(segment.t[::2], segment.states[::2]).at(segment.t[1:-1:2])
     assert np.abs(between - segment.states[1:-1:2])[:, :3].max() < 0.01  # velocities go with positions
+
+
+def test_a_burn_of_millimetres_a_second_is_told_and_parts_the_past(forces, truth, tmp_path):
+    after = burned(forces, truth, day=8.2, speed=3e-3)
+    sets = [published(forces, after if day > 8.2 else truth, day) for day in np.arange(0.0, 16.0, 1.5)]
+    file = tmp_path / "sets.tle"
+    file.write_text("".join(f"{line}\n" for one in sets for line in tle.lines(one, 41335, "")))
+    history = orbit_history.find(file)
+    [burn] = history.burns
+    began = epochs.seconds_between(history.epoch, EPOCH)
+    assert burn.begin < began + 8.2 * DAY < burn.end
+    assert burn.larger == pytest.approx(5.6, abs=2.0)  # 2 dv / n; sets of four days hardly tell the drag
+    assert burn.turned < 20.0
+    assert len(history.segments) == 2
+    assert "m larger, its plane turned by" in history.summary()
 
 
 def test_dates_cut_the_past(path):

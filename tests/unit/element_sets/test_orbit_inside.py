@@ -5,7 +5,7 @@ from functools import partial
 
 import numpy as np
 import pytest
-from publisher import BALLISTIC, HALF, SUNLIT, begun, published
+from publisher import BALLISTIC, HALF, SUNLIT, begun, burned, published
 from support import EPOCH
 from weather_files import other_after
 
@@ -168,12 +168,7 @@ def test_sets_of_before_a_burn_do_not_count(forces, truth, sets):
     date = "2016-10-10T12:00:00"
     now = forces.time(date)
     t = DAY * DAYS + forces.time(EPOCH) - now
-    start = truth.beginning
-    speed = np.linalg.norm(start.state[3:])
-    burned = replace(start, state=start.state * np.repeat([1.0, 1.0 + 3e-3 / speed], 3))
-    [after] = orbit_inside.orbits_beside(
-        forces, [burned], back=np.array([3.0 * DAY]), ahead=np.array([24.0 * DAY])
-    )
+    after = burned(forces, truth, day=0.0, speed=3e-3)
     before = np.flatnonzero(t <= 0.0)
     newest = before[-1]
     public = [KnownSet(t[k], t[k], sets[k]) for k in before[:-1]]

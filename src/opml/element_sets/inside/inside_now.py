@@ -260,8 +260,13 @@ def _first_of_one_size(
     ]
     satellite = orbit.beginning.satellite
     off = size_change(satellite, np.array(motions))
-    parted = np.abs(off) > LEAST_BURN + _DRAG_ERROR * max(decay(satellite), 0.0) * ages
+    parted = np.abs(off) > least_burn(decay(satellite), ages)
     return int(np.flatnonzero(parted).max(initial=-1)) + 1
+
+
+def least_burn(sinking: float, days: np.ndarray | float) -> np.ndarray | float:
+    """Return by how much an orbit's size changes in some days [m] that a burn made; sinking: decay [m/d]."""
+    return LEAST_BURN + _DRAG_ERROR * max(sinking, 0.0) * days
 
 
 def _past(

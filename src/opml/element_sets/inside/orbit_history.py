@@ -9,15 +9,16 @@ whose sets have no orbit inside separate them into segments.
 """
 
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
 from opml.base import epochs
-from opml.base.constants import DAY
+from opml.base.constants import DAY, EARTH_GM
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.base.progress import Progress
@@ -29,15 +30,16 @@ from opml.element_sets.inside.orbit_inside import EVERY, NoOrbitError, paths
 from opml.interop import ccsds, oem
 from opml.interop.element_sets import known_sets, sgp4_errors
 from opml.interop.element_sets.burns_in_sets import KnownSet, burns_among
-from opml.interop.element_sets.element_set import elements_epoch
+from opml.interop.element_sets.element_set import decay, elements_epoch
 from opml.interop.ephemeris import Ephemeris
 from opml.interop.object_ids import ObjectId
-from opml.orbits.elements import bent_rsw
+from opml.orbits.elements import bent_rsw, in_rsw
 from opml.orbits.state_polynomials import StatePolynomials
 
 STEP = 120.0  # between states [s]
 GAP = 4.0 * DAY  # most between sets whose orbits are joined [s]
 NEAR = 0.25 * DAY  # least between them [s]
+TURNED = 300.0  # by what a plane turns that shows a burn [m]
 _DAYS = 30  # sets that tell a span together
 _BESIDE = 10.0 * DAY  # sets so long before a time and after it count for it [s]
 _COVARIANCE_EVERY = 5  # states
@@ -47,11 +49,36 @@ _AVERAGED = 5  # intervals between sets whose disagreement counts at a time
 
 @dataclass(frozen=True, eq=False)
 class _Passage:
-    """The orbit inside a set about its epoch t, and when all that makes it was known [s]."""
+    """The orbit inside a set about its epoch t, and when all that makes it was known [s]; sinking: [m/d]."""
 
     t: float
     known: float
     path: StatePolynomials
+    sinking: float
+
+
+@dataclass(frozen=True)
+class Burn:
+    """A burn between the epochs of two sets [s]: by how much the orbit grew, and its plane turned [m]."""
+
+    begin: float
+    end: float
+    larger: float
+    turned: float
+
+
+def _burn(earlier: _Passage, later: _Passage) -> Burn | None:
+    """Return the burn between two sets, None where the orbit of the later one follows from the other's."""
+    own, other = (one.path.at(np.array([later.t])) for one in (earlier, later))
+    sizes = [
+        1.0 / (2.0 / np.linalg.norm(state[:3]) - state[3:] @ state[3:] / EARTH_GM) for state in (*own, *other)
+    ]
+    (off,), radius = in_rsw(own - other, other), np.linalg.norm(other[0, :3])
+    turned = float(np.hypot(off[2], off[5] * radius / np.linalg.norm(other[0, 3:])))
+    larger, days = float(sizes[1] - sizes[0]), (later.t - earlier.t) / DAY
+    if abs(larger) > inside_now.least_burn(earlier.sinking, days) or turned > TURNED:
+        return Burn(earlier.t, later.t, larger, turned)
+    return None
 
 
 def _joined(earlier: _Passage, later: _Passage, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -101,13 +128,14 @@ def _segments(
 
 @dataclass(frozen=True, eq=False)
 class OrbitHistory:
-    """The orbit of an object, and when its sets have no orbit inside, with the reason, in words.
+    """The orbit of an object, its burns, and when its sets have no orbit inside, with the reason, in words.
 
     segments: between burns, gaps and doubtful sets, times since `epoch` (UTC text)
     """
 
     epoch: str
     segments: Sequence[Ephemeris]
+    burns: Sequence[Burn]
     published: Sequence[str]
 
     def write(self, path: FilePath) -> None:
@@ -115,9 +143,17 @@ class OrbitHistory:
         oem.write(path, self.segments, epoch=self.epoch)
 
     def summary(self) -> str:
-        """Return a line a segment, with the medians of its sigmas, and one for each reason."""
-        return "\n".join(
-            [*map(self._line, self.segments), *(f"as published: {one}" for one in self.published)]
+        """Return a line a segment, with the medians of its sigmas, a burn, and a reason."""
+        published = (f"as published: {one}" for one in self.published)
+        return "\n".join([*map(self._line, self.segments), *map(self._burn_line, self.burns), *published])
+
+    def _burn_line(self, burn: Burn) -> str:
+        begin, end = (
+            text[:_MINUTES] for text in ccsds.utc_texts(self.epoch, np.array([burn.begin, burn.end]))
+        )
+        size = f"{abs(burn.larger):.1f} m {'larger' if burn.larger > 0.0 else 'smaller'}"
+        return (
+            f"a burn between {begin} and {end}: the orbit is {size}, its plane turned by {burn.turned:.0f} m"
         )
 
     def _line(self, segment: Ephemeris) -> str:
@@ -151,10 +187,9 @@ def find(
     epoch = f"{elements_epoch(history[0].satellite)[:_DAY]}T00:00:00"
     first = -np.inf if begin is None else epochs.seconds_between(epoch, begin)
     last = np.inf if end is None else epochs.seconds_between(epoch, end)
-    segments: list[Ephemeris] = []
+    passages: list[_Passage] = []
     published: list[str] = []
     for stretch in _unbroken(known_sets.since(epoch, history), epoch):
-        passages: list[_Passage] = []
         for month in _months([one for one in stretch if first - _BESIDE <= one.t <= last + _BESIDE]):
             dates = ccsds.utc_texts(epoch, np.array([month[0].t, month[-1].t]))
             between = " to ".join(text[:_DAY] for text in dates)
@@ -163,12 +198,20 @@ def find(
                 passages += _passages(month, epoch, weather)
             except NoOrbitError as reason:
                 published.append(f"{between}: {reason}")
-        for part in _without_gaps(passages):
-            segments += _segments(part, known_sets.identity(history[-1]), first, last)
+    burns = {
+        k: burn for k, pair in enumerate(pairwise(passages)) if _is_near(*pair) and (burn := _burn(*pair))
+    }
+    identity = known_sets.identity(history[-1])
+    segments = [
+        segment
+        for part in _unbroken_parts(passages, burns)
+        for segment in _segments(part, identity, first, last)
+    ]
     if not segments:
         reasons = "; ".join(published) or "too few"
         raise InputError(f"{files[0]}: expected sets with an orbit inside, got none: {reasons}")
-    return OrbitHistory(epoch, segments, published)
+    inside = [one for one in _merged(burns) if first <= one.begin and one.end <= last]
+    return OrbitHistory(epoch, segments, inside, published)
 
 
 def _months(daily: Sequence[KnownSet]) -> Iterator[Sequence[KnownSet]]:
@@ -178,11 +221,27 @@ def _months(daily: Sequence[KnownSet]) -> Iterator[Sequence[KnownSet]]:
             yield [daily[row] for row in rows]
 
 
-def _without_gaps(passages: Sequence[_Passage]) -> Iterator[Sequence[_Passage]]:
-    places = np.flatnonzero(np.diff([one.t for one in passages]) > GAP) + 1
+def _is_near(earlier: _Passage, later: _Passage) -> bool:
+    return later.t - earlier.t <= GAP
+
+
+def _unbroken_parts(passages: Sequence[_Passage], burns: Mapping[int, Burn]) -> Iterator[Sequence[_Passage]]:
+    """Yield the orbits between gaps and burns; those with which none is joined are left out."""
+    places = [k + 1 for k, pair in enumerate(pairwise(passages)) if k in burns or not _is_near(*pair)]
     for rows in np.split(np.arange(len(passages)), places):
         if len(rows) > 1:
             yield [passages[row] for row in rows]
+
+
+def _merged(burns: Mapping[int, Burn]) -> list[Burn]:
+    """Return burns; those between sets that follow each other are one, as of sets from both sides of it."""
+    merged: list[Burn] = []
+    for burn in burns.values():
+        if merged and merged[-1].end == burn.begin:
+            last = merged.pop()
+            burn = Burn(last.begin, burn.end, last.larger + burn.larger, max(last.turned, burn.turned))
+        merged.append(burn)
+    return merged
 
 
 def _unbroken(sets: Sequence[KnownSet], epoch: str) -> Iterator[list[KnownSet]]:
@@ -215,7 +274,7 @@ def _passages(daily: Sequence[KnownSet], epoch: str, weather: str | Path) -> lis
     known = np.maximum(t, np.minimum(t + orbits.span.after, forces.model.issued[-1] - now))
     flown = _paths(orbits, forces, now + t)
     return [
-        _Passage(own, at, StatePolynomials(times - now, states))
+        _Passage(own, at, StatePolynomials(times - now, states), decay(newest))
         for own, at, (times, states) in zip(t, known, flown, strict=True)
     ]
 
