@@ -16,7 +16,5 @@ def test_parts_of_sentinel_3a_s_error_add_up():
     assert rows["rest"].abs().max() < 20.0
     assert abs(rows["weather"].iloc[0]) < 2.0 < abs(rows["weather"].iloc[-1])
     figure = real_week(rows)
-    assert figure.get_suptitle().startswith(
-        "After a week 110 m come from the drag coefficient, 40 m from the"
-    )
+    assert figure.get_suptitle().startswith("After a week 70 m come from the drag coefficient, 30 m from the")
     assert [line.get_label() for line in figure.axes[0].lines[:5]] == list(rows)
