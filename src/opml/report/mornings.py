@@ -100,6 +100,7 @@ def days_within(selected: pd.DataFrame) -> str:
     passed = selected["e_y"].abs().groupby(number).quantile(SHARE) > BOUND
     if not passed.any():
         return "90 % stay within 1 km for the whole prediction."
-    if passed.iloc[0]:
+    days = (float(passed.idxmax()) - 1.0) * step
+    if passed.iloc[0] or days <= 0.0:
         return "More than 10 % exceed 1 km from the beginning on."
-    return f"90 % stay within 1 km for {(float(passed.idxmax()) - 1.0) * step:g} days."
+    return f"90 % stay within 1 km for {days:g} days."
