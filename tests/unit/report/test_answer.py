@@ -140,6 +140,8 @@ def test_days_within_a_kilometre_are_those_before_nine_tenths_pass_it():
     assert mornings.days_within(rows) == "90 % stay within 1 km for 3 days."
     assert "for the whole prediction" in mornings.days_within(rows[rows["e_y"] < 900.0])
     assert mornings.days_within(rows[rows["e_y"] > 1100.0]).startswith("More than 10 % exceed 1 km")
+    soon = rows.assign(duration=duration - 0.5 * DAY, e_y=3000.0 * (duration / DAY - 0.5))
+    assert mornings.days_within(soon).startswith("More than 10 % exceed 1 km")
 
 
 def own_of(**changed):
@@ -185,5 +187,3 @@ def test_it_says_whether_anything_learned_was_flown(law, told):
 @pytest.mark.parametrize(("days", "is_told"), [(10, True), (25, False)], ids=["a week", "three weeks"])
 def test_it_says_that_few_mornings_choose_poorly(days, is_told):
     assert ("So few mornings select poorly" in answered(mornings_of(days=days, running=1.0))) is is_told
-    soon = rows.assign(duration=duration - 0.5 * DAY, e_y=3000.0 * (duration / DAY - 0.5))
-    assert mornings.days_within(soon).startswith("More than 10 % exceed 1 km")
