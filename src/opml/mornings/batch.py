@@ -50,8 +50,6 @@ _FULL = (errno.ENOSPC, errno.EDQUOT)  # errors of a disk that is full: of no obj
 _SHARED = {"epoch", "force_model", "integrator", "estimation", "models"}
 """Settings that all mornings of a run are made with."""
 
-_SWITCHES = ("solid_tides", "relativity")  # forces that had a setting each when the first mornings were kept
-
 _log = logging.getLogger(__name__)
 
 Made = TypeVar("Made")
@@ -87,11 +85,8 @@ class BatchSettings(JobSettings):
 
     @property
     def shared(self) -> dict[str, Any]:
-        """What all mornings of a run are made with, in the form whose digests kept mornings have."""
-        shared = self.model_dump(include=_SHARED)
-        forces = dict.fromkeys(shared["force_model"].pop("forces"), True)
-        shared["force_model"] |= dict.fromkeys(_SWITCHES, False) | forces
-        return shared
+        """What all mornings of a run are made with."""
+        return self.model_dump(include=_SHARED)
 
     @property
     def calendar(self) -> Calendar:

@@ -7,7 +7,6 @@ from types import SimpleNamespace
 import pytest
 
 from opml.base.errors import InputError
-from opml.dynamics.settings import ForceModelSettings
 from opml.mornings import batch
 from opml.mornings.batch import BatchSettings, ObjectSettings
 from opml.mornings.outcomes import FAILED
@@ -15,10 +14,7 @@ from opml.mornings.outcomes import FAILED
 ONE = ObjectSettings.model_construct(rso=None, options={})
 DAY = date(2016, 10, 5)
 OBJECTS = {"first": ONE, "second": ONE}
-MODEL = {"degree": 2, "order": 2, "third_bodies": ["moon"]}
-SETTINGS = BatchSettings.model_construct(
-    days="days", batch="0", date=DAY, max_days=1.0, objects=OBJECTS, force_model=ForceModelSettings(**MODEL)
-)
+SETTINGS = BatchSettings.model_construct(days="days", batch="0", date=DAY, max_days=1.0, objects=OBJECTS)
 
 
 def outcomes(monkeypatch, reason):
@@ -49,9 +45,3 @@ def test_an_error_of_one_object_is_told_and_the_next_is_run(monkeypatch, reason)
 def test_a_full_disk_ends_the_job(monkeypatch):
     with pytest.raises(OSError, match="No space"):
         outcomes(monkeypatch, OSError(errno.ENOSPC, "No space left on device"))
-
-
-@pytest.mark.parametrize(("forces", "tides"), [([], False), (["solid_tides"], True)])
-def test_mornings_from_before_forces_were_a_list_are_built_on(forces, tides):
-    settings = SETTINGS.model_copy(update={"force_model": ForceModelSettings(**MODEL, forces=forces)})
-    assert settings.shared["force_model"] == MODEL | {"solid_tides": tides, "relativity": False}
