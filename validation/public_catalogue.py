@@ -63,6 +63,8 @@ def errors(
     """Return a row an object and lead: what is off in RSW [m], its sigmas, and who judged.
 
     catalogue: all sets; histories: those of each object; morning: what was public; numbers: (objects,)
+
+    Raises InputError where no later set judges.
     """
     predictions, judges = {}, []
     now = modified_julian_day(morning.better.date)
@@ -73,6 +75,9 @@ def errors(
             continue
         predictions[number] = outcome
         judges += [(number, lead, row) for lead, row in _judges(catalogue.table, int(number), now)]
+    if not judges:
+        expected = f"expected objects with sets of the week after {morning.better.date}"
+        raise InputError(f"element sets: {expected}, got none")
     rows = np.array([row for *_, row in judges])
     sets = catalogue.take(rows)
     forces = inside_forces.read(morning.weather, first=sets.table["t"].min(), last=sets.table["t"].max())
@@ -221,7 +226,10 @@ def main(arguments: Sequence[str]) -> None:
     """Append errors, and print what the table has."""
     path = Path(arguments[0])
     if arguments[1:]:
-        append(path, *arguments[1:4], arguments[4:])
+        try:
+            append(path, *arguments[1:4], arguments[4:])
+        except InputError as reason:
+            sys.exit(str(reason))
     rows = pd.read_csv(path, keep_default_na=False)
     for part in (table(rows), verdicts(rows)):
         part.to_csv(sys.stdout, sep="\t", index=False)

@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 from catalogue_files import FIRST_DAY, write_sets
 from publisher import small_forces
+from support import refusal
 
 from opml.base.constants import HOUR
 from opml.base.errors import InputError
@@ -84,6 +85,9 @@ def test_orbits_inside_judge_objects_that_have_one_and_sets_the_others(sets, ins
     assert (by_number.loc[2, "judge"] == "set").all()
     assert by_number.loc[2, "later_s"].to_numpy() == pytest.approx(0.0, abs=1e-6)
     assert by_number["s"].equals(by_number["sgp4_s"])
+    early = sets.until(FIRST_DAY + 4.25)
+    said = refusal(public_catalogue.errors, early, histories, Morning(), np.array([1, 2]))
+    assert said == f"element sets: expected objects with sets of the week after {DATE}, got none"
 
 
 def test_tables_have_shares_of_sgp4_and_who_is_told_as_published():
