@@ -56,10 +56,8 @@ def build(
     An ephemeris ends where an arc that it needs does. Raises InputError where none reaches anywhere, where a
     size has no past, and as `along_track_shift.check_smooth` does.
     """
-    sizes, sparse = (
-        Sizes.learned(replay, now=now),
-        slice(None, None, max(1, round(SPREAD_STEP / task.grid.step))),
-    )
+    sizes = Sizes.learned(replay, now=now)
+    sparse = slice(None, None, max(1, round(SPREAD_STEP / task.grid.step)))
     made = (path for part in task.parts() for path in paths(part, {"": daily}, made_at=lambda _: now))
     return task.joined([path.with_spread(spreads, sparse).ephemeris("", sizes) for path in made])
 

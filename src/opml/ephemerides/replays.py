@@ -35,13 +35,9 @@ def morning_departures(known: KnownTables, *, every_hours: float, first_day: flo
 
     first_day: estimates before that day are left out
     """
-    first = first_of_each(known.estimates[known.may_depart()], every_hours=every_hours)
+    usable = known.estimates[known.may_depart()]
+    first = usable[~np.floor(usable["t"] / (HOUR * every_hours)).duplicated().to_numpy()]
     return first[first["t"] >= DAY * first_day]
-
-
-def first_of_each(estimates: pd.DataFrame, *, every_hours: float) -> pd.DataFrame:
-    """Return the first estimate of every so many hours since the epoch."""
-    return estimates[~np.floor(estimates["t"] / (HOUR * every_hours)).duplicated().to_numpy()]
 
 
 def judge(dataset: pd.DataFrame, predictions: pd.DataFrame, later: pd.DataFrame | None) -> pd.DataFrame:
@@ -72,11 +68,6 @@ def at_starts(judge: pd.DataFrame, starts: pd.DataFrame, spread: pd.DataFrame) -
     return rows
 
 
-def grid(judge: pd.DataFrame, *, max_days: float) -> Grid:
-    """Return the epochs of replayed ephemerides, as far as there is a judge, `at_starts`."""
-    return Grid(STEP, max_days, float(judge["t_j"].max()) + STEP)
-
-
 @dataclass(frozen=True)
 class ReplaySeries:
     """The mornings of one learner that are to be run again."""
@@ -99,8 +90,8 @@ def build(
     """
     groups: dict[tuple[int, Grid], list[int]] = {}
     for number, one in enumerate(series):
-        mornings = one.starts["track"].iloc[0], grid(one.judge, max_days=max_days)
-        groups.setdefault(mornings, []).append(number)
+        epochs = Grid(STEP, max_days, float(one.judge["t_j"].max()) + STEP)  # as far as there is a judge
+        groups.setdefault((one.starts["track"].iloc[0], epochs), []).append(number)
     tables: dict[int, pd.DataFrame] = {}
     for turn, ((_, epochs), numbers) in enumerate(groups.items()):
         together = [series[number] for number in numbers]

@@ -38,12 +38,6 @@ def choose_model(judged: pd.DataFrame, models: Sequence[str], *, now: float) -> 
 
     judged: rows of that table of all mornings
     """
-    model, replay = best_model(judged, models, now=now)
-    return SelectedModel(model, replay, Sizes.learned(replay, now=now))
-
-
-def best_model(judged: pd.DataFrame, models: Sequence[str], *, now: float) -> tuple[str, pd.DataFrame]:
-    """Return the name of that model, and its rows; raise as `choose_model`."""
     past = judged[judged["model"].isin(models) & are_over(judged, now)]
     if past.empty:
         raise InputError("no ephemeris of an earlier morning was judged yet")
@@ -55,7 +49,8 @@ def best_model(judged: pd.DataFrame, models: Sequence[str], *, now: float) -> tu
     rows = judged["model"].to_numpy()
     replays = {name: judged[rows == name] for name in models if over.get(name, 0) >= LEAST_ROWS}
     model = choose(replays, [], now=now, seed=0).chosen
-    return model, replays[model].drop(columns="model")
+    replay = replays[model].drop(columns="model")
+    return SelectedModel(model, replay, Sizes.learned(replay, now=now))
 
 
 def row(

@@ -362,7 +362,7 @@ def _fitted_orbit(
     formal = usual_errors.formal_errors(records.estimates, records.paths, base=base, rso=rso, light=light)
     known = records.rows_unaffected_by_burns(base, watched.known_by(now))
     try:
-        model, _ = issued.best_model(known, list(models), now=now)
+        model = issued.choose_model(known, list(models), now=now).model
     except InputError:
         is_vague = bool(formal.loc[paths.start, "c"] >= usual_errors.VAGUE)
         model = next((name for name in models if _holds_cd(models[name]) == is_vague), next(iter(models)))

@@ -146,22 +146,17 @@ def _least_inside(off: np.ndarray, duration: np.ndarray) -> tuple[float, float]:
 
 
 def medians_with_sgp4(judged: pd.DataFrame) -> list[dict[str, Any]]:
-    """Return by day ahead how far the selected model, and SGP4 at the same epochs, were off in the median
-    [m].
+    """Return medians by day ahead [m]: how far the selected model, and SGP4 at the same epochs, were off.
 
     With the number of mornings that it was judged on.
 
     judged: rows of that table
     """
-    both = _both(judged)
-    by_day = both.groupby(np.ceil(both["duration"] / DAY).astype(int).rename("day"))
-    sizes = by_day[["e_y", "sgp4"]].agg(lambda errors: errors.abs().median()).round(1)
-    sizes = sizes.rename(columns={"e_y": "flown_m", "sgp4": "sgp4_m"})
-    return sizes.assign(mornings=by_day["morning"].nunique()).reset_index().to_dict("records")
-
-
-def _both(judged: pd.DataFrame) -> pd.DataFrame:
-    """Return the rows of the selected models where SGP4 was judged, too, with its error `sgp4` [m]."""
     keys = ["morning", "j"]
-    sgp4 = judged[judged["model"] == SGP4].set_index(keys)["e_y"].rename("sgp4")
-    return judged[np.isfinite(judged["sigma_y"])].join(sgp4, on=keys, how="inner")
+    sgp4 = judged[judged["model"] == SGP4].set_index(keys)["e_y"].rename("sgp4_m")
+    both = judged[np.isfinite(judged["sigma_y"])].join(sgp4, on=keys, how="inner")
+    by_day = both.rename(columns={"e_y": "flown_m"}).groupby(
+        np.ceil(both["duration"] / DAY).astype(int).rename("day")
+    )
+    sizes = by_day[["flown_m", "sgp4_m"]].agg(lambda errors: errors.abs().median()).round(1)
+    return sizes.assign(mornings=by_day["morning"].nunique()).reset_index().to_dict("records")

@@ -26,7 +26,7 @@ _ALIKE = 9.0  # how much q may be above the least at times that are as good
 
 
 @dataclass(frozen=True)
-class Burn:
+class TrackedBurn:
     """A burn that tracks show."""
 
     t: float  # [s]
@@ -37,7 +37,7 @@ class Burn:
 
 def burn_between(
     run: Run, before: ReferenceOrbit, after: ReferenceOrbit, span: tuple[float, float], scale: float
-) -> Burn | None:
+) -> TrackedBurn | None:
     """Return the burn that leads from an orbit before to one after; None where one of them is lost.
 
     span: from when to when it may have been [s]
@@ -58,7 +58,7 @@ def burn_between(
     axes = rsw_rotation(old[0][k])
     left = axes @ (speed[k] - gain[k] @ both[k].T) @ axes.T
     sigma = np.sqrt(np.diag(left))
-    return Burn(float(t[k]), axes @ change[k], sigma, float(np.sqrt(square[k] / 3.0)))
+    return TrackedBurn(float(t[k]), axes @ change[k], sigma, float(np.sqrt(square[k] / 3.0)))
 
 
 def _propagated(run: Run, orbit: ReferenceOrbit, t: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:

@@ -20,7 +20,7 @@ import numpy as np
 import pandas as pd
 
 from opml.base.constants import HOUR
-from opml.catalog.associate.burns import Burn, burn_between
+from opml.catalog.associate.burns import TrackedBurn, burn_between
 from opml.catalog.associate.innovations import CD_SPREAD, ReferenceOrbit, UsualInnovation, farthest
 from opml.catalog.fit import biases, estimation
 from opml.catalog.fit.estimate import Estimate
@@ -59,7 +59,7 @@ class Watch:
 
     def __init__(self, run: Run, method: Method) -> None:
         self.foreign: set[int] = set()
-        self.burns: list[tuple[int, Burn]] = []
+        self.burns: list[tuple[int, TrackedBurn]] = []
         self._run, self._method = run, method
         self._limit = run.settings.suspect_sigma or np.inf
         self._waiting: list[int] = []
@@ -70,7 +70,7 @@ class Watch:
         self._usual = UsualInnovation(), UsualInnovation()
         self._sizes: list[float] = []
 
-    def take(self, track: int) -> tuple[Estimate, Burn | None]:
+    def take(self, track: int) -> tuple[Estimate, TrackedBurn | None]:
         """Return the estimate at the next track, and the burn that it shows."""
         if not self._waiting:
             self._before = self._predictors(track)
@@ -101,7 +101,7 @@ class Watch:
         """Tracks that no fit takes so far."""
         return self.foreign.union(self._waiting)
 
-    def row(self, estimate: Estimate, burn: Burn | None) -> dict[str, Any]:
+    def row(self, estimate: Estimate, burn: TrackedBurn | None) -> dict[str, Any]:
         """Return an estimate, with what is held back, as a row of the table."""
         shown = [np.nan] * 4 if burn is None else [burn.t, *burn.velocity]
         return _row(self._run, estimate, estimate.window.track in self.quarantined) | dict(
@@ -189,7 +189,7 @@ class Watch:
         begin = self._time(self._waiting[0] if self._waiting else track)
         return self._time(track) - begin > self._run.settings.window_hours * HOUR
 
-    def _burn(self, away: Sequence[float]) -> Burn | None:
+    def _burn(self, away: Sequence[float]) -> TrackedBurn | None:
         """Return the burn that the tracks held back show, if any, and restart after it."""
         newest, older = self._before[0], self._before[-1]
         went_along = _has_other_drag(newest.parameters[_CD], newest.covariance[_CD, _CD], older)
@@ -216,13 +216,13 @@ class Watch:
         [estimate] = self._run.complete([Estimate(window, Fit(start, method))])
         return estimate if self._takes_in(estimate) else None
 
-    def _between(self, before: ReferenceOrbit, after: ReferenceOrbit, first: int) -> Burn | None:
+    def _between(self, before: ReferenceOrbit, after: ReferenceOrbit, first: int) -> TrackedBurn | None:
         """Return the burn between an orbit and one of tracks that were held back, by the first of these."""
         measured = self._run.measured
         span = float(measured.epochs[measured.ends[before.track]]), self._time(first)
         return burn_between(self._run, before, after, span, self._usual[0].scale)
 
-    def _restart_after_burn(self, burn: Burn, after: ReferenceOrbit, tracks: Sequence[int]) -> None:
+    def _restart_after_burn(self, burn: TrackedBurn, after: ReferenceOrbit, tracks: Sequence[int]) -> None:
         """Take a burn for found: what was held back on the new orbit counts, what is older does not."""
         self._cd = float(after.parameters[_CD])
         times = self._run.measured.epochs[self._run.measured.at]

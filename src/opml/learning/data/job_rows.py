@@ -32,13 +32,11 @@ def read(
 
     Raises InputError where a file is missing or damaged, and for a test without rows.
     """
-    experiment, others = settings.experiment, list(others)
+    experiment, others, span = settings.experiment, list(others), settings.span_days
     learned = dataset.read(files.target, others)
     judged = dataset.read(files.judge, others) if files.judge else learned
-    trained = _trained(learned, settings) if experiment["target"] == experiment["rso"] else None
-    rows = splits.test_rows(judged, experiment["test"], span_days=settings.span_days, trained=trained)
+    trained = None
+    if experiment["target"] == experiment["rso"]:
+        trained = splits.training_rows(learned, settings.train, span_days=span, seed=settings.seed)
+    rows = splits.test_rows(judged, experiment["test"], span_days=span, trained=trained)
     return judged, rows, learned
-
-
-def _trained(table: pd.DataFrame, settings: RowsSettings) -> np.ndarray:
-    return splits.training_rows(table, settings.train, span_days=settings.span_days, seed=settings.seed)

@@ -15,9 +15,9 @@ import pandas as pd
 from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.learning.data.error_components import POSITION
-from opml.learning.judge.error_sizes import INSIDE, LEVEL, covariances
+from opml.learning.judge.error_sizes import INSIDE, LEVEL
 from opml.learning.judge.errors_by_duration import REACH_DAYS
-from opml.orbits.rsw_covariance import mahalanobis
+from opml.orbits.rsw_covariance import mahalanobis, rsw_covariances
 from opml.tables import COMPONENTS, DOUBT, ELLIPSOID, PLANE, SIGMA_STATE, WHOLE
 
 _MARKS = (1.0, 3.0, 5.0, 7.0)  # prediction durations that the shares are stated at [days]
@@ -104,7 +104,7 @@ def _stated(replay: pd.DataFrame) -> tuple[pd.DataFrame, np.ndarray]:
     They include those of the states that predictions are compared with.
     """
     rows = replay[np.isfinite(replay[SIGMA_STATE].to_numpy()).all(axis=1)]
-    covariance = covariances(rows, rows[SIGMA_STATE].to_numpy(float))
+    covariance = rsw_covariances(rows[SIGMA_STATE].to_numpy(float), rows["rate"].to_numpy())
     covariance[:, range(3), range(3)] += rows[DOUBT].to_numpy(float) ** 2
     return rows, covariance
 

@@ -37,7 +37,7 @@ import pandas as pd
 from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
 from opml.learning.data.splits import are_over
-from opml.orbits.rsw_covariance import AXES, free_parts, half_width, rsw_covariances
+from opml.orbits.rsw_covariance import AXES, free_parts, half_width
 from opml.tables import COMPONENTS, DOUBT, SIGMA_STATE
 
 LEVEL = 0.9  # share of the errors that intervals and ellipsoids are to hold, and the level that reports print
@@ -221,8 +221,3 @@ def as_known(replay: pd.DataFrame, mornings: Sequence[float]) -> pd.DataFrame:
             continue
         sigma[rows] = sizes.sigmas(replay[rows])
     return replay.assign(**dict(zip(SIGMA_STATE, sigma.T, strict=True)))
-
-
-def covariances(rows: pd.DataFrame, sigma: np.ndarray) -> np.ndarray:
-    """Return covariances (n, 6, 6) in RSW [m, m/s] of rows with a `rate` [rad/s] and `sigmas` (n, 6)."""
-    return rsw_covariances(sigma, rows["rate"].to_numpy())

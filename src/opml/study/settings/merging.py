@@ -84,7 +84,7 @@ class Settings:
     @property
     def day(self) -> DaySettings:
         """Settings of every morning."""
-        return DaySettings.model_validate(self.values.get("day", {}))
+        return self.run.day or DaySettings()
 
     @property
     def morning_models(self) -> list[str]:
@@ -94,11 +94,10 @@ class Settings:
         is_fitted = any(map(self.files_of, of_fits()))
         return list(MORNING_MODELS) if is_fitted else []
 
-    @cached_property
+    @property
     def catalogue(self) -> CatalogueSettings | None:
         """Settings of a catalogue; None for none."""
-        catalogue = self.values.get("catalogue")
-        return CatalogueSettings.model_validate(catalogue) if catalogue else None
+        return self.run.catalogue
 
     @property
     def catalogue_files(self) -> dict[str, list[str]]:
