@@ -9,7 +9,7 @@ whose sets have no orbit inside separate them into segments.
 """
 
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
@@ -58,7 +58,7 @@ class _Passage:
 
 
 @dataclass(frozen=True)
-class Burn:
+class BurnBetweenSets:
     """A burn between the epochs of two sets [s]: by how much the orbit grew, and its plane turned [m]."""
 
     begin: float
@@ -67,18 +67,21 @@ class Burn:
     turned: float
 
 
-def _burn(earlier: _Passage, later: _Passage) -> Burn | None:
-    """Return the burn between two sets, None where the orbit of the later one follows from the other's."""
+def _change(earlier: _Passage, later: _Passage) -> BurnBetweenSets:
+    """Return by how much the orbit of a set is another at its epoch than that of the set before."""
     own, other = (one.path.at(np.array([later.t])) for one in (earlier, later))
     sizes = [
         1.0 / (2.0 / np.linalg.norm(state[:3]) - state[3:] @ state[3:] / EARTH_GM) for state in (*own, *other)
     ]
     (off,), radius = in_rsw(own - other, other), np.linalg.norm(other[0, :3])
     turned = float(np.hypot(off[2], off[5] * radius / np.linalg.norm(other[0, 3:])))
-    larger, days = float(sizes[1] - sizes[0]), (later.t - earlier.t) / DAY
-    if abs(larger) > inside_now.least_burn(earlier.sinking, days) or turned > TURNED:
-        return Burn(earlier.t, later.t, larger, turned)
-    return None
+    return BurnBetweenSets(earlier.t, later.t, float(sizes[1] - sizes[0]), turned)
+
+
+def _is_burn(change: BurnBetweenSets, sinking: float) -> bool:
+    """Return whether a burn made a change; sinking: decay [m/d]."""
+    days = (change.end - change.begin) / DAY
+    return bool(abs(change.larger) > inside_now.least_burn(sinking, days)) or change.turned > TURNED
 
 
 def _joined(earlier: _Passage, later: _Passage, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -135,7 +138,7 @@ class OrbitHistory:
 
     epoch: str
     segments: Sequence[Ephemeris]
-    burns: Sequence[Burn]
+    burns: Sequence[BurnBetweenSets]
     published: Sequence[str]
 
     def write(self, path: FilePath) -> None:
@@ -147,7 +150,7 @@ class OrbitHistory:
         published = (f"as published: {one}" for one in self.published)
         return "\n".join([*map(self._line, self.segments), *map(self._burn_line, self.burns), *published])
 
-    def _burn_line(self, burn: Burn) -> str:
+    def _burn_line(self, burn: BurnBetweenSets) -> str:
         begin, end = (
             text[:_MINUTES] for text in ccsds.utc_texts(self.epoch, np.array([burn.begin, burn.end]))
         )
@@ -189,23 +192,29 @@ def find(
     last = np.inf if end is None else epochs.seconds_between(epoch, end)
     passages: list[_Passage] = []
     published: list[str] = []
+    between: set[int] = set()  # changes between sets that their mean elements show to be burns
     for stretch in _unbroken(known_sets.since(epoch, history), epoch):
         for month in _months([one for one in stretch if first - _BESIDE <= one.t <= last + _BESIDE]):
             dates = ccsds.utc_texts(epoch, np.array([month[0].t, month[-1].t]))
-            between = " to ".join(text[:_DAY] for text in dates)
-            progress(f"the orbits inside the sets from {between}")
+            days = " to ".join(text[:_DAY] for text in dates)
+            progress(f"the orbits inside the sets from {days}")
             try:
                 passages += _passages(month, epoch, weather)
             except NoOrbitError as reason:
-                published.append(f"{between}: {reason}")
-    burns = {
-        k: burn for k, pair in enumerate(pairwise(passages)) if _is_near(*pair) and (burn := _burn(*pair))
-    }
+                published.append(f"{days}: {reason}")
+        between.add(len(passages) - 1)
+    between -= {-1, len(passages) - 1}
+    changes = [_change(*pair) for pair in pairwise(passages)]
+    gaps = {k for k, one in enumerate(changes) if one.end - one.begin > GAP}
+    large = {k for k, one in enumerate(changes) if _is_burn(one, passages[k].sinking)}
+    burns = [changes[k] for k in sorted((large | between) - gaps)]
     identity = known_sets.identity(history[-1])
+    parts = np.split(np.arange(len(passages)), 1 + np.sort([*(gaps | large | between)]).astype(int))
     segments = [
         segment
-        for part in _unbroken_parts(passages, burns)
-        for segment in _segments(part, identity, first, last)
+        for rows in parts
+        if len(rows) > 1  # one is joined with none
+        for segment in _segments([passages[row] for row in rows], identity, first, last)
     ]
     if not segments:
         reasons = "; ".join(published) or "too few"
@@ -221,26 +230,15 @@ def _months(daily: Sequence[KnownSet]) -> Iterator[Sequence[KnownSet]]:
             yield [daily[row] for row in rows]
 
 
-def _is_near(earlier: _Passage, later: _Passage) -> bool:
-    return later.t - earlier.t <= GAP
-
-
-def _unbroken_parts(passages: Sequence[_Passage], burns: Mapping[int, Burn]) -> Iterator[Sequence[_Passage]]:
-    """Yield the orbits between gaps and burns; those with which none is joined are left out."""
-    places = [k + 1 for k, pair in enumerate(pairwise(passages)) if k in burns or not _is_near(*pair)]
-    for rows in np.split(np.arange(len(passages)), places):
-        if len(rows) > 1:
-            yield [passages[row] for row in rows]
-
-
-def _merged(burns: Mapping[int, Burn]) -> list[Burn]:
+def _merged(burns: Sequence[BurnBetweenSets]) -> list[BurnBetweenSets]:
     """Return burns; those between sets that follow each other are one, as of sets from both sides of it."""
-    merged: list[Burn] = []
-    for burn in burns.values():
-        if merged and merged[-1].end == burn.begin:
+    merged: list[BurnBetweenSets] = []
+    for one in burns:
+        if merged and merged[-1].end == one.begin:
             last = merged.pop()
-            burn = Burn(last.begin, burn.end, last.larger + burn.larger, max(last.turned, burn.turned))
-        merged.append(burn)
+            larger, turned = last.larger + one.larger, max(last.turned, one.turned)
+            one = BurnBetweenSets(last.begin, one.end, larger, turned)
+        merged.append(one)
     return merged
 
 

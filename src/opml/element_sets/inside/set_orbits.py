@@ -3,8 +3,7 @@
 Each is a measurement of where its object was, which judges what was predicted from older sets.
 """
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
 
 import numpy as np
 import pandas as pd
@@ -30,7 +29,6 @@ from opml.interop.element_sets.element_set import seconds_since
 from opml.tables import STATE
 
 _BATCH = 256  # sets at a time, of the same days, so that few lanes of a block idle
-_GAUGED = 30.0  # days for which the Cd A/m of one set begins those of the others
 
 
 def usual_spans(catalogue: ElementCatalogue) -> np.ndarray:
@@ -51,90 +49,48 @@ def states(
     ballistic: (sets,) Cd A/m that each is sought from, as of the day before [m2/kg]; NaN where none is known
     spans: as of `usual_spans`; reflection: Cr A/m [m2/kg]
     """
-    times = _Times.of(catalogue, forces, spans, np.broadcast_to(reflection, len(spans)))
-    unknown = np.flatnonzero(np.isnan(ballistic))
-    begin = ballistic.copy()
-    if len(unknown):
-        begin[unknown] = _gauged(times.take(unknown))
-    rows = pd.DataFrame(np.nan, index=catalogue.table.index, columns=[*STATE, "ballistic"])
-    for members in _batches(np.argsort(times.t, kind="stable")):
-        solved = _solved([times.begin(row, begin[row]) for row in members], times, members)
+    t, table = seconds_since(forces.epoch, catalogue.satellites), catalogue.table
+    known = t + DAY * (table["known"] - table["t"]).to_numpy()
+    first = np.where(np.isnan(ballistic), first_drag(table["bstar"].to_numpy()), ballistic)
+    light = np.broadcast_to(reflection, len(t))
+    rows = pd.DataFrame(np.nan, index=table.index, columns=[*STATE, "ballistic"])
+    order = np.argsort(t, kind="stable")
+    for members in (order[k : k + _BATCH] for k in range(0, len(order), _BATCH)):
+        begins = [
+            begin_at(
+                catalogue.satellites[k],
+                forces.epoch,
+                set_epoch=float(t[k]),
+                known=float(known[k]),
+                ballistic=float(first[k]),
+                reflection=float(light[k]),
+            )
+            for k in members
+        ]
+        unknown = np.flatnonzero(np.isnan(ballistic[members]))
+        for _ in range(2 if len(unknown) else 0):
+            own, gauged = members[unknown], [begins[k] for k in unknown]
+            for k, (orbit, numbers) in zip(
+                unknown, _solved(forces.smoothed, gauged, t[own], spans[own]), strict=True
+            ):
+                begins[k] = orbit.begin_again(numbers)
+        solved = _solved(forces, begins, t[members], spans[members])
         rows.loc[members, "ballistic"] = [orbit.ballistic(numbers) for orbit, numbers in solved]
         again = [orbit.begin_again(numbers) for orbit, numbers in solved]
-        rows.loc[members, [*STATE]] = _at_epochs(forces, again, times.t[members])
+        rows.loc[members, [*STATE]] = _at_epochs(forces, again, t[members])
     return rows
 
 
-@dataclass(frozen=True, eq=False)
-class _Times:
-    """Sets of a catalogue under forces, their epochs and when they were known (sets,) [s].
-
-    spans, reflection: of `states`
-    """
-
-    catalogue: ElementCatalogue
-    forces: Forces
-    t: np.ndarray
-    known: np.ndarray
-    spans: np.ndarray
-    reflection: np.ndarray
-
-    @classmethod
-    def of(
-        cls, catalogue: ElementCatalogue, forces: Forces, spans: np.ndarray, reflection: np.ndarray
-    ) -> "_Times":
-        t, table = seconds_since(forces.epoch, catalogue.satellites), catalogue.table
-        known = t + DAY * (table["known"] - table["t"]).to_numpy()
-        return cls(catalogue, forces, t, known, spans, reflection)
-
-    def take(self, rows: np.ndarray) -> "_Times":
-        """Return those of some rows."""
-        return self.of(self.catalogue.take(rows), self.forces, self.spans[rows], self.reflection[rows])
-
-    def begin(self, row: int, ballistic: float) -> Beginning:
-        """Return where the orbit of a set begins to be sought."""
-        return begin_at(
-            self.catalogue.satellites[row],
-            self.forces.epoch,
-            set_epoch=float(self.t[row]),
-            known=float(self.known[row]),
-            ballistic=ballistic,
-            reflection=float(self.reflection[row]),
-        )
-
-
-def _batches(rows: np.ndarray) -> Iterator[np.ndarray]:
-    yield from (rows[k : k + _BATCH] for k in range(0, len(rows), _BATCH))
-
-
-def _gauged(times: _Times) -> np.ndarray:
-    """Return the Cd A/m (sets,) that each set's is sought from: that of one set of its object and month."""
-    table, t = times.catalogue.table, times.t
-    groups = table.groupby(["number", np.floor((table["t"] - table["t"].min()) / _GAUGED)]).ngroup()
-    gauged = np.full(len(table), np.nan)
-    first = np.array([group[len(group) // 2] for group in table.groupby(groups).indices.values()])
-    first = first[np.argsort(t[first], kind="stable")]
-    ballistic, smooth = first_drag(table["bstar"].to_numpy()), replace(times, forces=times.forces.smoothed)
-    for members in _batches(first):
-        begins = [times.begin(row, ballistic[row]) for row in members]
-        for _ in range(2):
-            solved = _solved(begins, smooth, members)
-            begins = [orbit.begin_again(numbers) for orbit, numbers in solved]
-        gauged[members] = [one.ballistic for one in begins]
-    return pd.Series(gauged).groupby(groups.to_numpy()).transform("max").to_numpy()
-
-
 def _solved(
-    begins: list[Beginning], times: _Times, members: np.ndarray
+    forces: Forces, begins: Sequence[Beginning], t: np.ndarray, spans: np.ndarray
 ) -> list[tuple[NearbyOrbit, np.ndarray]]:
-    """Return orbits near sets (members,) and the changes of their numbers, NaN without a solution."""
-    spans = times.spans[members]
-    orbits = orbits_beside(times.forces, begins, back=spans[:, 0] + EVERY, ahead=spans[:, 1] + EVERY)
+    """Return orbits near sets of epochs t (sets,) and the changes of their numbers, NaN without a solution."""
+    orbits = orbits_beside(forces, begins, back=spans[:, 0] + EVERY, ahead=spans[:, 1] + EVERY)
     solved = []
-    for row, (before, after), orbit in zip(members, spans, orbits, strict=True):
+    for at, (before, after), orbit in zip(t, spans, orbits, strict=True):
         equations = orbit.equations(orbit.displacements(orbit.beginning.satellite))
         try:
-            numbers = solve(orbit, [equations.over(times.t[row] - before, times.t[row] + after)])
+            numbers = solve(orbit, [equations.over(at - before, at + after)])
         except NoOrbitError:
             numbers = np.full(NUMBERS, np.nan)
         solved.append((orbit, numbers))
