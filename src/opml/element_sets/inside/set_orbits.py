@@ -84,7 +84,7 @@ def states(
 def _solved(
     forces: Forces, begins: Sequence[Beginning], t: np.ndarray, spans: np.ndarray
 ) -> list[tuple[NearbyOrbit, np.ndarray]]:
-    """Return orbits near sets of epochs t (sets,) and the changes of their numbers, NaN without a solution."""
+    """Return orbits near sets of epochs t (sets,) and the changes of their numbers, NaN without any."""
     orbits = orbits_beside(forces, begins, back=spans[:, 0] + EVERY, ahead=spans[:, 1] + EVERY)
     solved = []
     for at, (before, after), orbit in zip(t, spans, orbits, strict=True):
