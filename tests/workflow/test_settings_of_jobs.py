@@ -15,7 +15,7 @@ PLANS = {
     "the paper's": ["default", "beyond", "--configfile", "config/ci.yaml"],
     "a study's": ["study", "--config", FORECAST, STUDY],
     "messages": [
-        *(f"results/corrected/{DAYS}.{suffix}" for suffix in ("parquet", "oem", "omm", "tle")),
+        *(f"results/corrected/{DAYS}.{suffix}" for suffix in ("parquet", "oem")),
         *(f"results/exports/{path}" for path in ("truth/iss.oem", f"tracking/{ISS}.tdm")),
         f"results/figs/corrected/{DAYS}.png",
     ],

@@ -67,7 +67,6 @@ if PLAN.settings.orbits:
                 "epoch": config["epoch"],
                 "duration_days": config["duration_days"],
                 "step_s": config["tracking"]["step_s"],
-                "positions_alone": wildcards.rso in config.get("positions_alone", []),
                 **contents(PLAN.settings.orbits[wildcards.rso]),
             },
             code=code("truth_from_orbit.py"),

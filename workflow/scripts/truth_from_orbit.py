@@ -11,7 +11,6 @@ from opml.workflow.jobs import job
 class Settings(JobSettings):
     epoch: str
     duration_days: float
-    positions_alone: bool
     step_s: float
 
 
@@ -21,7 +20,6 @@ with job(snakemake) as metadata:
         list(snakemake.input),
         settings.epoch,
         DAY * settings.duration_days,
-        positions_alone=settings.positions_alone,
     )
     table, facts = truth_from_orbit.truth(files, step=settings.step_s)
     write_table(snakemake.output[0], table, "truth", metadata=metadata | facts)

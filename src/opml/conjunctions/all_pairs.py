@@ -39,7 +39,7 @@ def screen(path: FilePath, *, days: float, within: float, radius: float) -> Iter
     known = sum(life[0] <= one.span[0] and life[1] >= one.span[1] for one, life in living)
     if known < len(elements):
         _log.warning("orbits unknown for a part of the time: %d of %d", len(elements) - known, len(elements))
-    orbits = [(one.orbit, life) for one, life in living]
+    orbits = [(one.known_set, life) for one, life in living]
     for begin, end, pairs in sieve.near_pairs(orbits, elements[0].span, within):
         reach = begin - _REACH, end + _REACH
         near = [

@@ -70,7 +70,7 @@ class ScreenedObject:
         if covariance is not None and trajectory.remark:
             remarks.append(f"covariance of {name} {trajectory.remark}")
         remarks += remarks_on(name, covariance)
-        if self.elements is not None and abs(days := (t - self.elements.orbit.t) / DAY) > WARN_DAYS:
+        if self.elements is not None and abs(days := (t - self.elements.known_set.t) / DAY) > WARN_DAYS:
             remarks.append(f"elements of {name} {abs(days):.0f} d {'old' if days > 0 else 'ahead'}")
         density = trajectory.density.at(t) if trajectory.density and covariance is not None else None
         state = trajectory.at(np.array([t]))[0]
@@ -171,7 +171,7 @@ def _tell_unknown(ephemeris: ScreenedObject, wanted: Sequence[Span]) -> None:
         return
     begin, end = _texts(unknown[0])
     more = f", and {len(unknown) - 1} times more" if len(unknown) > 1 else ""
-    epoch = None if ephemeris.elements is None else ephemeris.elements.orbit.t
+    epoch = None if ephemeris.elements is None else ephemeris.elements.known_set.t
     why = "" if epoch is None else f": its elements are of {_texts((epoch, epoch))[0]}"
     _log.warning("%s: unknown from %s to %s%s%s", ephemeris.identity, begin, end, more, why)
 

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.spatial import KDTree
-from sgp4.api import Satrec
 
 from opml.base.constants import WGS84_A
+from opml.interop.element_sets.burns_in_sets import KnownSet
 from opml.interop.element_sets.element_set import propagate
 from opml.interop.element_sets.teme import teme_to_gcrf
 from opml.interop.ephemeris import Ephemeris
@@ -29,21 +29,14 @@ _SLOWEST = 8.0  # more than the speed in a descent [km/s]
 _MINUTE = 60.0
 
 
-@dataclass(frozen=True, eq=False)
-class Sgp4Orbit:
-    """Mean elements as SGP4 propagates them."""
+def states_in_teme(one: KnownSet, t: np.ndarray) -> np.ndarray:
+    """Return states (n, 6) of a set by SGP4 in TEME [km, km/s] at times (n,) [s], NaN where it fails.
 
-    t: float  # epoch of the elements [s since that of the looks]
-    satellite: Satrec  # the elements
-
-    def states(self, t: np.ndarray) -> np.ndarray:
-        """Return states (n, 6) in TEME [km, km/s] at times (n,) [s], NaN where SGP4 fails.
-
-        Velocities that may not lead from one position to the next are NaN, too.
-        """
-        states = np.hstack(propagate(self.satellite, (t - self.t) / _MINUTE))
-        states[~(np.linalg.norm(states[:, :3], axis=1) > STEEP), 3:] = np.nan
-        return states
+    Velocities that may not lead from one position to the next are NaN, too.
+    """
+    states = np.hstack(propagate(one.satellite, (t - one.t) / _MINUTE))
+    states[~(np.linalg.norm(states[:, :3], axis=1) > STEEP), 3:] = np.nan
+    return states
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,26 +57,26 @@ class Looks:
         vectors = np.einsum("nji,nkj->nki", turns, path.at(t).reshape(-1, 2, 3))
         return cls(t, 1e-3 * vectors.reshape(-1, 6))
 
-    def may_meet(self, other: Sgp4Orbit, within: float) -> bool:
+    def may_meet(self, other: KnownSet, within: float) -> bool:
         """Return whether another object may come within a distance [m]; True where SGP4 fails."""
         near = self._near(other, np.arange(0, len(self.t), _CLOSER), 0.5 * _CLOSER, within)
         closer = near[:, None] + np.arange(-_CLOSER // 2, _CLOSER // 2 + 1)
         closer = np.unique(np.clip(closer, 0, len(self.t) - 1)) if len(near) else near
         return bool(len(self._near(other, closer, 0.5, within)))
 
-    def _near(self, other: Sgp4Orbit, looks: np.ndarray, reach: float, within: float) -> np.ndarray:
+    def _near(self, other: KnownSet, looks: np.ndarray, reach: float, within: float) -> np.ndarray:
         """Return those looks about which another object may be near.
 
         reach: of a look, in steps between the closer looks
         """
         if not len(looks):
             return looks
-        relative = other.states(self.t[looks]) - self.states[looks]
+        relative = states_in_teme(other, self.t[looks]) - self.states[looks]
         return looks[may_be_near(relative, reach * (self.t[1] - self.t[0]), within)]
 
 
 def near_pairs(
-    orbits: Sequence[tuple[Sgp4Orbit, Span]], span: Span, within: float
+    orbits: Sequence[tuple[KnownSet, Span]], span: Span, within: float
 ) -> Iterator[tuple[float, float, np.ndarray]]:
     """Yield begin and end of parts of a span [s] and the pairs (n, 2) of orbits that may meet in each.
 
@@ -98,7 +91,7 @@ def near_pairs(
     for first in range(0, len(looks), _AT_ONCE):
         t = looks[first : first + _AT_ONCE]
         known = [np.clip(t, *life) for _, life in orbits]
-        states = np.array([orbit.states(at) for (orbit, _), at in zip(orbits, known, strict=True)])
+        states = np.array([states_in_teme(orbit, at) for (orbit, _), at in zip(orbits, known, strict=True)])
         early = np.abs(known - t)
         states[early > half] = np.nan
         states[early > 0.0, 3:] = np.nan

@@ -11,7 +11,7 @@ from opml.base.constants import DAY, WGS84_A
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.conjunctions import approaches
-from opml.conjunctions.sieve import STEEP, Looks, Sgp4Orbit, Span
+from opml.conjunctions.sieve import STEEP, Looks, Span, states_in_teme
 from opml.interop.element_sets import known_sets, mean_elements, sgp4_errors
 from opml.interop.element_sets.burns_in_sets import KnownSet
 from opml.interop.element_sets.element_set import ElementSet
@@ -60,20 +60,18 @@ class PropagatedElements:
         return max(self.known_set.t, self.known_set.made)
 
     @cached_property
-    def orbit(self) -> Sgp4Orbit:
-        """The elements as SGP4 propagates them."""
-        return Sgp4Orbit(self.known_set.t, self.known_set.satellite)
-
-    @cached_property
     def life(self) -> Span | None:
         """First and last state about the span [s], every minute; None: too old, or decayed before.
 
         SGP4 may go on after a failure or below the ground, for an object that has decayed.
         """
-        epoch, most = self.orbit.t, DAY * MOST_DAYS
+        epoch, most = self.known_set.t, DAY * MOST_DAYS
         begin, end = max(self.span[0], epoch - most), min(self.span[1] + approaches.STEP, epoch + most)
         t = np.arange(min(begin, epoch), max(end, epoch), approaches.STEP)
-        heights, before = np.linalg.norm(self.orbit.states(t)[:, :3], axis=1), np.searchsorted(t, epoch)
+        heights, before = (
+            np.linalg.norm(states_in_teme(self.known_set, t)[:, :3], axis=1),
+            np.searchsorted(t, epoch),
+        )
         decayed = ~(heights > _LOWEST)
         first, last = np.flatnonzero(decayed[:before]), before + np.flatnonzero(decayed[before:])
         t = t[first[-1] + 1 if len(first) else 0 : last[0] if len(last) else len(t)]
@@ -85,8 +83,8 @@ class PropagatedElements:
 
         looks: at ours
         """
-        oldest = max(float(np.abs(one.t[[0, -1]] - self.orbit.t).max()) for one in looks)
-        return oldest > DAY * MOST_DAYS or any(one.may_meet(self.orbit, within) for one in looks)
+        oldest = max(float(np.abs(one.t[[0, -1]] - self.known_set.t).max()) for one in looks)
+        return oldest > DAY * MOST_DAYS or any(one.may_meet(self.known_set, within) for one in looks)
 
     def trajectories(self) -> list[Ephemeris]:
         """Return the trajectory through all states of the life, none where these are too few."""
@@ -105,15 +103,15 @@ class PropagatedElements:
     def _through(self, t: np.ndarray) -> list[Ephemeris]:
         if len(t) < FEWEST:
             return []
-        states = mean_elements.states(self.orbit.satellite, epoch=EPOCH, t=t)
+        states = mean_elements.states(self.known_set.satellite, epoch=EPOCH, t=t)
         path = Ephemeris(self.identity.name, t, _led(t, states))
         path.check()
         return [self._with_usual_errors(path)]
 
     def _with_usual_errors(self, path: Ephemeris) -> Ephemeris:
         """Return the trajectory with the covariances that sets of such orbits usually have, or none."""
-        satellite = self.orbit.satellite
-        days = (path.t - self.orbit.t) / DAY
+        satellite = self.known_set.satellite
+        days = (path.t - self.known_set.t) / DAY
         rows = np.flatnonzero(np.abs(days) <= sgp4_errors.LONGEST)[::_SPARSE]
         if not (len(rows) and sgp4_errors.are_known(satellite)):
             return path

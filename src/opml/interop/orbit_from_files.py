@@ -28,7 +28,6 @@ class OrbitFiles:
     epoch: str  # of the run, UTC text
     duration: float  # of the run [s]
     satellite: str | None = None  # name or id in the files; None: the files have only one
-    positions_alone: bool = False  # whether velocities are passed over, as where they are in another unit
 
 
 def read_arcs(files: OrbitFiles) -> list[Arc]:
@@ -62,8 +61,6 @@ def arcs_of_files(files: OrbitFiles) -> list[Arc]:
             raise InputError(f"{path}: expected {first.name}, as {files.paths[0]}, got {own.name}")
         arcs += formats.read(path, content, formats.ORBIT, epoch=files.epoch, satellite=files.satellite)
     check_together(arcs)
-    if files.positions_alone:
-        arcs = [arc.without_velocities() for arc in arcs]
     return sorted(arcs, key=lambda arc: float(arc.t[0]))
 
 

@@ -61,17 +61,12 @@ def check_data(source: Source, settings: Settings) -> None:
     """
     _check_paths(source, settings)
     source_coverage.check(settings.run, is_measured=bool(settings.measured))
-    run, alone = settings.run, settings.run.positions_alone
-    for name in alone:
-        if name not in settings.orbits:
-            raise source.wrong(("positions_alone",), f"expected RSOs that have orbits, got {name}")
+    run = settings.run
     for name, paths in settings.orbits.items():
         with source.naming(("orbits", name)):
             sheets.parse_rso(name, settings.rsos)
             duration = DAY * run.duration_days
-            orbit_from_files.read_arcs(
-                orbit_from_files.OrbitFiles(paths, run.epoch, duration, positions_alone=name in alone)
-            )
+            orbit_from_files.read_arcs(orbit_from_files.OrbitFiles(paths, run.epoch, duration))
     if settings.run.day is None:  # every morning looks at the files itself, and leaves out bad ones
         for kind in KINDS:
             _check_measured(source, settings, kind)

@@ -13,6 +13,7 @@ from support import shared
 from opml import cli
 from opml.base.constants import EARTH_GM
 from opml.conjunctions import all_pairs, screening
+from opml.conjunctions.sieve import states_in_teme
 from opml.conjunctions.trajectories import read_elements, span_of_days
 from opml.interop import oem
 from opml.interop.element_sets import element_set, mean_elements, tle
@@ -56,7 +57,7 @@ def looked_at(catalogue):
     begin, end = span = span_of_days(catalogue, DAYS)
     elements = read_elements([catalogue], span)
     t = np.arange(begin, end, STEP)
-    states = np.array([one.orbit.states(t) for one in elements])
+    states = np.array([states_in_teme(one.known_set, t) for one in elements])
     first, second = np.triu_indices(len(elements), 1)
     found = []
     for k, look in enumerate(t):
@@ -108,7 +109,7 @@ def test_one_against_all_misses_nothing(catalogue, looked_at, tmp_path):
     span = span_of_days(catalogue, DAYS)
     (elements,) = (one for one in read_elements([catalogue], span) if one.identity.designator == ours)
     t = np.linspace(*span, 181)
-    states = mean_elements.states(elements.orbit.satellite, epoch=EPOCH, t=t)
+    states = mean_elements.states(elements.known_set.satellite, epoch=EPOCH, t=t)
     oem.write(
         tmp_path / "ours.oem",
         [Ephemeris("ours", t, states, identity=ObjectId.of("ours", ours))],

@@ -1,7 +1,6 @@
 """Real orbits in the truth's place: every format gives the orbit back, and what is broken is told."""
 
 import json
-from dataclasses import replace
 from functools import cache
 
 import erfa
@@ -516,14 +515,3 @@ def test_swarm_between_nodes_is_right_within_two_centimetres():
     missed = np.linalg.norm(bridges.states(t[1:-1:2])[:, :3] - states[1:-1:2, :3], axis=1)
     assert missed.max() < 0.02
     assert np.sqrt(np.mean(missed**2)) < 5e-4
-
-
-def test_velocities_in_another_unit_may_be_passed_over(tmp_path, nodes):
-    """Neither in dm/s, as SP3 has them, nor in m/s, as CNES's orbits of TOPEX."""
-    t, states = nodes(60.0)
-    path = orbit_files.sp3(tmp_path / "orbit.sp3", t, states * np.repeat([1.0, 0.3], 3))
-    files = OrbitFiles([path], EPOCH, DURATION, positions_alone=True)
-    table, _ = truth_from_orbit.truth(files, step=60.0)
-    with pytest.raises(InputError, match="another unit or frame"):
-        truth_from_orbit.truth(replace(files, positions_alone=False), step=60.0)
-    assert len(table) > 200

@@ -92,6 +92,7 @@ _EARLIER = {
     "from": "it is gone: an ephemeris starts from the newest estimate",
     "high_degree": "it is gone: element sets are predicted as by opml predict",
     "honest": "it is study.beyond now",
+    "positions_alone": "it is gone: SP3 velocities in m/s are recognised",
     "pools": "it is gone: opml train learns from many objects",
     "rolling": "it is gone: replays train anew every morning",
     "span_days": "it is study.span_days now",

@@ -208,12 +208,6 @@ class RunAlone(Section):
         see="orbits.md",
         default={},
     )
-    positions_alone: list[RsoName] = setting(
-        "RSOs of whose `orbits` the velocities are passed over, as where they are in another unit",
-        unit="names",
-        see="orbits.md",
-        default=[],
-    )
     tracks: dict[RsoName, PathList] = setting(
         "tracks that were really measured, in place of simulated ones (CCSDS TDM); the RSO's entry may be"
         " its body only",
