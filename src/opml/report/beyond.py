@@ -3,7 +3,7 @@
 P_ML stands with its 5th and 95th percentile over resampled estimates.
 """
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import pandas as pd
@@ -71,11 +71,9 @@ def _transfers(report: BeyondReport, results: Results) -> Iterator[Block]:
             for target in dict.fromkeys(target for _, target in experiments)
         ]
         words = {"train": first.train, "rso": first.rso, "test": first.test, "curve": curve.replace("_", " ")}
-        yield from texts.blocks("beyond.transfers", rows, **words, names=_codes(names))
-
-
-def _codes(names: Iterable[str]) -> str:
-    return texts.across(f"`{name}`" for name in names)
+        yield from texts.blocks(
+            "beyond.transfers", rows, **words, names=texts.across(f"`{name}`" for name in names)
+        )
 
 
 def _by_first(experiments: Mapping[_Key, Experiment]) -> dict[str, dict[Pair, Experiment]]:

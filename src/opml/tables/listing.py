@@ -50,7 +50,9 @@ def comma_separated(frame: pd.DataFrame, file: TextIO | FilePath) -> None:
 
     Texts that a spreadsheet would take for a formula begin with an apostrophe.
     """
-    texts = frame.select_dtypes(["object", "string"]).map(_as_text)
+    texts = frame.select_dtypes(["object", "string"]).map(
+        lambda value: f"'{value}" if isinstance(value, str) and _FORMULA.match(value) else value
+    )
     frame.assign(**texts).to_csv(file, index=False)
 
 
@@ -60,10 +62,6 @@ def write_csv(path: FilePath, file: TextIO) -> None:
     Raises InputError where the table's file is missing or damaged; nothing is written then.
     """
     comma_separated(read_table(path, read_schema(path)), file)
-
-
-def _as_text(value: object) -> object:
-    return f"'{value}" if isinstance(value, str) and _FORMULA.match(value) else value
 
 
 def _cell(value: object) -> str:

@@ -86,17 +86,15 @@ class Forecast:
         Raises InputError where the history is too short.
         """
         _check_length(self.history, similar_days.PAST + 4 * similar_days.APART * members + self.days)
-        today = self.future(past)
-        nearest = self._similar_days.nearest(past, members)
-        return [_shift(today, self._similar_days.sequel(day), self._repeated(day)) for day in nearest]
+        today, history, futures = self.future(past), self.history, []
+        for day in self._similar_days.nearest(past, members):
+            possible = self.future(history.keep_known(history.first + day + 1.0))
+            futures.append(_shift(today, self._similar_days.sequel(day), possible))
+        return futures
 
     @cached_property
     def _similar_days(self) -> SimilarDays:
         return SimilarDays(self.history, self.days, LAGS)
-
-    def _repeated(self, day: int) -> Future:
-        """Return the forecast that was possible on a day of the history."""
-        return self.future(self.history.keep_known(self.history.first + day + 1.0))
 
 
 def check_history(history: Weather, *, days: int) -> None:

@@ -10,7 +10,7 @@ import logging
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import fields, replace
-from functools import lru_cache, partial
+from functools import lru_cache
 from typing import NamedTuple, cast
 
 import numpy as np
@@ -77,16 +77,13 @@ def read_sets(path: FilePath, damaged: list[InputError] | None = None) -> list[E
 def _parsed(path: str, content: bytes) -> tuple[list[ElementSet], list[InputError]]:
     """Return the sets of a file and the errors of those that are damaged; a morning asks for them twice."""
     errors: list[InputError] = []
-    return [*each(enumerate(pieces(path, content)), partial(_set_of_place, path), errors)], errors
+    placed = enumerate(pieces(path, content))
+    return [*each(placed, lambda piece: element_set(path, *piece), errors)], errors
 
 
 def pieces(path: FilePath, content: bytes) -> Iterator[Piece]:
     """Return the parts of a file, one for each set. Raises InputError for a broken notation, and another."""
     return cast("Iterator[Piece]", formats.read(path, content, formats.ELEMENTS))
-
-
-def _set_of_place(path: FilePath, placed: tuple[int, Piece]) -> ElementSet:
-    return element_set(path, *placed)
 
 
 def element_set(path: FilePath, place: int, piece: Piece) -> ElementSet:
