@@ -73,9 +73,9 @@ def test_what_is_taken_from_a_facade_is_its_own(facade):
 
 
 MOST = {
-    "lines of the package": 45_230,
+    "lines of the package": 45_180,
     "lines of tests": 34_740,
-    "classes": 336,
+    "classes": 334,
     "docstrings that begin with what, which, how, where, of": 48,
     "variables called found, one, made, told": 58,
 }
