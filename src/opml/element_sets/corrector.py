@@ -42,8 +42,11 @@ _SVR_ROWS, _SVR_CLIP = 8000, 5.0
 _BLOCK = 28  # days
 _FEWEST_HELD_OUT = 200
 _TRIED = np.linspace(0.0, 1.2, 13)
-_RECENT = 20.0  # days before a morning whose judged errors tell whether sigmas hold
+_MEMORY, _LATELY = 40.0, 3.0  # days before a morning whose judged errors tell whether sigmas hold
 _FEWEST_RECENT = 200
+_SHARE, _POWER = 0.92, 0.75
+"""Quantile of errors, and power of the last days' relative to it, by the log score of spring 2026."""
+
 JUMP = 5.0
 """Distance of a set from those before it, in typical ones, beyond which sigmas are too small.
 
@@ -110,20 +113,32 @@ def widen(rows: pd.DataFrame, found: pd.DataFrame) -> pd.DataFrame:
 
     rows: those of `found`, of several mornings
 
-    Errors of a lead count, of all bands together, whose judge was known on the morning. What the weather does
-    to all objects lasts for weeks: in a storm sigmas of quiet months are too small. None is made smaller.
+    Errors count whose judge was known on the morning, of all bands together: those of a lead over _MEMORY
+    days, and those of a day over _LATELY days relative to these, which show first what all objects miss. No
+    sigma is made smaller.
     """
     off = ((rows["error"] - found["correction"]) / (NORMAL * found["sigma"])).abs()
+    known = rows[["lead", "judged"]].assign(off=off).dropna().sort_values("judged")
+    mornings = np.unique(rows["morning"])
+    of_a_day = known[known["lead"] == LEADS[0]]
+    lately = _outermost(of_a_day, mornings, _LATELY) / _outermost(of_a_day, mornings, _MEMORY)
+    lately = np.nan_to_num(lately, nan=1.0) ** _POWER
     factor = pd.Series(1.0, index=rows.index)
-    for _, part in rows[["morning", "judged"]].assign(off=off).groupby(rows["lead"]):
-        judged = part.dropna().sort_values("judged")
-        for morning, members in part.groupby("morning").groups.items():
-            ends = np.array([float(morning) - _RECENT, float(morning)])
-            last = judged["off"].iloc[slice(*judged["judged"].searchsorted(ends, side="right"))]
-            if len(last) >= _FEWEST_RECENT:
-                # Nine in ten are inside where this quantile of errors, in ninety-percent intervals, is 1.
-                factor[members] = max(1.0, float(last.quantile(LEVEL)))
+    for lead, part in rows["morning"].groupby(rows["lead"]):
+        wider = lately * _outermost(known[known["lead"] == lead], mornings, _MEMORY)
+        factor[part.index] = np.fmax(wider, 1.0)[np.searchsorted(mornings, part)]
     return found.assign(sigma=found["sigma"] * factor)
+
+
+def _outermost(known: pd.DataFrame, mornings: np.ndarray, days: float) -> np.ndarray:
+    """Return how many intervals off _SHARE of the errors are at most that were judged in so many days before
+    mornings (n,); NaN where these are few.
+
+    known: errors by the time of their judge
+    """
+    off, judged = known["off"].to_numpy(), known["judged"].to_numpy()
+    spans = np.searchsorted(judged, [mornings - days, mornings], side="right").T
+    return np.array([np.quantile(off[a:b], _SHARE) if b - a >= _FEWEST_RECENT else np.nan for a, b in spans])
 
 
 def jumps(rows: pd.DataFrame) -> pd.Series:

@@ -6,8 +6,8 @@ import pytest
 
 from opml.element_sets import corrector
 
-MORNINGS = 61000.25 + np.arange(40)
-OBJECTS = 60
+MORNINGS = 61000.25 + np.arange(60)
+OBJECTS = 80
 
 
 def rows_and_found(errors, lead=3):
@@ -26,9 +26,9 @@ def sigmas(errors):
 
 def test_errors_outside_widen_sigmas_once_enough_of_them_are_judged():
     found = sigmas(300.0)
-    # 3.5 days on, four mornings have 240 errors that are judged.
-    assert (found.iloc[:7] == 100.0).all(axis=None)
-    np.testing.assert_allclose(found.iloc[7:], 300.0, rtol=0.2)
+    # 3.5 days on, three mornings have 240 errors that are judged.
+    assert (found.iloc[:6] == 100.0).all(axis=None)
+    np.testing.assert_allclose(found.iloc[6:], 300.0, rtol=0.2)
     np.testing.assert_array_equal(found["min"], found["max"])
 
 
@@ -40,9 +40,20 @@ def test_errors_long_ago_and_later_ones_do_not_count():
     storm = np.where(np.arange(len(MORNINGS)) < 10, 300.0, 20.0)
     found = sigmas(storm)["max"]
     assert found.iloc[13] == pytest.approx(300.0, rel=0.2)
-    assert (found.iloc[36:] == 100.0).all()
+    assert (found.iloc[56:] == 100.0).all()
     changed = np.where(np.arange(len(MORNINGS)) < 20, storm, 1e6)
     pd.testing.assert_series_equal(sigmas(changed)["max"].iloc[:20], found.iloc[:20])
+
+
+def test_a_day_of_large_errors_widens_what_is_predicted_for_a_week():
+    """On the morning after: predictions for a week that began with it are judged a week later."""
+    size = np.where(np.arange(len(MORNINGS)) == 50, 400.0, 100.0)
+    day, week = (rows_and_found(size, lead) for lead in (1, 7))
+    rows, found = (pd.concat(parts, ignore_index=True) for parts in zip(day, week, strict=True))
+    sigma = corrector.widen(rows, found)["sigma"][rows["lead"] == 7].groupby(rows["morning"]).max()
+    assert (sigma.iloc[40:52] < 120.0).all()
+    assert (sigma.iloc[52:55] > 140.0).all()
+    assert (sigma.iloc[55:57] < 120.0).all()
 
 
 def test_rows_that_cannot_be_corrected_stay_without():
