@@ -11,7 +11,12 @@ TABLE = Path("docs/tables/board.md")
 BOARD = ROOT / "benchmark" / "board.tsv"
 
 _LEADS = (1, 3, 5, 7)
-_COLUMNS = {**{f"{lead} d [m]": f"{lead} d" for lead in _LEADS}, "95 % at 7 d [m]": "95 % at 7 d"}
+_COLUMNS = {
+    **{f"{lead} d [m]": f"S, {lead} d" for lead in _LEADS},
+    "95 % at 7 d [m]": "95 % of S",
+    "R at 7 d [m]": "R, 7 d",
+    "W at 7 d [m]": "W, 7 d",
+}
 _INSIDE = "inside 90 % at 7 d"
 
 
@@ -26,7 +31,7 @@ def page() -> str:
 
 def _task(task: str, rows: list[dict[str, str]]) -> Iterator[str]:
     numbers = {name: [int(row[name].split()[0]) for row in rows] for name in _COLUMNS}
-    yield f"`{task}`, along-track errors [m]:\n"
+    yield f"`{task}`, errors [m]:\n"
     yield f"| tool | {' | '.join(_COLUMNS.values())} | inside 90 % |"
     yield f"|{' --- |' * (2 + len(_COLUMNS))}"
     for k, row in enumerate(rows):

@@ -2,9 +2,8 @@
 
 A CSV has the columns object, t, time, frame (GCRF or TEME), x, y, z [m], vx, vy, vz [m/s], and where the
 tool knows how sure it is cov_x_x, cov_x_y, cov_x_z, cov_y_y, cov_y_z, cov_z_z [m2]; further columns are
-ignored but for `known`, the UTC time of the newest input. A segment of an OEM begins at t, and its OBJECT_ID
-or OBJECT_NAME is the catalogue number. `about.json`
-in a folder, or `mine.about.json` next to `mine.csv`, may name tool, command and runtime_s.
+ignored. A segment of an OEM begins at t, and its OBJECT_ID or OBJECT_NAME is the catalogue number.
+`about.json` in a folder, or `mine.about.json` next to `mine.csv`, may name tool, command and runtime_s.
 """
 
 import csv
@@ -43,12 +42,10 @@ class Answers:
     """Answers to the questions of a task.
 
     covariances: (questions, 3, 3) of positions in RSW of the states [m2], NaN without one
-    known: (questions,) when the newest input was known [s since EPOCH], NaN where not stated
     """
 
     states: np.ndarray  # (questions, 6) in GCRF [m, m/s], NaN without an answer
     covariances: np.ndarray
-    known: np.ndarray
     stray: list[str]  # answers to no question, a line each
     about: dict[str, Any]  # contents of `about.json`
     digest: str  # SHA-256 of the files
@@ -60,7 +57,7 @@ class Answers:
 
     def among(self, rows: np.ndarray) -> "Answers":
         """Return the answers to some of the questions."""
-        kept = {name: getattr(self, name)[rows] for name in ("states", "covariances", "known")}
+        kept = {name: getattr(self, name)[rows] for name in ("states", "covariances")}
         return replace(self, **kept)
 
 
@@ -76,7 +73,7 @@ def read(path: FilePath, task: BenchmarkTask) -> Answers:
     about = _read_about(about_file(Path(path)))
     digests = "".join(tasks.digest(file) for file in files)
     digest = digests if len(files) == 1 else hashlib.sha256(digests.encode()).hexdigest()
-    return Answers(questions.states, questions.covariances, questions.known, questions.stray, about, digest)
+    return Answers(questions.states, questions.covariances, questions.stray, about, digest)
 
 
 def about_file(path: Path) -> Path:
@@ -110,7 +107,6 @@ class _Questions:
         self.t, self.time = (tasks.seconds(questions[name].tolist(), source) for name in ("t", "time"))
         self.states = np.full((len(questions), 6), np.nan)
         self.covariances = np.full((len(questions), 3, 3), np.nan)
-        self.known = np.full(len(questions), np.nan)
         self.stray: list[str] = []
         self._places: dict[tuple[int, int], list[int]] = {}
         for place, (number, t) in enumerate(zip(questions["object"], self.t, strict=True)):
@@ -189,7 +185,6 @@ def _read_csv(path: Path, questions: _Questions) -> None:
             covariance = _covariance(path, line, row, turns[k], turned)
         if place is not None:
             questions.put([place], turned[None], covariance[None], f"line {line}", path)
-            questions.known[place] = _seconds(path, line, row["known"]) if row.get("known") else np.nan
 
 
 def _rows(path: Path) -> Iterator[tuple[int, dict[str, str]]]:

@@ -16,7 +16,6 @@ import pandas as pd
 from sgp4.api import Satrec
 
 from opml import __version__
-from opml.base import epochs
 from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.files import FilePath, check_distinct_files, replacing, suffix_of
@@ -27,28 +26,18 @@ from opml.benchmark.tasks import BenchmarkTask
 from opml.element_sets import corrector, improve, set_errors, weighting
 from opml.element_sets import trained_model as models
 from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day
-from opml.element_sets.features import FEATURES
 from opml.element_sets.prediction import PublicMorning
 from opml.element_sets.trained_model import CatalogueModel
 from opml.element_sets.weighting import DENSITY, UNCHANGED, Candidates
-from opml.interop.element_sets import element_fits, known_sets, mean_elements, sgp4_errors
-from opml.interop.element_sets.element_set import changed, elements_epoch, propagate, seconds_since
+from opml.interop.element_sets import known_sets, mean_elements, sgp4_errors
+from opml.interop.element_sets.element_set import changed, seconds_since
 from opml.interop.predicted_orbit import LEADS
-from opml.learning.models import svr
-from opml.learning.models.training_inputs import Training
 from opml.orbits.elements import rsw_rotation
 
 _UNLEARNED = (UNCHANGED, DENSITY)
-_SETS_OF_FIT, _DAYS_OF_FIT, _POINTS = 6, 5.0, 12
-_SVR = svr.SvrSettings(
-    kind=svr.KIND, kernel_scale=float(np.sqrt(2.0 * len(FEATURES))), c=1.0, epsilon=0.1, tol=1e-3
-)
-_FEWEST = 40  # rows of a lead below which nothing is learned
-
 _MORNINGS = 20
 """Mornings before t that are replayed; the weather and the histories of frozen tasks reach for few more."""
 
-_SEED = 1
 _UPPER = np.triu_indices(3)
 
 
@@ -95,59 +84,18 @@ def _by_weight(morning: Morning, tried: Candidates) -> pd.DataFrame:
     return correction[["correction", "sigma"]].reindex(rows.index)
 
 
-Regression = Callable[[np.ndarray, np.ndarray], Callable[[np.ndarray], np.ndarray]]
-"""Learns from variables (n, m) and targets (n,); returns what predicts."""
-
-
-def _support_vectors(x: np.ndarray, y: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
-    return svr.fit(Training(x, y, FEATURES, _SEED), _SVR).predict
-
-
-def _trees(x: np.ndarray, y: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
-    from sklearn.ensemble import HistGradientBoostingRegressor  # imported only to train: it takes a second
-
-    machine = HistGradientBoostingRegressor(max_iter=100, early_stopping=False, random_state=_SEED)
-    return machine.fit(x, y).predict
-
-
-def _learned(learner: Regression) -> Correction:
-    """Return the correction that is learned from SGP4's errors on the mornings before t, by lead."""
-
-    def correct(morning: Morning) -> pd.DataFrame:
-        rows = morning.rows
-        half = corrector.drawn_halves(rows["number"].to_numpy(), "half of a task", seed=_SEED)
-        seen = (rows["is_fit"] & np.isfinite(rows["error"]) & ~morning.is_now).to_numpy()
-        x, y = rows[list(FEATURES)].to_numpy(), (rows["error"] / rows["scale"]).to_numpy()
-        corrections = np.zeros(len(rows))
-        for lead in set_errors.LEADS:
-            own = (rows["lead"] == lead).to_numpy()
-            for part in (0, 1):  # an object is corrected by a model trained on others
-                training, wanted = (
-                    own & seen & (half != part),
-                    own & rows["is_fit"].to_numpy() & (half == part),
-                )
-                if np.count_nonzero(training) >= _FEWEST and wanted.any():
-                    corrections[wanted] = learner(x[training], y[training])(x[wanted])
-        return _by_past(morning, pd.Series(corrections, rows.index) * rows["scale"])
-
-    return correct
-
-
 CORRECTIONS: Mapping[str, Correction] = {
     "sgp4": lambda morning: _by_past(morning, 0.0 * morning.rows["density"]),
     "density": lambda morning: _by_past(morning, morning.rows["density"]),
     # As `opml improve` does: by what left least of an object's own predictions.
     "improve": lambda morning: _by_weight(morning, _candidates(morning)),
     "learned": _pretrained,
-    "svr": _learned(_support_vectors),
-    "trees": _learned(_trees),
 }
 """Corrections of the newest sets, by name."""
 
-FIT = "fit"  # the baseline that fits a new set to the last ones
 PREDICT = "predict"  # the baseline of `opml predict`
 
-BASELINES = (PREDICT, *CORRECTIONS, FIT)
+BASELINES = (PREDICT, *CORRECTIONS)
 
 
 def _check_written(path: FilePath, task: BenchmarkTask, trained: FilePath | None) -> None:
@@ -175,6 +123,8 @@ def write(
         raise InputError(f"{task.name}: expected a task of element sets, got tracks: benchmark/track_fits.py")
     lines: list[list[str]] = []
     model, first = models.read(trained), process_time()
+    if hindsight := model.hindsight(task.questions["t"].min()):
+        progress(hindsight)
     for t, questions in task.questions.groupby("t", sort=True):
         begin = process_time()
         if baseline == PREDICT:
@@ -188,6 +138,7 @@ def write(
         "tool": f"opml {__version__}: {baseline}",
         "command": f"opml answer {task.name} {baseline}{f' --model {Path(trained).name}' if trained else ''}",
         "runtime_s": round(process_time() - first, 1),
+        "hindsight": hindsight,
     }
     with replacing(about_file(Path(path))) as temporary:
         temporary.write_text(json.dumps(about, indent=1) + "\n", encoding="utf-8")
@@ -226,10 +177,10 @@ def _answers(
     today = modified_julian_day(t)
     rows = improve.replayed(known, model, np.arange(-_MORNINGS, 1) + today)
     morning = Morning(known, model, rows, (rows["morning"] == today).to_numpy())
-    correction = CORRECTIONS["sgp4" if baseline == FIT else baseline](morning)
+    correction = CORRECTIONS[baseline](morning)
     now = rows.loc[morning.is_now, ["number", "lead", "tau", "response"]].join(correction)
     newest = improve.newest_sets(known.catalogue)
-    satellites = _fitted(known.catalogue) if baseline == FIT else _corrected(known.catalogue, newest, now)
+    satellites = _corrected(known.catalogue, newest, now)
     sigmas = now.set_index(["number", "lead"])["sigma"].to_dict()
     return [
         [str(number), t, when, "GCRF", *_state(satellites[number], when, sigmas.get((number, lead)))]
@@ -245,34 +196,6 @@ def _corrected(catalogue: ElementCatalogue, newest: pd.DataFrame, now: pd.DataFr
         int(number): changed(catalogue.satellites[row], *map(float, better.loc[number]))
         for row, number in last["number"].items()
     }
-
-
-def _fitted(catalogue: ElementCatalogue) -> dict[int, Satrec]:
-    """Return for each object the set that is nearest to its last ones, each over the day before its epoch."""
-    return {
-        int(number): _fit([catalogue.satellites[row] for row in part.index[-_SETS_OF_FIT:]])
-        for number, part in catalogue.table.groupby("number")
-    }
-
-
-def _fit(sets: list[Satrec]) -> Satrec:
-    newest = sets[-1]
-    epoch = elements_epoch(newest)
-    times, positions = [], []
-    for one in sets:
-        age = one.jdsatepoch - newest.jdsatepoch + one.jdsatepochF - newest.jdsatepochF
-        if age >= -_DAYS_OF_FIT:
-            minutes = np.linspace(-1.0, 0.0, _POINTS) * 1440.0
-            leap = epochs.leap_seconds(*(each.jdsatepoch - epochs.MJD_ZERO for each in (newest, one)))
-            times.append(age * DAY + leap + minutes * 60.0)
-            positions.append(propagate(one, minutes)[0])
-    t, points = np.concatenate(times), np.concatenate(positions)
-    order = np.argsort(t, kind="stable")
-    _, r, v = newest.sgp4_tsince(0.0)
-    try:
-        return element_fits.fit(t[order], points[order], at=0.0, known=np.array([*r, *v]), epoch=epoch)
-    except InputError:
-        return newest
 
 
 def _state(satellite: Satrec, time: str, sigma: float | None) -> list[str]:

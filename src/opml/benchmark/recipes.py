@@ -1,10 +1,10 @@
-"""Recipes: how a task is made from public element sets, weather and forecasts.
+"""Recipes: how a task is made from public element sets, or orbits, and the weather.
 
 Objects fall into groups by their number. A morning asks for one group, so that an object's next history
 begins after the last question about it: no file of a task holds the answer to a question.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from datetime import date
 from pathlib import Path
 from typing import Any
@@ -18,8 +18,9 @@ from opml.base.section import Section
 from opml.base.seeds import derive
 from opml.base.setting_types import Count, NotNegative, Text
 from opml.base.yaml_files import read_yaml
-from opml.benchmark import task_folders, tasks, track_recipes
-from opml.benchmark.task_folders import Content, Facts, Folders, Question, WeatherSources, utc_text
+from opml.benchmark import set_truths, task_folders, tasks, track_recipes
+from opml.benchmark.set_truths import Judge
+from opml.benchmark.task_folders import Content, Facts, Folders, Question, utc_text
 from opml.benchmark.track_recipes import TrackRecipe
 from opml.element_sets import catalogue as catalogues
 from opml.element_sets import set_errors
@@ -27,6 +28,7 @@ from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day
 from opml.element_sets.training import HOUR_OF_MORNING
 from opml.environment import known_weather
 from opml.environment.solar_activity import OBSERVED
+from opml.fetch.pinned_files import PinnedFiles
 from opml.interop import ccsds
 from opml.interop.element_sets import mean_elements, tle
 from opml.interop.element_sets.element_set import seconds_since
@@ -39,6 +41,7 @@ class Recipe(Section):
     """A recipe of a task.
 
     first, last: dates of the mornings that ask, one every so many days
+    source: files that it is made from, None: the user's own
     """
 
     name: Text
@@ -49,7 +52,8 @@ class Recipe(Section):
     groups: Count  # of objects, each in turn
     history_days: Count  # days of sets before a morning
     latency_hours: NotNegative = 6.0  # from epoch to publication of sets without a creation date
-    digest: str = ""  # SHA-256 of SHA256SUMS, '' before the task is frozen
+    digest: str = ""  # of questions and inputs, as `task_folders` has it, '' before the task is frozen
+    source: PinnedFiles | None = None
 
     @property
     def mornings(self) -> np.ndarray:
@@ -75,28 +79,47 @@ def read(path: FilePath) -> Recipe | TrackRecipe:
 
 
 def make(
-    recipe: Recipe | TrackRecipe, orbits: Iterable[FilePath], folders: Folders, known: WeatherSources
+    recipe: Recipe | TrackRecipe,
+    orbits: Sequence[FilePath],
+    folders: Folders,
+    weather: str | Path = OBSERVED,
+    judge: Judge = set_truths.inside,
 ) -> int:
     """Make the folders of a task and of its truth; return the number of questions.
 
-    orbits: files and folders of TLEs, or of precise orbits
+    orbits: files and folders of TLEs, or of precise orbits; none: those of the recipe's source
+    weather: OBSERVED, the packaged weather, or a CSSI file; judge: gives the truth of element sets
 
     A task whose mornings have no later sets yet is hidden: `make_truth` makes its truth once they are there.
     Raises InputError for unreadable files, without a question, and where the task is not the frozen one.
     """
     folders.check_free()
+    paths = orbits or _fetched(recipe)
     if isinstance(recipe, TrackRecipe):
-        return track_recipes.make(recipe, orbits, folders, known)
-    catalogue = catalogues.read(orbits, latency=recipe.latency_hours / 24.0)
+        return track_recipes.make(recipe, paths, folders, weather)
+    catalogue = catalogues.read(paths, latency=recipe.latency_hours / 24.0)
     rows, judges = _questioned(recipe, catalogue)
-    questions, states = _questions(catalogue, rows, judges)
+    truth = pd.DataFrame()
+    if len(judges):
+        truth = judge(catalogue.take(judges), weather)
+        known = np.isfinite(truth).all(axis=1).to_numpy()
+        if not known.any():
+            raise InputError(f"{recipe.name}: expected later sets with an orbit inside, got none")
+        rows, judges, truth = rows[known], judges[known], truth[known]
+    questions = _questions(catalogue, rows, judges)
     mornings = {utc_text(float(morning)): part for morning, part in rows.groupby("morning")}
 
     def fill(t: str, place: Path) -> None:
         _write_sets(place / "sets.tle", recipe, catalogue, mornings[t])
 
     facts = Facts(recipe.name, recipe.title, recipe.latency_hours, recipe.digest)
-    return task_folders.freeze(facts, Content(questions, states, fill), known, folders)
+    return task_folders.freeze(facts, Content(questions, truth, fill), weather, folders)
+
+
+def _fetched(recipe: Recipe | TrackRecipe) -> list[Path]:
+    if recipe.source is None:
+        raise InputError(f"{recipe.name}: expected files to make it from, as its recipe has no source")
+    return recipe.source.fetch()
 
 
 def make_truth(folders: Folders, sets: Iterable[FilePath]) -> int:
@@ -123,22 +146,24 @@ def make_truth(folders: Folders, sets: Iterable[FilePath]) -> int:
         raise InputError(f"{task.name}: expected sets within half a day of the questions, got none")
     questions = list(task.questions[judged].itertuples(index=False, name=None))
     with replacing_folder(folders.truth) as new:
-        task_folders.write_truth(new, questions, list(states[judged]), known_weather.read(OBSERVED))
+        truth = pd.DataFrame(states[judged], columns=[*tasks.STATE])
+        task_folders.write_truth(new, questions, truth, known_weather.read(OBSERVED))
     return len(questions)
 
 
 def _questioned(recipe: Recipe, catalogue: ElementCatalogue) -> tuple[pd.DataFrame, np.ndarray]:
-    """Return the rows of pairs of the questions, and the sets (rows,) that judge them."""
+    """Return the rows of pairs of the questions, and the sets (rows,) that judge them, none if hidden."""
     mornings = recipe.mornings
     rows, judges = set_errors.find(catalogue, mornings)
     turn = np.searchsorted(mornings, rows["morning"].to_numpy()) % recipe.groups
     chosen = turn == _group(rows["number"].to_numpy(), recipe.groups)
-    if (judges >= 0).any():
+    is_hidden = not (judges >= 0).any()
+    if not is_hidden:
         chosen &= judges >= 0
     if not chosen.any():
         raise InputError(f"{recipe.name}: expected sets from {recipe.first} on with later ones, got none")
     order = rows[chosen].sort_values(["morning", "number", "lead"], kind="stable").index
-    return rows.loc[order].reset_index(drop=True), judges[order]
+    return rows.loc[order].reset_index(drop=True), judges[order][: 0 if is_hidden else None]
 
 
 def _group(numbers: np.ndarray, groups: int) -> np.ndarray:
@@ -148,22 +173,17 @@ def _group(numbers: np.ndarray, groups: int) -> np.ndarray:
     return np.array(drawn, dtype=int)[place]
 
 
-def _questions(
-    catalogue: ElementCatalogue, rows: pd.DataFrame, judges: np.ndarray
-) -> tuple[list[Question], list[np.ndarray]]:
-    """Return the questions and true GCRF states, none if hidden: of the sets that judge, at their epochs."""
-    questions: list[Question] = []
-    states = []
-    for (number, morning, lead), judge in zip(
-        rows[["number", "morning", "lead"]].itertuples(index=False), judges, strict=True
-    ):
-        time = utc_text(float(morning + lead))
-        if judge >= 0:
-            satellite = catalogue.satellites[judge]
-            (time,) = ccsds.utc_texts(tasks.EPOCH, seconds_since(tasks.EPOCH, [satellite]))
-            states.append(mean_elements.state(satellite, epoch=time))
-        questions.append((int(number), utc_text(float(morning)), int(lead), time))
-    return questions, states
+def _questions(catalogue: ElementCatalogue, rows: pd.DataFrame, judges: np.ndarray) -> list[Question]:
+    """Return the questions, about the epochs of the sets that judge; if hidden, about whole days after t."""
+    times = [utc_text(float(at)) for at in rows["morning"] + rows["lead"]]
+    if len(judges):
+        epochs = seconds_since(tasks.EPOCH, [catalogue.satellites[judge] for judge in judges])
+        times = ccsds.utc_texts(tasks.EPOCH, epochs)
+    columns = rows[["number", "morning", "lead"]].itertuples(index=False)
+    return [
+        (int(number), utc_text(float(morning)), int(lead), time)
+        for (number, morning, lead), time in zip(columns, times, strict=True)
+    ]
 
 
 def _write_sets(path: Path, recipe: Recipe, catalogue: ElementCatalogue, rows: pd.DataFrame) -> None:

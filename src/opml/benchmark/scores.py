@@ -14,10 +14,9 @@ from scipy.special import ndtr
 from opml.base.constants import WGS84_A
 from opml.base.seeds import derive
 from opml.benchmark.answers import Answers
-from opml.benchmark.tasks import BenchmarkTask
+from opml.benchmark.tasks import SIGMAS, STATE, BenchmarkTask
 from opml.element_sets import corrector, corrector_scores
 from opml.element_sets.catalogue import modified_julian_day
-from opml.element_sets.features import BANDS
 from opml.orbits.elements import bent_rsw
 from opml.orbits.rsw_covariance import half_width
 
@@ -31,21 +30,22 @@ _SEED = 1
 _INTERVAL = (2.5, 97.5)
 
 
-def errors(task: BenchmarkTask, answers: Answers, truth: np.ndarray) -> pd.DataFrame:
+def errors(task: BenchmarkTask, answers: Answers, truth: pd.DataFrame) -> pd.DataFrame:
     """Return the errors of what was answered: number, morning (modified Julian day), lead [d], height,
-    r, s, w and sigma_r, sigma_s, sigma_w [m], NaN without a covariance.
+    r, s, w and sigma_r, sigma_s, sigma_w [m], NaN without a covariance; the truth's are part of them.
 
-    truth: GCRF states (questions, 6) [m, m/s]
+    truth: of `tasks.read_truth`
     """
     answered = answers.is_answered
-    questions = task.questions[answered]
-    bent = bent_rsw(answers.states[answered, :3], truth[answered])
-    sigmas = np.sqrt(np.diagonal(answers.covariances[answered], axis1=1, axis2=2))
+    questions, true = task.questions[answered], truth[[*STATE]].to_numpy()[answered]
+    bent = bent_rsw(answers.states[answered, :3], true)
+    variances = np.diagonal(answers.covariances[answered], axis1=1, axis2=2)
+    sigmas = np.sqrt(variances + truth[[*SIGMAS]].fillna(0.0).to_numpy()[answered] ** 2)
     mornings = {t: modified_julian_day(t) for t in questions["t"].unique()}
     table = pd.DataFrame(
         {"number": questions["object"], "morning": questions["t"].map(mornings), "lead": questions["lead"]}
     )
-    table["height"] = np.linalg.norm(truth[answered, :3], axis=1) - WGS84_A
+    table["height"] = np.linalg.norm(true[:, :3], axis=1) - WGS84_A
     for k, axis in enumerate("rsw"):
         table[axis], table[f"sigma_{axis}"] = bent[:, k], sigmas[:, k]
     return table
@@ -83,31 +83,20 @@ def scores(task: BenchmarkTask, table: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def by_height(table: pd.DataFrame) -> pd.DataFrame:
-    """Return what `_of_axis` has along the track by band (its lower edge [m], 0 below all) and lead.
-
-    table: of `errors`
-    """
-    edges = np.append(0.0, BANDS)
-    return _by(edges[np.searchsorted(edges, table["height"], side="right") - 1], table, "from")
-
-
 def by_weather(table: pd.DataFrame) -> pd.DataFrame:
-    """Return the same by weeks, quiet, stormy, or other: of unknown weather; nothing where all are.
+    """Return what `_of_axis` has along the track by lead and weeks, quiet, stormy, or other: of unknown
+    weather; nothing where all are.
 
     table: of `errors`, with highest_ap of the week after the morning
     """
     highest = table["highest_ap"].to_numpy(float)
     weeks = np.select([highest >= STORM, highest < STORM], ["stormy", "quiet"], "other")
-    return _by(weeks, table, "weeks") if np.isfinite(highest).any() else _by(weeks[:0], table[:0], "weeks")
-
-
-def _by(parts: np.ndarray, table: pd.DataFrame, name: str) -> pd.DataFrame:
+    known = table if np.isfinite(highest).any() else table[:0]
     rows = [
-        {name: of, "lead": lead, "answers": len(part), **_of_axis(part, "s")}
-        for (of, lead), part in table.groupby([parts, table["lead"].to_numpy()])
+        {"weeks": of, "lead": lead, "answers": len(part), **_of_axis(part, "s")}
+        for (of, lead), part in known.groupby([weeks[: len(known)], known["lead"].to_numpy()])
     ]
-    return pd.DataFrame(rows, columns=None if rows else [name, "lead", "answers", "median"])
+    return pd.DataFrame(rows, columns=None if rows else ["weeks", "lead", "answers", "median"])
 
 
 def _of_axis(part: pd.DataFrame, axis: str) -> dict[str, float]:

@@ -1,5 +1,6 @@
 """The folders of a task and of its truth: the part common to all kinds of recipes, digests last."""
 
+import hashlib
 import json
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
@@ -23,28 +24,16 @@ from opml.environment.weather import MEAN_DAYS, Weather
 
 _WEATHER_DAYS = 200
 _WEEK = 7  # days after t whose storms count
-_ISSUED = "issued"
 
 
 @dataclass(frozen=True)
 class Facts:
-    """Facts about a task; digest: SHA-256 of SHA256SUMS, '' before the task is frozen."""
+    """Facts about a task; digest: of its questions and inputs, '' before it is frozen."""
 
     name: str
     title: str
     latency_hours: float
     digest: str
-
-
-@dataclass(frozen=True)
-class WeatherSources:
-    """Sources of a recipe besides orbits.
-
-    forecasts: CSV of forecasts with a column `issued` (UTC), as they were issued; None: the task has none
-    """
-
-    weather: str | Path = "OBSERVED"  # OBSERVED or a CSSI file
-    forecasts: FilePath | None = None
 
 
 @dataclass(frozen=True)
@@ -80,22 +69,23 @@ Question = tuple[int, str, int, str]  # object, t, lead [d] and time, the times 
 class Content:
     """Questions of a task, and their inputs.
 
-    states: true GCRF states (6,) [m, m/s] of the questions; none: the truth is made later
+    truth: columns of tasks.TRUE of the questions; no rows: it is made later
     """
 
     questions: Sequence[Question]
-    states: Sequence[np.ndarray]
+    truth: pd.DataFrame
     fill: Callable[[str, Path], None]  # writes the orbits that were known at t into the folder of its inputs
 
 
-def freeze(facts: Facts, content: Content, known: WeatherSources, folders: Folders) -> int:
+def freeze(facts: Facts, content: Content, weather: str | Path, folders: Folders) -> int:
     """Write the folders of a task and of its truth; return the number of questions.
+
+    weather: OBSERVED, the packaged weather, or a CSSI file
 
     Raises InputError for unreadable weather, one that ends before a morning, and a task that is not the
     frozen one.
     """
-    issued = None if known.forecasts is None else _read_forecasts(known.forecasts)
-    measured, questions = known_weather.read(known.weather), content.questions
+    measured, questions = known_weather.read(weather), content.questions
     with ExitStack() as stack:
         new = stack.enter_context(replacing_folder(folders.task))
         tasks.write_csv(new / tasks.QUESTIONS, tasks.QUESTION, questions)
@@ -105,21 +95,25 @@ def freeze(facts: Facts, content: Content, known: WeatherSources, folders: Folde
             place.mkdir(parents=True)
             content.fill(t, place)
             newest = measured.keep_known(modified_julian_day(t))
-            check_newest(newest, known.weather, date=t, oldest=OLDEST_WEATHER)
+            check_newest(newest, weather, date=t, oldest=OLDEST_WEATHER)
             _write_weather(place / "weather.csv", newest)
-            if issued is not None:
-                _write_forecast(place / "forecast.csv", issued, t)
         digest = tasks.HIDDEN
-        if len(content.states):
+        if len(content.truth):
             truth = stack.enter_context(replacing_folder(folders.truth))
-            digest = write_truth(truth, questions, content.states, measured)
+            digest = write_truth(truth, questions, content.truth, measured)
         _write_task(new, facts, digest)
-        digest_now = tasks.digest(new / tasks.SUMS)
+        digest_now = _digest_of_inputs(new)
         if facts.digest not in ("", digest_now):
             raise InputError(
                 f"{facts.name}: digest: expected {facts.digest}, got {digest_now}: other sources"
             )
     return len(questions)
+
+
+def _digest_of_inputs(folder: Path) -> str:
+    """Return the SHA-256 of the sums of questions and inputs: truths of versions may differ by a metre."""
+    sums = [line for line in tasks.sums_of(folder) if not line.endswith(f"  {tasks.TASK}")]
+    return hashlib.sha256("\n".join(sums).encode()).hexdigest()
 
 
 def check_free(folder: Path, name: str) -> None:
@@ -130,12 +124,11 @@ def check_free(folder: Path, name: str) -> None:
         raise InputError(f"{folder}: expected a new folder, an empty one or one with {name}, got another")
 
 
-def write_truth(
-    folder: Path, questions: Sequence[Question], states: Sequence[np.ndarray], measured: Weather
-) -> str:
+def write_truth(folder: Path, questions: Sequence[Question], truth: pd.DataFrame, measured: Weather) -> str:
     """Write the truth and the storms of the weeks after each t; return the truth's SHA-256."""
-    rows = [(*one, *_rounded(state)) for one, state in zip(questions, states, strict=True)]
-    tasks.write_csv(folder / tasks.TRUTH, (*tasks.QUESTION, *tasks.STATE), rows)
+    cells = truth.to_numpy()
+    rows = [(*one, *_rounded(numbers)) for one, numbers in zip(questions, cells, strict=True)]
+    tasks.write_csv(folder / tasks.TRUTH, (*tasks.QUESTION, *truth.columns), rows)
     weeks = [(t, _strongest(measured, modified_julian_day(t))) for t in sorted({one[1] for one in questions})]
     tasks.write_csv(folder / tasks.WEEKS, ("t", "highest_ap"), weeks)
     return tasks.digest(folder / tasks.TRUTH)
@@ -156,9 +149,13 @@ def utc_text(morning: float) -> str:
     return f"{epochs.calendar(morning)}T{minutes // 60:02d}:{minutes % 60:02d}:00"
 
 
-def _rounded(state: np.ndarray) -> list[str]:
-    """Return a state to a tenth of a millimetre, so that its digest is the same on all machines."""
-    return [f"{value:.4f}" for value in state[:3]] + [f"{value:.7f}" for value in state[3:]]
+def _rounded(numbers: np.ndarray) -> list[str]:
+    """Return a row of a truth with fewer digits than machines agree on, so that its digest is one.
+
+    Those of states that are known to metres have metres.
+    """
+    digits = [4] * 3 + [7] * 3 if len(numbers) == len(tasks.STATE) else [0] * 3 + [3] * 3 + [0] * 6
+    return [f"{value:.{count}f}" for value, count in zip(numbers, digits, strict=True)]
 
 
 def _write_task(folder: Path, facts: Facts, truth_digest: str) -> None:
@@ -188,20 +185,3 @@ def _write_weather(path: Path, known: Weather) -> None:
         figures = [*kp, f"{known.flux[day]:.1f}", "OBS", f"{mean:.1f}"]
         lines.append(",".join([epochs.calendar(known.first + day), *figures]))
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
-
-
-def _read_forecasts(path: FilePath) -> pd.DataFrame:
-    try:
-        table = pd.read_csv(path, dtype=str)
-    except (OSError, ValueError) as reason:
-        raise InputError(f"{path}: expected comma-separated values, got {reason}") from None
-    if _ISSUED not in table:
-        raise InputError(f"{path}: expected a column {_ISSUED}, got {', '.join(table.columns)}")
-    return table
-
-
-def _write_forecast(path: Path, issued: pd.DataFrame, morning: str) -> None:
-    """Write the rows of the newest issue up to a morning, if there is one."""
-    known = issued[issued[_ISSUED].str.rstrip("Z") <= morning]
-    newest = known[known[_ISSUED] == known[_ISSUED].max()]
-    tasks.write_csv(path, [*issued.columns], [*newest.itertuples(index=False, name=None)])

@@ -35,6 +35,12 @@ TRUTH, WEEKS = "truth.csv", "weeks.csv"
 
 QUESTION = ("object", "t", "lead", "time")
 STATE = ("x", "y", "z", "vx", "vy", "vz")
+SIGMAS = ("sigma_r", "sigma_s", "sigma_w")
+OF_SET = ("set_r", "set_s", "set_w")
+
+TRUE = (*STATE, *SIGMAS, *OF_SET)
+"""Columns of a truth: GCRF state [m, m/s], its standard deviations in RSW, and what the later set that it is
+from is off it by itself [m]; the last six are those of element sets."""
 
 _PACKAGED = Path(__file__).parents[1] / "data" / "benchmark"
 
@@ -119,8 +125,8 @@ def _check_sums(folder: Path) -> None:
             raise InputError(f"{file}: expected the file of SHA-256 {expected[:12]}, got another or none")
 
 
-def read_truth(task: BenchmarkTask, folder: FilePath | None) -> np.ndarray:
-    """Return true GCRF states (n, 6) [m, m/s] of a task's questions, NaN where a hidden one has none.
+def read_truth(task: BenchmarkTask, folder: FilePath | None) -> pd.DataFrame:
+    """Return the columns TRUE of a task's questions, states NaN where a hidden one has none.
 
     folder: of the truth; None: that of the package, or next to the task under its name and `-truth`
 
@@ -132,7 +138,7 @@ def read_truth(task: BenchmarkTask, folder: FilePath | None) -> np.ndarray:
     if task.truth_digest not in (HIDDEN, digest(path)):
         raise InputError(f"{path}: expected the truth that {task.name} was frozen with, got another")
     truth = pd.read_csv(path, dtype={"t": str, "time": str})
-    return np.asarray(task.questions.merge(truth, how="left", on=[*QUESTION])[[*STATE]], dtype=float)
+    return task.questions.merge(truth, how="left", on=[*QUESTION]).reindex(columns=[*TRUE]).astype(float)
 
 
 def read_weeks(task: BenchmarkTask, folder: FilePath | None) -> np.ndarray:

@@ -19,11 +19,12 @@ from opml.base.files import FilePath, project_file
 from opml.base.section import Section
 from opml.base.setting_types import Count, NotNegative, Positive, Text
 from opml.benchmark import task_folders, tasks
-from opml.benchmark.task_folders import Content, Facts, Folders, Question, WeatherSources, utc_text
+from opml.benchmark.task_folders import Content, Facts, Folders, Question, utc_text
 from opml.catalog.simulate import tracking
 from opml.element_sets.catalogue import modified_julian_day
 from opml.element_sets.set_errors import LEADS
 from opml.environment import earth_orientation, nodes
+from opml.fetch.pinned_files import PinnedFiles
 from opml.interop import tdm, truth_from_orbit
 from opml.interop.orbit_from_files import OrbitFiles
 from opml.orbits.sheets import read_stations
@@ -53,7 +54,7 @@ class ObservedObject(Section):
 
 
 class TrackRecipe(Section):
-    """A recipe of a task of tracks; seed: of the noise; digest: as of a recipe of element sets."""
+    """A recipe of a task of tracks; seed: of the noise; digest, source: as of a recipe of element sets."""
 
     name: Text
     title: Text
@@ -61,9 +62,10 @@ class TrackRecipe(Section):
     seed: int
     objects: dict[int, ObservedObject]
     digest: str = ""
+    source: PinnedFiles | None = None
 
 
-def make(recipe: TrackRecipe, orbits: Iterable[FilePath], folders: Folders, known: WeatherSources) -> int:
+def make(recipe: TrackRecipe, orbits: Iterable[FilePath], folders: Folders, weather: str | Path) -> int:
     """Make a task as `opml.benchmark.recipes.make` does; orbits: files in SP3, CPF or OEM."""
     files = [Path(path) for path in orbits]
     questions: list[Question] = []
@@ -100,8 +102,9 @@ def make(recipe: TrackRecipe, orbits: Iterable[FilePath], folders: Folders, know
 
     facts = Facts(recipe.name, recipe.title, 0.0, recipe.digest)
     order = sorted(range(len(questions)), key=lambda k: (questions[k][1], questions[k][0], questions[k][2]))
-    content = Content([questions[k] for k in order], [states[k] for k in order], fill)
-    return task_folders.freeze(facts, content, known, folders)
+    truth = pd.DataFrame([states[k] for k in order], columns=[*tasks.STATE])
+    content = Content([questions[k] for k in order], truth, fill)
+    return task_folders.freeze(facts, content, weather, folders)
 
 
 def _measured(

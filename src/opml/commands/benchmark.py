@@ -8,11 +8,12 @@ from opml.base.progress import on_stderr
 
 def add_task(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of `task`."""
-    parser.add_argument("recipe", help="a recipe, as benchmark/elements-maximum.yaml")
-    parser.add_argument("orbits", nargs="+", help="files and folders of TLEs; of tracks {orbit}")
+    parser.add_argument("recipe", help="a recipe, as benchmark/altimetry.yaml")
+    parser.add_argument(
+        "orbits", nargs="*", help="files and folders of TLEs; of tracks {orbit} (the recipe's, fetched)"
+    )
     parser.add_argument("-o", "--output", required=True, help="the task's folder; the truth gets -truth")
     parser.add_argument("--weather", default="OBSERVED", help="space weather, CSSI (that of the package)")
-    parser.add_argument("--forecasts", metavar="FILE", help="weather as forecast: CSV, a column issued")
 
 
 def task(options: argparse.Namespace) -> None:
@@ -20,8 +21,7 @@ def task(options: argparse.Namespace) -> None:
     from opml.benchmark import recipes, task_folders
 
     folders = task_folders.Folders.of(options.output)
-    weather = task_folders.WeatherSources(options.weather, options.forecasts)
-    count = recipes.make(recipes.read(options.recipe), options.orbits, folders, weather)
+    count = recipes.make(recipes.read(options.recipe), options.orbits, folders, options.weather)
     print(f"{options.output}: {count} questions; {folders.truth_in_words}")
 
 
@@ -42,7 +42,7 @@ def truth(options: argparse.Namespace) -> None:
 def add_answer(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of `answer`."""
     parser.add_argument("task", help="a task's folder, or SAMPLE")
-    parser.add_argument("way", help="predict, sgp4, density, improve, learned, svr, trees or fit")
+    parser.add_argument("way", help="predict, sgp4, density, improve or learned")
     parser.add_argument("-o", "--output", required=True, help="the answers, .csv")
     parser.add_argument("--model", help="a model of `opml train` (that of the package)")
 

@@ -86,7 +86,7 @@ class Improved:
 
     def write_table(self, path: FilePath) -> None:
         """Write the table as CSV, JSON or Parquet, by the suffix."""
-        write_as(path, self.table, "improved_sets", metadata={"date": self.date})
+        write_as(path, self.table, "improved_sets", metadata={"date": self.date, "hindsight": self.hindsight})
 
 
 def read(

@@ -14,20 +14,19 @@ from opml.base.files import FilePath, replacing, suffix_of
 from opml.benchmark import scores, suspicions, tasks
 from opml.benchmark.answers import read as read_answers
 from opml.benchmark.scores import AXES, LEVEL, STORM
+from opml.benchmark.tasks import OF_SET, STATE
 from opml.report import texts
 from opml.report.document import Block, as_it_is, html_page, items
 from opml.report.results import NO_VALUE, rounded_cell
 
 SUFFIXES = (".html", ".json", ".tsv")  # forms of a score
 
-_OF_PART = ("median", "p95", "crps", "inside")
-
 
 @dataclass(frozen=True, eq=False)
 class Score:
     """The score of a task's answers.
 
-    scores, by_height, by_weather: of `opml.benchmark.scores`
+    scores, by_weather: of `opml.benchmark.scores`
     """
 
     task: str
@@ -35,8 +34,10 @@ class Score:
     tool: str
     digest: str
     scores: pd.DataFrame
-    by_height: pd.DataFrame
     by_weather: pd.DataFrame
+    of_sets: Mapping[
+        str, float
+    ]  # medians by axis of what later sets are off the truth [m], if it is from sets
     suspicions: Sequence[str]  # a sentence each
     about: Mapping[str, Any]  # tool, command and runtime_s, where stated
 
@@ -47,8 +48,8 @@ class Score:
             "tool": self.tool,
             "answers_sha256": self.digest,
             "scores": _records(self.scores),
-            "by_height": _records(self.by_height),
             "by_weather": _records(self.by_weather),
+            "later_sets_off_the_truth": dict(self.of_sets),
             "suspicions": [*self.suspicions],
             "about": dict(self.about),
         }
@@ -65,9 +66,8 @@ class Score:
             "answered [%]": rounded_cell(float(row["answered"].mean())),
             **medians,
             f"95 % at {lead} d [m]": rounded_cell(last["along_track_p95"]),
-            f"radial, cross at {lead} d [m]": " / ".join(
-                rounded_cell(last[f"{name}_median"]) for name in ("radial", "cross_track")
-            ),
+            f"R at {lead} d [m]": rounded_cell(last["radial_median"]),
+            f"W at {lead} d [m]": rounded_cell(last["cross_track_median"]),
             f"CRPS at {lead} d [m]": rounded_cell(last["along_track_crps"]),
             f"log score at {lead} d": rounded_cell(last["along_track_log_score"], 2),
             f"inside {100 * LEVEL:g} % at {lead} d": _with_interval(last, "along_track_inside"),
@@ -89,7 +89,7 @@ def score(task: FilePath, answers: FilePath, truth: FilePath | None = None) -> S
     frozen = tasks.read(task)
     true = tasks.read_truth(frozen, truth)
     given = read_answers(answers, frozen)
-    judged = np.isfinite(true).all(axis=1)  # a hidden question may have no later set
+    judged = true[[*STATE]].notna().all(axis=1).to_numpy()  # a hidden question may have no later set
     questions, given, true = frozen.among(judged), given.among(judged), true[judged]
     weeks = tasks.read_weeks(frozen, truth)[judged]
     errors = scores.errors(questions, given, true)
@@ -99,9 +99,9 @@ def score(task: FilePath, answers: FilePath, truth: FilePath | None = None) -> S
         str(given.about.get("tool", Path(answers).stem)),
         given.digest,
         scores.scores(questions, errors),
-        scores.by_height(errors),
         scores.by_weather(errors.assign(highest_ap=weeks[given.is_answered])),
-        suspicions.sentences(questions, given, errors, true),
+        true[[*OF_SET]].abs().median().dropna().to_dict(),
+        suspicions.sentences(questions, given, errors, true[[*STATE]].to_numpy()),
         given.about,
     )
 
@@ -139,9 +139,9 @@ def document(score: Score) -> list[Block]:
         "## Findings",
         suspicions_found if score.suspicions else nothing,
         *texts.blocks("benchmark.scores", level=100 * LEVEL),
+        *(texts.blocks("benchmark.truth", **score.of_sets) if score.of_sets else ()),
         *(block for name in AXES.values() for block in _axis_table(score.scores, name)),
-        *_part_table("heights", score.by_height.assign(part=score.by_height["from"] / 1e3)),
-        *_part_table("weather", score.by_weather.assign(part=score.by_weather["weeks"])),
+        *_weeks_table(score.by_weather),
         f"Answers' SHA-256: `{score.digest}`",
     ]
 
@@ -170,14 +170,10 @@ def _with_interval(row: "pd.Series[Any]", key: str) -> str:
     )
 
 
-def _part_table(piece: str, table: pd.DataFrame) -> Iterator[Block]:
-    keys = ("part", "lead", "answers", *_OF_PART)
-    rows = [[_cell(row[key]) for key in keys] for row in table.to_dict("records")]
-    return texts.blocks(f"benchmark.{piece}", rows, storm=STORM)
-
-
-def _cell(value: Any) -> str:
-    return value if isinstance(value, str) else rounded_cell(value)
+def _weeks_table(table: pd.DataFrame) -> Iterator[Block]:
+    keys = ("lead", "answers", "median", "p95", "crps", "inside")
+    rows = [[row["weeks"], *(rounded_cell(row[key]) for key in keys)] for row in table.to_dict("records")]
+    return texts.blocks("benchmark.weather", rows, storm=STORM)
 
 
 def _records(table: pd.DataFrame) -> list[dict[str, Any]]:

@@ -12,7 +12,7 @@ from support import REPOSITORY, refusal, refusals, shared
 
 from opml.base import epochs
 from opml.benchmark import recipes, tasks
-from opml.benchmark.task_folders import Folders, WeatherSources
+from opml.benchmark.task_folders import Folders
 from opml.interop import tdm
 from opml.report import benchmark
 
@@ -114,7 +114,7 @@ def test_orekit_answers_all_that_is_asked(tmp_path):
 def test_what_no_file_answers_is_refused(tmp_path):
     recipe = recipes.read(REPOSITORY / "benchmark" / "sample-tracks.yaml")
     folders = Folders(tmp_path / "task", tmp_path / "truth")
-    told = refusal(recipes.make, recipe, [tmp_path / "other.oem"], folders, WeatherSources())
+    told = refusal(recipes.make, recipe, [tmp_path / "other.oem"], folders)
     assert "sample-tracks: 1: expected files as iss.oem, got none" in told
     assert not list(tmp_path.iterdir())
 
