@@ -37,14 +37,13 @@ def later_errors(errors: pd.DataFrame, *, level: float, note: str = "") -> Figur
         band, bar = (half_width(level) * errors[f"{sigma}_{axis}"] for sigma in ("sigma", "sigma_e"))
         left.plot(days, before, ls="", label="no correction", **_BEFORE)
         left.plot(days, after, ls="", **_AFTER)
-        shown = {"color": RESIDUAL, "lw": 0.0, "label": f"{100.0 * level:g} % by its covariance"}
+        shown = {"color": RESIDUAL, "lw": 0.0, "label": f"its {100.0 * level:g} % interval"}
         right.fill_between(days, -band, band, alpha=0.18, **shown)
-        right.errorbar(
-            days, after, bar, fmt="none", ecolor=MUTED, elinewidth=0.6, label="by the estimate's own"
-        )
+        own = {"ecolor": MUTED, "elinewidth": 0.6, "label": "that of the later estimate"}
+        right.errorbar(days, after, bar, fmt="none", **own)
         right.plot(days, after, ls="", **_AFTER)
         inside = 100.0 * (after.abs() <= np.hypot(band, bar)).mean()
-        right.set_title(f"{inside:.0f} % inside both together", fontsize=8.0, loc="left")
+        right.set_title(f"{inside:.0f} % of errors inside both combined", fontsize=8.0, loc="left")
         left.set_ylabel(f"{name} error")
         for axes in (left, right):
             axes.axhline(0.0, color=MUTED, lw=0.7)
