@@ -94,7 +94,7 @@ def by_orbits(folder: Path, name: str, begin: str, end: str, weather: str) -> Ju
     """
     history = orbit_history.find(_sets_of(folder, name), begin=begin, end=end, weather=weather)
     shift = epochs.seconds_between(EPOCH, history.epoch)
-    found = [Manoeuvre(one.end + shift, one.end + shift) for one in history.burns]
+    found = [Manoeuvre(0.5 * (one.begin + one.end) + shift, one.end + shift) for one in history.burns]
     return judged(found, _published(folder, name), _span(begin, end))
 
 

@@ -68,8 +68,9 @@ class BurnBetweenSets:
 
 
 def _change(earlier: _Passage, later: _Passage) -> BurnBetweenSets:
-    """Return by how much the orbit of a set is another at its epoch than that of the set before."""
-    own, other = (one.path.at(np.array([later.t])) for one in (earlier, later))
+    """Return what the orbit of a set changes against the one before, at its epoch or GAP after that's."""
+    t = np.array([min(later.t, earlier.t + GAP)])
+    own, other = (one.path.at(t) for one in (earlier, later))
     sizes = [
         1.0 / (2.0 / np.linalg.norm(state[:3]) - state[3:] @ state[3:] / EARTH_GM) for state in (*own, *other)
     ]
@@ -207,7 +208,7 @@ def find(
     changes = [_change(*pair) for pair in pairwise(passages)]
     gaps = {k for k, one in enumerate(changes) if one.end - one.begin > GAP}
     large = {k for k, one in enumerate(changes) if _is_burn(one, passages[k].sinking)}
-    burns = [changes[k] for k in sorted((large | between) - gaps)]
+    burns = [changes[k] for k in sorted(between | large - gaps)]
     identity = known_sets.identity(history[-1])
     parts = np.split(np.arange(len(passages)), 1 + np.sort([*(gaps | large | between)]).astype(int))
     segments = [
