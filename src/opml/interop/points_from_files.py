@@ -16,7 +16,6 @@ from opml.base.errors import InputError
 from opml.base.section import Section, absent, setting
 from opml.base.setting_types import Absent, Expected, NotNegative, Positive
 from opml.interop import ccsds
-from opml.interop.curves.orbit_curve import rotate_to_gcrf
 from opml.interop.object_ids import ObjectId
 from opml.interop.orbit_arcs import MOST_APART, Arc
 from opml.interop.orbit_from_files import OrbitFiles, arcs_of_files, outside
@@ -75,6 +74,10 @@ def read(files: OrbitFiles, orientation: pd.DataFrame, settings: FixSettings) ->
     line, for files as `orbit_from_files.arcs_of_files` refuses them, for nothing within the run, and for
     velocities that are not those of the positions.
     """
+    from opml.interop.curves.orbit_curve import (
+        rotate_to_gcrf,
+    )  # its kernels take a second, which plans have not
+
     parts = []
     for arc in _within(files, settings):
         _check_velocities(arc)

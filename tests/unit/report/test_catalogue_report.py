@@ -25,6 +25,7 @@ def scores():
             "improved": [70.0, 200.0],
             "improved_sigma": 100.0,
             "applied": ["learned", "unchanged"],
+            "judge": ["orbit", "set"],
         }
     )
     return pd.concat(
@@ -44,11 +45,10 @@ def test_the_report_has_a_row_for_each_band_lead_and_learner():
         for learner in ("`trees`", "`svr`")
     ]
     first = table.rows[0]
-    assert first[7:10] == ["200 / 290", "70 / 67", "55 / 50"]
-    assert first[10].startswith("79 (")
+    assert first[7:11] == ["50", "200 / 290", "70 / 67", "55 / 50"]
     assert first[11].startswith("68 (")
-    assert first[12:] == ["50", "70 / 55 / 68", "50 / 50 / 50", "5.73"]
-    assert table.rows[1][-2] == "- / 50 / 50"
+    assert first[12:] == ["50", "70 / 55 / 68", "50 / 50 / 50"]
+    assert table.rows[1][-1] == "- / 50 / 50"
     assert tab_separated(table).count("\n") == 5
 
 

@@ -78,14 +78,16 @@ class Measurements(ABC):
             self.restarts[self.epochs[self.at] >= since] = one.t
         return self
 
-    def window(self, track: int, length: float, *, without: Collection[int] = ()) -> Window:
-        """Return the window of the `length` [s] before the estimate of a track.
+    def window(
+        self, track: int, length: float, after: float = 0.0, *, without: Collection[int] = ()
+    ) -> Window:
+        """Return the window from `length` [s] before the estimate of a track to `after` [s] behind it.
 
         without: tracks that are left out
         """
         at = self.epochs[self.at]
         oldest = int(np.searchsorted(at, at[track] - length))
-        newest = int(np.searchsorted(at, at[track], side="right")) - 1
+        newest = int(np.searchsorted(at, at[track] + after, side="right")) - 1
         since = self.restarts[track]
         kept = [k for k in range(oldest, newest + 1) if k not in without and (k == track or at[k] >= since)]
         return self.of_tracks(track, kept)
