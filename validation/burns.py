@@ -3,7 +3,7 @@
     python -m validation.burns <folder> [BEGIN END WEATHER OBJECT...]
 
 The folder holds `burns/<object>.yaml`, each with the times that its operator published, and
-`tle/*_<object>.tle.gz`, its sets. With dates, a CSSI file and objects, the burns that `opml orbit` tells by
+`tle/*_<object>.tle.gz`, its sets. With dates, a CSSI file and objects, the changes that `opml orbit` tells by
 the orbits inside their sets stand beside, of that time.
 """
 
@@ -94,7 +94,7 @@ def by_orbits(folder: Path, name: str, begin: str, end: str, weather: str) -> Ju
     """
     history = orbit_history.find(_sets_of(folder, name), begin=begin, end=end, weather=weather)
     shift = epochs.seconds_between(EPOCH, history.epoch)
-    found = [Manoeuvre(0.5 * (one.begin + one.end) + shift, one.end + shift) for one in history.burns]
+    found = [Manoeuvre(0.5 * (one.begin + one.end) + shift, one.end + shift) for one in history.changes]
     return judged(found, _published(folder, name), _span(begin, end))
 
 

@@ -66,7 +66,7 @@ def test_a_burn_of_millimetres_a_second_is_told_and_parts_the_past(forces, truth
     file = tmp_path / "sets.tle"
     file.write_text("".join(f"{line}\n" for one in sets for line in tle.lines(one, 41335, "")))
     history = orbit_history.find(file)
-    [burn] = history.burns
+    [burn] = history.changes
     began = epochs.seconds_between(history.epoch, EPOCH)
     assert burn.begin < began + 8.2 * DAY < burn.end
     assert burn.larger == pytest.approx(5.6, abs=2.0)  # 2 dv / n; sets of four days hardly tell the drag

@@ -39,7 +39,8 @@ from opml.orbits.state_polynomials import StatePolynomials
 STEP = 120.0  # between states [s]
 GAP = 4.0 * DAY  # most between sets whose orbits are joined [s]
 NEAR = 0.25 * DAY  # least between them [s]
-TURNED = 300.0  # by what a plane turns that shows a burn [m]
+TURNED = 300.0  # by what no plane turns without a burn [m]
+_TIMES_USUAL = 8.0  # least ratio of a change of size that parts orbits to the usual one
 _DAYS = 30  # sets that tell a span together
 _BESIDE = 10.0 * DAY  # sets so long before a time and after it count for it [s]
 _COVARIANCE_EVERY = 5  # states
@@ -58,16 +59,20 @@ class _Passage:
 
 
 @dataclass(frozen=True)
-class BurnBetweenSets:
-    """A burn between the epochs of two sets [s]: by how much the orbit grew, and its plane turned [m]."""
+class OrbitChange:
+    """A change of the orbit between the epochs of two sets [s]: its growth, and the turn of its plane [m].
+
+    is_burn: whether mean elements show a burn there; else only the orbits inside the sets are apart
+    """
 
     begin: float
     end: float
     larger: float
     turned: float
+    is_burn: bool
 
 
-def _change(earlier: _Passage, later: _Passage) -> BurnBetweenSets:
+def _change(earlier: _Passage, later: _Passage, is_burn: bool) -> OrbitChange:
     """Return what the orbit of a set changes against the one before, at its epoch or GAP after that's."""
     t = np.array([min(later.t, earlier.t + GAP)])
     own, other = (one.path.at(t) for one in (earlier, later))
@@ -76,13 +81,14 @@ def _change(earlier: _Passage, later: _Passage) -> BurnBetweenSets:
     ]
     (off,), radius = in_rsw(own - other, other), np.linalg.norm(other[0, :3])
     turned = float(np.hypot(off[2], off[5] * radius / np.linalg.norm(other[0, 3:])))
-    return BurnBetweenSets(earlier.t, later.t, float(sizes[1] - sizes[0]), turned)
+    return OrbitChange(earlier.t, later.t, float(sizes[1] - sizes[0]), turned, is_burn)
 
 
-def _is_burn(change: BurnBetweenSets, sinking: float) -> bool:
-    """Return whether a burn made a change; sinking: decay [m/d]."""
+def _is_jump(change: OrbitChange, sinking: float, usual: float) -> bool:
+    """Return whether drag made no such change; sinking: decay [m/d], usual: median change of size [m]."""
     days = (change.end - change.begin) / DAY
-    return bool(abs(change.larger) > inside_now.least_burn(sinking, days)) or change.turned > TURNED
+    least = max(float(inside_now.least_burn(sinking, days)), _TIMES_USUAL * usual)
+    return change.is_burn or abs(change.larger) > least or change.turned > TURNED
 
 
 def _joined(earlier: _Passage, later: _Passage, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -132,14 +138,14 @@ def _segments(
 
 @dataclass(frozen=True, eq=False)
 class OrbitHistory:
-    """The orbit of an object, its burns, and when its sets have no orbit inside, with the reason, in words.
+    """The orbit of an object, its changes, and when its sets have no orbit inside, with the reason, in words.
 
-    segments: between burns, gaps and doubtful sets, times since `epoch` (UTC text)
+    segments: between changes, gaps and doubtful sets, times since `epoch` (UTC text)
     """
 
     epoch: str
     segments: Sequence[Ephemeris]
-    burns: Sequence[BurnBetweenSets]
+    changes: Sequence[OrbitChange]
     published: Sequence[str]
 
     def write(self, path: FilePath) -> None:
@@ -147,18 +153,17 @@ class OrbitHistory:
         oem.write(path, self.segments, epoch=self.epoch)
 
     def summary(self) -> str:
-        """Return a line a segment, with the medians of its sigmas, a burn, and a reason."""
+        """Return a line a segment, with the medians of its sigmas, a change, and a reason."""
         published = (f"as published: {one}" for one in self.published)
-        return "\n".join([*map(self._line, self.segments), *map(self._burn_line, self.burns), *published])
+        return "\n".join([*map(self._line, self.segments), *map(self._change_line, self.changes), *published])
 
-    def _burn_line(self, burn: BurnBetweenSets) -> str:
-        begin, end = (
-            text[:_MINUTES] for text in ccsds.utc_texts(self.epoch, np.array([burn.begin, burn.end]))
-        )
-        size = f"{abs(burn.larger):.1f} m {'larger' if burn.larger > 0.0 else 'smaller'}"
-        return (
-            f"a burn between {begin} and {end}: the orbit is {size}, its plane turned by {burn.turned:.0f} m"
-        )
+    def _change_line(self, change: OrbitChange) -> str:
+        times = ccsds.utc_texts(self.epoch, np.array([change.begin, change.end]))
+        begin, end = (text[:_MINUTES] for text in times)
+        what = "a burn" if change.is_burn else "a change without a burn in the mean elements"
+        size = f"{abs(change.larger):.1f} m {'larger' if change.larger > 0.0 else 'smaller'}"
+        turned = f"its plane turned by {change.turned:.0f} m"
+        return f"{what} between {begin} and {end}: the orbit is {size}, {turned}"
 
     def _line(self, segment: Ephemeris) -> str:
         begin, end = (text[:_MINUTES] for text in ccsds.utc_texts(self.epoch, segment.t[[0, -1]]))
@@ -193,7 +198,7 @@ def find(
     last = np.inf if end is None else epochs.seconds_between(epoch, end)
     passages: list[_Passage] = []
     published: list[str] = []
-    between: set[int] = set()  # changes between sets that their mean elements show to be burns
+    burned: set[int] = set()  # changes that are burns by the mean elements
     for stretch in _unbroken(known_sets.since(epoch, history), epoch):
         for month in _months([one for one in stretch if first - _BESIDE <= one.t <= last + _BESIDE]):
             dates = ccsds.utc_texts(epoch, np.array([month[0].t, month[-1].t]))
@@ -203,14 +208,15 @@ def find(
                 passages += _passages(month, epoch, weather)
             except NoOrbitError as reason:
                 published.append(f"{days}: {reason}")
-        between.add(len(passages) - 1)
-    between -= {-1, len(passages) - 1}
-    changes = [_change(*pair) for pair in pairwise(passages)]
+        burned.add(len(passages) - 1)
+    burned -= {-1, len(passages) - 1}
+    changes = [_change(*pair, k in burned) for k, pair in enumerate(pairwise(passages))]
     gaps = {k for k, one in enumerate(changes) if one.end - one.begin > GAP}
-    large = {k for k, one in enumerate(changes) if _is_burn(one, passages[k].sinking)}
-    burns = [changes[k] for k in sorted(between | large - gaps)]
+    usual = float(np.median([abs(one.larger) for one in changes])) if changes else 0.0
+    jumps = {k for k, one in enumerate(changes) if _is_jump(one, passages[k].sinking, usual)}
+    told = _merged([changes[k] for k in sorted(burned | jumps - gaps)])
     identity = known_sets.identity(history[-1])
-    parts = np.split(np.arange(len(passages)), 1 + np.sort([*(gaps | large | between)]).astype(int))
+    parts = np.split(np.arange(len(passages)), 1 + np.sort([*(gaps | jumps)]).astype(int))
     segments = [
         segment
         for rows in parts
@@ -220,7 +226,7 @@ def find(
     if not segments:
         reasons = "; ".join(published) or "too few"
         raise InputError(f"{files[0]}: expected sets with an orbit inside, got none: {reasons}")
-    inside = [one for one in _merged(burns) if first <= one.begin and one.end <= last]
+    inside = [one for one in told if first <= one.begin and one.end <= last]
     return OrbitHistory(epoch, segments, inside, published)
 
 
@@ -231,14 +237,14 @@ def _months(daily: Sequence[KnownSet]) -> Iterator[Sequence[KnownSet]]:
             yield [daily[row] for row in rows]
 
 
-def _merged(burns: Sequence[BurnBetweenSets]) -> list[BurnBetweenSets]:
-    """Return burns; those between sets that follow each other are one, as of sets from both sides of it."""
-    merged: list[BurnBetweenSets] = []
-    for one in burns:
+def _merged(changes: Sequence[OrbitChange]) -> list[OrbitChange]:
+    """Return changes; those between sets that follow each other are one, as of sets from both sides of it."""
+    merged: list[OrbitChange] = []
+    for one in changes:
         if merged and merged[-1].end == one.begin:
             last = merged.pop()
             larger, turned = last.larger + one.larger, max(last.turned, one.turned)
-            one = BurnBetweenSets(last.begin, one.end, larger, turned)
+            one = OrbitChange(last.begin, one.end, larger, turned, last.is_burn or one.is_burn)
         merged.append(one)
     return merged
 
