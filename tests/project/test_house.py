@@ -73,11 +73,11 @@ def test_what_is_taken_from_a_facade_is_its_own(facade):
 
 
 MOST = {
-    "lines of the package": 45_180,
+    "lines of the package": 45_160,
     "lines of tests": 34_740,
-    "classes": 334,
-    "docstrings that begin with what, which, how, where, of": 48,
-    "variables called found, one, made, told": 58,
+    "classes": 333,
+    "docstrings that begin with what, which, how, where, of": 42,
+    "variables called found, one, made, told": 53,
 }
 """Limits of the house. A change that adds pays in the same change; a change that removes lowers them."""
 
