@@ -6,7 +6,7 @@ A publisher's forces are not known in detail; these agree with what theirs make 
 import os
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cached_property, partial
 from pathlib import Path
 
 import numpy as np
@@ -48,19 +48,18 @@ _BEFORE = 9.0  # days before the first set that its span reaches
 class Forces:
     """A force model whose times count from `epoch` (UTC text), with daily outlooks of the weather.
 
-    smooth: the same with gravity of degree SMOOTH; propagator: `ensemble.propagate`, or one like it
+    propagator: `ensemble.propagate`, or one like it
     """
 
     model: ForceModel
-    smooth: ForceModel
     epoch: str
     propagator: Callable[..., Arcs]
     steps: Integrator = STEPS
 
-    @property
+    @cached_property
     def smoothed(self) -> "Forces":
-        """Return those under the smooth field alone."""
-        return replace(self, model=self.smooth, steps=_SMOOTH_STEPS)
+        """Those with gravity of degree SMOOTH; one model, as arcs under the same one share blocks."""
+        return replace(self, model=self.model.truncated(SMOOTH), steps=_SMOOTH_STEPS)
 
     def propagate(self, epochs: np.ndarray, departures: Departures) -> Arcs:
         """Propagate arcs as `ensemble.propagate`."""
@@ -97,14 +96,9 @@ def read(
         kernel=KERNEL,
         degree=degree,
     )
-    issues = Issues(source=weather, epoch=epoch, issue_hours=ISSUE_HOURS, max_days=AHEAD)
-    outlooks = known_weather.outlooks(issues, t)
-    model, smooth = (
-        with_outlooks(build(environment, _settings(highest)), outlooks) for highest in (degree, SMOOTH)
+    settings = ForceModelSettings.read(
+        {"degree": degree, "order": degree, "third_bodies": [*BODIES], "forces": [*FORCES]}, "forces"
     )
-    return Forces(model, smooth, epoch, propagator)
-
-
-def _settings(degree: int) -> ForceModelSettings:
-    settings = {"degree": degree, "order": degree, "third_bodies": [*BODIES], "forces": [*FORCES]}
-    return ForceModelSettings.read(settings, "forces")
+    issues = Issues(source=weather, epoch=epoch, issue_hours=ISSUE_HOURS, max_days=AHEAD)
+    model = with_outlooks(build(environment, settings), known_weather.outlooks(issues, t))
+    return Forces(model, epoch, propagator)

@@ -33,6 +33,7 @@ from opml.element_sets.inside.orbit_inside import (
     Beginning,
     Equations,
     NearbyOrbit,
+    NoOrbitError,
     begin_at,
     departing,
     first_drag,
@@ -42,6 +43,7 @@ from opml.element_sets.inside.orbit_inside import (
     usual_half_span,
 )
 from opml.element_sets.inside.past_orbits import LONGEST, SPANS, Agreement, FitSpan, PastOrbits, centred
+from opml.element_sets.inside.set_orbits import gauged
 from opml.element_sets.set_errors import OLDEST
 from opml.interop.element_sets.burns_in_sets import KnownSet
 from opml.interop.element_sets.element_set import DEEP_SPACE, decay, semi_major_axis
@@ -322,12 +324,9 @@ def _gauge(newest: KnownSet, forces: Forces, now: float) -> float:
     """Return Cd A/m [m2/kg] of the orbit inside a set over the usual span."""
     half = usual_half_span(newest.satellite)
     begin = _begin(newest, forces, now, float(first_drag(newest.satellite.bstar)))
-    for _ in range(2):
-        reach = np.array([half + EVERY])
-        [orbit] = orbits_beside(forces.smoothed, [begin], back=reach, ahead=reach)
-        _, equations = _equations(orbit, newest, now)
-        t = now + newest.t
-        begin = orbit.begin_again(solve(orbit, [equations.over(t - half, t + half)]))
+    [begin] = gauged(forces, [begin], np.array([now + newest.t]), np.array([[half, half]]))
+    if not np.isfinite(begin.ballistic):
+        raise NoOrbitError("no orbit under full forces fits its sets")
     return begin.ballistic
 
 

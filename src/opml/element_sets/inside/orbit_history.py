@@ -33,7 +33,7 @@ from opml.interop.element_sets.burns_in_sets import KnownSet, burns_among
 from opml.interop.element_sets.element_set import decay, elements_epoch
 from opml.interop.ephemeris import Ephemeris
 from opml.interop.object_ids import ObjectId
-from opml.orbits.elements import bent_rsw, in_rsw
+from opml.orbits.elements import bent_rsw, coe_from_cartesian, in_rsw
 from opml.orbits.state_polynomials import StatePolynomials
 
 STEP = 120.0  # between states [s]
@@ -76,9 +76,7 @@ def _change(earlier: _Passage, later: _Passage, is_burn: bool) -> OrbitChange:
     """Return what the orbit of a set changes against the one before, at its epoch or GAP after that's."""
     t = np.array([min(later.t, earlier.t + GAP)])
     own, other = (one.path.at(t) for one in (earlier, later))
-    sizes = [
-        1.0 / (2.0 / np.linalg.norm(state[:3]) - state[3:] @ state[3:] / EARTH_GM) for state in (*own, *other)
-    ]
+    sizes = coe_from_cartesian(np.concatenate([own, other]), EARTH_GM)[:, 0]
     (off,), radius = in_rsw(own - other, other), np.linalg.norm(other[0, :3])
     turned = float(np.hypot(off[2], off[5] * radius / np.linalg.norm(other[0, 3:])))
     return OrbitChange(earlier.t, later.t, float(sizes[1] - sizes[0]), turned, is_burn)

@@ -68,17 +68,24 @@ def states(
             for k in members
         ]
         unknown = np.flatnonzero(np.isnan(ballistic[members]))
-        for _ in range(2 if len(unknown) else 0):
-            own, gauged = members[unknown], [begins[k] for k in unknown]
-            for k, (orbit, numbers) in zip(
-                unknown, _solved(forces.smoothed, gauged, t[own], spans[own]), strict=True
-            ):
-                begins[k] = orbit.begin_again(numbers)
+        if len(unknown):
+            own, guessed = members[unknown], [begins[k] for k in unknown]
+            for k, begin in zip(unknown, gauged(forces, guessed, t[own], spans[own]), strict=True):
+                begins[k] = begin
         solved = _solved(forces, begins, t[members], spans[members])
         rows.loc[members, "ballistic"] = [orbit.ballistic(numbers) for orbit, numbers in solved]
         again = [orbit.begin_again(numbers) for orbit, numbers in solved]
         rows.loc[members, [*STATE]] = _at_epochs(forces, again, t[members])
     return rows
+
+
+def gauged(
+    forces: Forces, begins: Sequence[Beginning], t: np.ndarray, spans: np.ndarray
+) -> Sequence[Beginning]:
+    """Return where orbits inside sets begin under a smooth field, NaN without any; t, spans: of `_solved`."""
+    for _ in range(2):
+        begins = [orbit.begin_again(numbers) for orbit, numbers in _solved(forces.smoothed, begins, t, spans)]
+    return begins
 
 
 def _solved(
