@@ -15,13 +15,13 @@ import pandas as pd
 
 import opml
 from opml.base.constants import BODIES, DAY
-from opml.catalog.fit import fixes
+from opml.catalog.fit import fixes, laser_ranges
 from opml.catalog.fit.estimate import Estimate
 from opml.catalog.fit.estimation import Run
 from opml.catalog.fit.estimation_settings import Estimation
 from opml.catalog.fit.first import first_orbit, track_fits
 from opml.catalog.fit.least_squares import Fit
-from opml.interop import truth_from_orbit
+from opml.interop import crd, sinex, truth_from_orbit
 from opml.interop.orbit_from_files import OrbitFiles
 from opml.orbits.elements import in_rsw
 from opml.orbits.sheets import Rso
@@ -95,13 +95,17 @@ def fits(folder: Path) -> dict[str, Comparison]:
     """Return a fit to all that was measured, and one to the last hours, by their names."""
     environment = opml.make_environment(EPOCH, days=DAYS, degree=DEGREE)
     lageos, path = propagator(environment), predicted(folder)
-    ranges = opml.read_laser_ranges(
-        folder / "lageos2_2016-02-14.crd.gz",
-        environment=environment,
-        coordinates=folder / "SLRF2014.snx.gz",
-        eccentricities=folder / "ecc_une.snx.gz",
-        offset=OFFSET,
+    ranges = laser_ranges.table(
+        crd.read([folder / "lageos2_2016-02-14.crd.gz"], epoch=environment.epoch),
+        laser_ranges.Sites(
+            sinex.read_coordinates(folder / "SLRF2014.snx.gz"),
+            sinex.read_eccentricities(folder / "ecc_une.snx.gz"),
+        ),
+        epoch=environment.epoch,
+        earth_orientation=environment.earth_orientation,
+        ephemerides=environment.ephemerides,
         sigma=SIGMA,
+        offset=OFFSET,
     )
     measured = fixes.measurements(ranges, environment.earth_orientation, [])
     middle = path.iloc[len(path) // 2]

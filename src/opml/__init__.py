@@ -26,9 +26,7 @@ __all__ = [
     "Station",
     "compare",
     "correct",
-    "daily_learner",
     "dataset",
-    "ephemeris",
     "estimate",
     "first_orbit",
     "force_model",
@@ -39,17 +37,12 @@ __all__ = [
     "predict",
     "predict_tracks",
     "propagate",
-    "read_elements",
-    "read_fixes",
-    "read_laser_ranges",
     "read_orbit",
     "read_rsos",
     "read_stations",
     "read_tracks",
-    "replay",
     "style",
     "track",
-    "write_tracks",
 ]
 
 

@@ -8,7 +8,6 @@ example goes on where the one before it stopped, in the order of this file.
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import partial
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -16,16 +15,15 @@ from typing import Any
 import pandas as pd
 
 from opml.base import epochs
-from opml.base.constants import BODIES, DAY, HOUR
+from opml.base.constants import BODIES, DAY
 from opml.base.errors import InputError
 from opml.base.files import FilePath, project_file
 from opml.catalog.associate import quarantine
-from opml.catalog.fit import fixes, laser_ranges, start_states
+from opml.catalog.fit import fixes, start_states
 from opml.catalog.fit import measured_tracks as from_measurements
 from opml.catalog.fit.estimation_settings import Estimation
 from opml.catalog.fit.first import first_orbit as first_orbits
-from opml.catalog.predict import labels, prediction, weather_spread
-from opml.catalog.predict.weather_spread import Weathers
+from opml.catalog.predict import labels, prediction
 from opml.catalog.propagator import Propagator
 from opml.catalog.simulate import tracking, truth
 from opml.dynamics.forces import build, tabulated
@@ -34,27 +32,19 @@ from opml.dynamics.run_environment import Environment
 from opml.dynamics.settings import ForceModelSettings, Integrator
 from opml.element_sets import prediction as set_prediction
 from opml.element_sets.prediction import Prediction
-from opml.environment import MARGIN_S, nodes, solar_activity
-from opml.ephemerides import corrected, replays
-from opml.ephemerides.ephemeris_task import Task, departure
-from opml.ephemerides.known_tables import KnownTables
-from opml.ephemerides.task_part import Grid
+from opml.environment import nodes, solar_activity
 from opml.fetch import public_data
-from opml.interop import comparison, crd, formats, known_orbits, points_from_files, sinex, tdm
-from opml.interop.element_sets import mean_elements
+from opml.interop import comparison, formats, known_orbits, tdm
 from opml.interop.known_orbits import KnownOrbit
-from opml.interop.orbit_from_files import OrbitFiles
 from opml.interop.predicted_orbit import PredictedOrbit
 from opml.learning.data import dataset as datasets
 from opml.learning.data import splits
 from opml.learning.data.cleaning import Cleaning
-from opml.learning.data.error_components import CORRECTED
 from opml.learning.judge import metrics
 from opml.learning.judge.evaluation import evaluate
 from opml.learning.judge.standardised_by_test import as_tested
-from opml.learning.models import daily_training, learners
+from opml.learning.models import learners
 from opml.learning.models.contract import Model
-from opml.learning.models.daily_training import DailyLearner
 from opml.mornings.prediction import Request
 from opml.orbits.sheets import Rso, Station
 from opml.orbits.sheets import read_rsos as _read_rsos
@@ -94,7 +84,7 @@ class Catalogue:
     """What a catalogue holds of one RSO: its tracks, estimates from them, and predictions from these.
 
     estimates, predictions, tracks: the tables; environment: that they were made in; cleaning: settings that
-    differ from `CLEANING`; window_hours: of the estimates.
+    differ from `CLEANING`.
     """
 
     estimates: pd.DataFrame
@@ -102,7 +92,6 @@ class Catalogue:
     tracks: pd.DataFrame
     environment: Environment
     cleaning: Mapping[str, Any] = field(default_factory=dict)
-    window_hours: float = ESTIMATION["window_hours"]
 
 
 def make_environment(
@@ -187,27 +176,6 @@ def read_rsos(path: str | Path) -> dict[str, Rso]:
     return _read_rsos(project_file(path))
 
 
-def read_elements(
-    path: str | Path, *, name: str, epoch: epochs.Time, area_to_mass: float, cd: float = 2.2, cr: float = 1.25
-) -> Rso:
-    """Read an RSO from a TLE or an OMM (KVN, JSON, XML), by SGP4 at an epoch (UTC); area_to_mass [m2/kg].
-
-    Raises InputError, naming file and line or key, and where SGP4 cannot reach the epoch.
-
-    >>> lines = (
-    ...     "1 25544U 98067A   16270.55892361  .00003421  00000-0  59245-4 0  9994",
-    ...     "2 25544  51.6447 263.7421 0006793 345.4559  14.5438 15.54019233 20745",
-    ... )
-    >>> _ = Path("iss.tle").write_text("\\n".join(lines))
-    >>> other = opml.read_elements("iss.tle", name="other", epoch="2016-09-28T12:09:45", area_to_mass=0.05)
-    >>> 6.7e6 < other.a < 6.9e6
-    True
-    """
-    satellite = mean_elements.read(path)
-    body = mean_elements.Body(area_to_mass, cd, cr)
-    return mean_elements.rso(satellite, name=name, epoch=epochs.instant(epoch), body=body)
-
-
 def propagate(propagator: Propagator, *, days: float, step: float = 20.0) -> pd.DataFrame:
     """Propagate an RSO from the epoch: the table `truth`, a GCRF state every `step` [s] for `days`.
 
@@ -243,89 +211,19 @@ def track(
     )
 
 
-def write_tracks(path: str | Path, tracks: pd.DataFrame, *, epoch: str, rso: Rso) -> None:
-    """Write tracks as a CCSDS tracking data message (TDM); `epoch` is the UTC text that times count from.
-
-    >>> opml.write_tracks("iss.tdm", tracks, epoch=environment.epoch, rso=iss)
-    """
-    tdm.write(path, tracks, epoch=epoch, rso=rso.name)
-
-
 def read_tracks(*paths: str | Path, epoch: epochs.Time, stations: Sequence[Station]) -> pd.DataFrame:
     """Read what stations measured of an RSO from TDMs: the table `tracking`, where `*_true` is NaN.
 
     epoch: time (UTC) that times count from. Measurements of other stations are left out. Raises InputError,
     naming file and line, for what is malformed, or what a station cannot see or an orbit cannot be.
 
+    >>> from opml.interop import tdm
+    >>> tdm.write("iss.tdm", tracks, epoch=environment.epoch, rso=iss.name)
     >>> measured = opml.read_tracks("iss.tdm", epoch=environment.epoch, stations=stations)
     >>> list(measured["range"]) == list(tracks["range"])
     True
     """
     return from_measurements.tracks(tdm.measurements(paths, epoch=epochs.instant(epoch)), stations)
-
-
-def read_fixes(
-    *paths: str | Path,
-    environment: Environment,
-    sigmas: Sequence[float] = (10.0, 10.0, 10.0),
-    every: float = 60.0,
-    stretch: float = HOUR,
-) -> pd.DataFrame:
-    """Read where an RSO was measured to be, from SP3, CPF, OEM or CSV: the table `fixes`.
-
-    sigmas: standard deviations in RSW of positions [m], and of velocities [m/s] where these count, of files
-    without any; every: least time between fixes [s]; stretch: length of a track [s]. The table takes the
-    place of `tracking`. Raises InputError, naming file and line, for files that are malformed.
-
-    >>> from opml.interop import oem
-    >>> oem.write("iss.oem", oem.truth_segments(truth, rso="iss"), epoch=environment.epoch)
-    >>> placed = opml.read_fixes("iss.oem", environment=environment, every=600.0)
-    >>> starts = opml.first_orbit(opml.Propagator(assumed_model, iss), placed, environment, [])
-    >>> len(starts)
-    49
-    """
-    orientation = environment.earth_orientation
-    files = OrbitFiles(paths, environment.epoch, orientation["t"].iloc[-1] - MARGIN_S)
-    options = {"sigma_m": sigmas[:3], "every_s": every} | ({"sigma_mps": sigmas[3:]} if sigmas[3:] else {})
-    settings = points_from_files.FixSettings.read(options, "read_fixes")
-    return fixes.arcs(points_from_files.read(files, orientation, settings), length=stretch)
-
-
-def read_laser_ranges(
-    *paths: str | Path,
-    environment: Environment,
-    coordinates: str | Path,
-    eccentricities: str | Path,
-    offset: float,
-    sigma: float = 0.02,
-    satellite: str | None = None,
-) -> pd.DataFrame:
-    """Read normal points of laser ranging from CRD: the table `laser_ranges`, in the place of `tracking`.
-
-    coordinates, eccentricities: SINEX files of the stations; offset: of the reflectors from the satellite's
-    centre of mass, towards the station [m]; sigma: least one of a point [m]; satellite: name or number that
-    all files have to have. Raises InputError, naming file and line, for malformed files, and for a station
-    that they have not.
-
-    >>> ranges = opml.read_laser_ranges(
-    ...     "lageos.crd",
-    ...     environment=environment,
-    ...     coordinates="coordinates.snx",
-    ...     eccentricities="eccentricities.snx",
-    ...     offset=0.251,
-    ... )
-    >>> ranges["station"].tolist(), round(ranges["range"].iloc[0])
-    (['7090', '7090'], 5875932)
-    """
-    return laser_ranges.table(
-        crd.read(paths, epoch=environment.epoch, satellite=satellite),
-        laser_ranges.Sites(sinex.read_coordinates(coordinates), sinex.read_eccentricities(eccentricities)),
-        epoch=environment.epoch,
-        earth_orientation=environment.earth_orientation,
-        ephemerides=environment.ephemerides,
-        sigma=sigma,
-        offset=offset,
-    )
 
 
 def first_orbit(
@@ -338,8 +236,8 @@ def first_orbit(
 ) -> pd.DataFrame:
     """Find a first orbit without a truth: the table `starts`, a state at each track's start, for `estimate`.
 
-    propagator: under the assumed model; start: an RSO whose elements at the epoch are carried to the tracks,
-    such as that of `read_elements`; where None, an orbit is determined from the tracks of the first day.
+    propagator: under the assumed model; start: an RSO whose elements at the epoch are carried to the tracks;
+    where None, an orbit is determined from the tracks of the first day.
     Raises InputError where no track gives an orbit, where tracks of angles fit none together, and where
     tracks are far from the elements.
 
@@ -594,86 +492,6 @@ def p_ml(evaluation: pd.DataFrame) -> float:
     return metrics.p_ml(evaluation["true"].to_numpy(), evaluation["predicted"].to_numpy())
 
 
-def daily_learner(
-    dataset: pd.DataFrame, *, learner: Mapping[str, Any] = LEARNER, first_day: float = 0.0, seed: int = 42
-) -> DailyLearner:
-    """Return a learner of e_y that is retrained each morning, on errors of the dataset known by then.
-
-    learner: as under `learners` in the settings; first_day: of the rows to train on; seed: of its draws.
-
-    >>> daily = opml.daily_learner(rows, learner={"kind": "none"})  # two days are too short for a law
-    >>> bool(daily.learns)
-    False
-    """
-    settings = learners.resolved(
-        learners.settings_of(learner), component=CORRECTED, variables=LEARNING_VARIABLES
-    )
-    return DailyLearner(dataset, settings, seed, first_day)
-
-
-def replay(
-    propagator: Propagator,
-    daily: DailyLearner,
-    catalogue: Catalogue,
-    *,
-    train_days: Sequence[float],
-    max_days: float = 7.0,
-    every_hours: float = 6.0,
-) -> pd.DataFrame:
-    """Run the mornings that are over again: the table `replay`, what each ephemeris was off by.
-
-    propagator: under the assumed model; train_days: first and last day to train on, half of them before the
-    first morning; every_hours: between the estimates that ephemerides start from. Raises
-    InputError where nothing can be compared with.
-
-    >>> mornings = opml.replay(propagator, daily, catalogue, train_days=(0, 1.5), every_hours=1)
-    >>> bool((mornings["t_i"] >= mornings["morning"]).all())
-    True
-    """
-    known = _known(catalogue)
-    day = daily_training.first_day(daily.settings, window_hours=known.window_hours, train_days=train_days)
-    starts = replays.morning_departures(known, every_hours=every_hours, first_day=day)
-    predictions = catalogue.predictions
-    spread = _spreads(propagator, catalogue)(predictions[predictions["i"].isin(starts["track"])])
-    judge = replays.at_starts(replays.judge(daily.dataset, predictions, None), starts, spread)
-    (table,) = replays.build(
-        propagator, known, [replays.ReplaySeries(daily, starts, judge)], max_days=max_days
-    )
-    return table
-
-
-def ephemeris(
-    propagator: Propagator,
-    daily: DailyLearner,
-    replay: pd.DataFrame,
-    catalogue: Catalogue,
-    *,
-    until_days: float,
-    max_days: float = 7.0,
-    step: float = 60.0,
-) -> pd.DataFrame:
-    """Correct the newest prediction: the table `corrected`, states and covariances every `step` [s].
-
-    propagator: under the assumed model; replay: of the same learner, the covariances' source; until_days:
-    up to when errors are known, the ephemeris starts from the newest estimate by then. It reaches max_days
-    ahead, as far as the environment does. Raises InputError where nothing can be made.
-
-    >>> ahead = opml.ephemeris(propagator, daily, mornings, catalogue, until_days=1.5)
-    >>> bool((ahead["t"].diff().dropna() == 60.0).all())
-    True
-    """
-    known, until = _known(catalogue), DAY * until_days
-    starts = departure(known, known_until=until)
-    end = float(catalogue.environment.earth_orientation["t"].iloc[-1]) - MARGIN_S
-    return corrected.build(
-        Task(propagator, known, starts, Grid(step, max_days, end)),
-        daily,
-        replay,
-        spreads=_spreads(propagator, catalogue),
-        now=until,
-    )
-
-
 def style() -> dict[str, str]:
     """Give matplotlib the look of opml's figures; return its colours by what they mean in them.
 
@@ -691,24 +509,6 @@ def style() -> dict[str, str]:
         "corrected": look.RESIDUAL,
         "context": look.MUTED,
     }
-
-
-def _known(catalogue: Catalogue) -> KnownTables:
-    """Return what is known of an RSO at its estimates; raises InputError for an unknown setting."""
-    estimates, gm, cleaning = catalogue.estimates, catalogue.environment.gm, _cleaning(catalogue, "ephemeris")
-    at = datasets.of_estimates(estimates, catalogue.predictions, catalogue.tracks, gm=gm, cleaning=cleaning)
-    return KnownTables(estimates, at, catalogue.window_hours, gm, bounds=cleaning.cd_bounds)
-
-
-def _spreads(propagator: Propagator, catalogue: Catalogue) -> corrected.Spreads:
-    """Return how far drag may take pairs of predictions; the weather ahead is taken for known."""
-    flattened = build(catalogue.environment, weather_spread.FLATTENED)
-    return partial(
-        weather_spread.build,
-        propagator.without_progress().under(flattened),
-        catalogue.estimates,
-        weathers=Weathers.of(flattened, None),
-    )
 
 
 def _cleaning(catalogue: Catalogue, what: str) -> Cleaning:

@@ -9,7 +9,6 @@ import sys
 from pathlib import Path
 from types import SimpleNamespace
 
-import laser_files
 import matplotlib
 import pandas as pd
 import pytest
@@ -31,9 +30,8 @@ FUNCTIONS = [
 
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
-    """A folder with the project's sheets, laser ranges and element sets, where examples may write."""
+    """A folder with the project's sheets and element sets, where examples may write."""
     shutil.copytree(REPOSITORY / "config", tmp_path / "config")
-    laser_files.write(tmp_path)
     sinking_histories.write(tmp_path / "sets.tle", range(101, 102), 49)
     monkeypatch.chdir(tmp_path)
 
