@@ -5,7 +5,7 @@ import re
 import pytest
 from support import REPOSITORY
 
-from validation.pictures import accuracy_by_input, page_tables
+from validation.pictures import page_tables
 
 DOCS = REPOSITORY / "docs"
 CODE = "\n".join(path.read_text(encoding="utf-8") for path in (REPOSITORY / "src" / "opml").rglob("*.py"))
@@ -67,21 +67,6 @@ def test_errors_of_points_and_ranges_are_those_of_their_page():
     assert re.search(rf"`running24m3` has {day}/\d+/\d+/{week} m", text)
     day, week = row("inputs", "laser ranges")[2:5:2]
     assert f"0.14, {day}, 1.1, 3.1, {week} from later fits after 0.4, 1, 2, 4, 7 days" in text
-
-
-def test_the_picture_has_every_row_with_errors():
-    errors = accuracy_by_input.table()
-    assert (
-        len(errors)
-        == len(re.findall(r"^\| [a-z].*\| [\d.]+ \| +[\d.]* *\| [\d.]+ \|", page("inputs"), re.M))
-        == 7
-    )
-    (axes,) = accuracy_by_input.accuracy(errors).axes
-    drawn = [list(line.get_ydata()) for line in axes.lines]
-    assert drawn == [list(sizes.values()) for sizes in errors.values()]
-    names = [text.get_text() for text in axes.texts]
-    assert len(names) == 7
-    assert {"radar tracks, Swarm A", "improved element set"} <= set(names)
 
 
 def test_coverage_in_the_first_sentence_is_that_of_the_table():

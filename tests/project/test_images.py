@@ -5,12 +5,9 @@ import re
 from fnmatch import fnmatch
 
 import pytest
-from PIL import Image
 from support import REPOSITORY
 
-from opml.base.errors import InputError
 from validation.pictures import drawing_code, shrunk
-from validation.pictures.__main__ import main
 
 IMAGES = sorted(path.relative_to(shrunk.IMAGES).as_posix() for path in shrunk.IMAGES.rglob("*.*"))
 NOTEBOOKS = [image for image in IMAGES if image.startswith("notebook_")]
@@ -40,11 +37,6 @@ def test_each_picture_is_on_a_page(image):
 @pytest.mark.parametrize("image", IMAGES)
 def test_each_picture_has_a_command(image):
     assert "`" in command(image)
-
-
-@pytest.mark.parametrize("image", NOTEBOOKS)
-def test_the_notebook_draws_its_pictures(image):
-    assert f'savefig("{image}"' in (REPOSITORY / "docs" / "notebook.md").read_text(encoding="utf-8")
 
 
 def test_each_row_is_of_a_picture_that_is_there():
@@ -121,45 +113,3 @@ def test_what_changes_no_drawing_changes_no_digest(digest, old, new):
 )
 def test_what_changes_a_drawing_changes_the_digest(digest, old, new):
     assert digest(TEXT.replace(old, new)) != digest(TEXT)
-
-
-def test_code_that_all_figures_share_counts(digest, monkeypatch):
-    shared = digest(TEXT)
-    monkeypatch.setattr(drawing_code, "ROOM", "another")
-    assert digest(TEXT) != shared
-
-
-def test_a_picture_is_small_and_states_its_code(tmp_path, monkeypatch):
-    monkeypatch.setattr(shrunk, "IMAGES", tmp_path)
-    Image.new("RGB", (2400, 900), "white").save(tmp_path / "large.png")
-    shrunk.shrink(tmp_path / "large.png", tmp_path / "learning.png")
-    with Image.open(tmp_path / "learning.png") as small:
-        assert small.size == (1344, 504)
-    assert shrunk.stated_digest(tmp_path / "learning.png") == drawing_code.digest(
-        shrunk.drawers()["learning.png"]
-    )
-    assert shrunk.stated_digest(tmp_path / "large.png") is None
-
-
-def test_a_picture_that_nobody_draws_is_refused(tmp_path):
-    with pytest.raises(InputError, match=r"docs/images/new\.png: expected a row of CONTRIBUTING\.md"):
-        shrunk.shrink(tmp_path / "large.png", shrunk.IMAGES / "new.png")
-
-
-def test_a_folder_of_figures_becomes_the_listed_pictures(tmp_path, monkeypatch):
-    figures, pictures = tmp_path / "figs", tmp_path / "images"
-    (pictures / "paper").mkdir(parents=True)
-    figures.mkdir()
-    monkeypatch.setattr(shrunk, "IMAGES", pictures)
-    for name in shrunk.drawers():
-        if name.startswith("paper/"):
-            Image.new("RGB", (20, 10), "white").save(figures / name.removeprefix("paper/"))
-    Image.new("RGB", (20, 10), "white").save(figures / "unlisted.png")
-    main([str(figures), str(pictures / "paper")])
-    made = {path.relative_to(pictures).as_posix() for path in pictures.rglob("*.png")}
-    assert made == {name for name in shrunk.drawers() if name.startswith("paper/")}
-    (figures / "rso_grid.png").unlink()
-    with pytest.raises(
-        SystemExit, match=r"opml: .*rso_grid\.png: expected a figure of a finished run, got none"
-    ):
-        main([str(figures), str(pictures / "paper")])

@@ -14,7 +14,7 @@ from opml.element_sets import features, improved_sizes, prediction, weighting
 from opml.interop.curves import orbit_breaks
 from opml.learning.judge import error_sizes
 from opml.mornings import days, verdicts
-from validation.pictures import by_height, every_week, where_learning_helps
+from validation.pictures import every_week, where_learning_helps
 from validation.pictures.page_tables import catalogue, rows, tsv
 
 WEATHER = (REPOSITORY / "src" / "opml" / "data" / "space_weather.csv").read_text(encoding="utf-8")
@@ -42,13 +42,6 @@ def test_errors_by_the_age_of_a_set_are_those_of_the_notes():
     young, old = table["0.25 to 0.5"], table["1 to 1.5"]
     said = f"half a day old {young[1]} after one day and {young[4]} after seven; one to 1.5 days old "
     assert f"{said}{old[1]} and {old[4]}" in sentences("docs/learning")
-
-
-def test_the_picture_by_height_has_every_row_of_its_table():
-    table = tsv("heights")
-    figure = by_height.by_height(table)
-    drawn = sorted(size for axes in figure.axes for line in axes.lines for size in line.get_ydata())
-    assert drawn == sorted(float(row[name]) for row in table for name in ("SGP4 [m]", "improved [m]"))
 
 
 def test_the_share_of_sgp4_s_error_is_that_of_the_catalogue(improved):
@@ -185,15 +178,6 @@ def test_every_conjunction_of_cara_is_counted_once():
         re.findall(r"one is 2 % low|one 12 % high", sentences("docs/conjunctions"))
     ) == int(all_of_them)
     assert f"the probabilities of {all_of_them} real conjunctions" in sentences("docs/conjunctions")
-
-
-def test_the_picture_of_learning_has_every_season_and_satellite():
-    seasons, satellites = where_learning_helps.from_catalogue(), where_learning_helps.from_own_past()
-    many, own = where_learning_helps.gains(seasons, satellites).axes
-    for axes, names in ((many, seasons), (own, satellites)):
-        assert [label.get_text() for label in axes.get_yticklabels()] == list(names)
-    middles = [container.lines[0].get_xdata()[0] for container in many.containers]
-    assert middles == [shares[k][0] for k in range(4) for shares in seasons.values()]
 
 
 @pytest.mark.parametrize(
