@@ -70,9 +70,12 @@ class PredictedSets:
         """What was public when predictions begin; None where the log says what is missing."""
         (date,) = ccsds.utc_texts(EPOCH, np.array([self._start]))
         try:
-            return PublicMorning.read(
+            morning = PublicMorning.read(
                 self.paths, date=date.partition(".")[0], weather=self.weather, latency=0.0
             )
         except InputError as reason:
             _log.warning("element sets are propagated by SGP4: %s", reason)
             return None
+        if morning.better.hindsight:
+            _log.warning(morning.better.hindsight)
+        return morning

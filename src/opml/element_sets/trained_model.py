@@ -41,10 +41,7 @@ class CatalogueModel:
 
     def hindsight(self, date: str) -> str:
         """Return a warning where the model was trained on what came after a date (UTC text), else ''."""
-        days = [population["to"] for population in self.card["populations"].values()]
-        last = max([*days, self.card["weather_to"]])
-        later = date[: len(last)] <= last
-        return f"the model was trained on data up to {last}, later than this date" if later else ""
+        return _hindsight(self.card, date)
 
 
 def write(path: FilePath, model: CatalogueModel) -> None:
@@ -95,6 +92,19 @@ def read(path: FilePath | None = None) -> CatalogueModel:
         correctors[part["population"]] = (*correctors.get(part["population"], ()), own)
     by_population = {name: Corrector(parts) for name, parts in correctors.items()}
     return CatalogueModel(Outlook(outlook), by_population, metadata["card"], contents_digest([Path(path)]))
+
+
+def packaged_hindsight(date: str) -> str:
+    """Return the warning for a date (UTC text) of the model that comes with the package, or ''."""
+    with resources.as_file(resources.files("opml") / "data" / PACKAGED) as packaged:
+        return _hindsight(read_metadata(packaged)["card"], date)
+
+
+def _hindsight(card: Mapping[str, Any], date: str) -> str:
+    days = [population["to"] for population in card["populations"].values()]
+    last = max([*days, card["weather_to"]])
+    day = date[: len(last)]
+    return f"the model was trained on data up to {last}, later than {day}" if day <= last else ""
 
 
 def _trees(nodes: pd.DataFrame, offset: float) -> BoostingModel:

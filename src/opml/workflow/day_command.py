@@ -15,6 +15,7 @@ from opml.base import epochs
 from opml.base.errors import InputError
 from opml.base.progress import counted
 from opml.catalog.kinds import ELEMENTS
+from opml.element_sets import trained_model
 from opml.mornings import outcomes
 from opml.mornings.kept.store import Store
 from opml.mornings.outcomes import DO_NOT_USE
@@ -107,8 +108,15 @@ def run(call: Call) -> int:
     if call.dry:
         return ALL_RUN
     page = json.loads((folders[-1] / "day.json").read_text(encoding="utf-8"))
-    print("\n".join(_lines(page, folders[-1])))
+    print("\n".join([*_lines(page, folders[-1]), *warnings(call.day, whole)]))
     return OBJECTS_FAILED if page["verdicts"].get(outcomes.FAILED) else ALL_RUN
+
+
+def warnings(day: date, settings: Settings) -> list[str]:
+    """Return the warning where the model that improves sets was trained on what came after a date."""
+    if not any(settings.kind_of(rso) is ELEMENTS for rso in settings.measured):
+        return []
+    return list(filter(None, [trained_model.packaged_hindsight(day.isoformat())]))
 
 
 def mornings_ahead(day: date, settings: Settings) -> dict[str, int]:

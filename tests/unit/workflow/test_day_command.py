@@ -55,6 +55,15 @@ def test_a_run_has_no_end():
     assert len({*days}) == 12
 
 
+@pytest.mark.parametrize(
+    ("kind", "day", "warned"),
+    [(ELEMENTS, "2026-10-15", 1), (ELEMENTS, "2026-10-16", 0), (FIXES, "2026-10-15", 0)],
+)
+def test_a_day_that_the_model_of_sets_has_seen_is_warned_of(kind, day, warned):
+    settings = SimpleNamespace(measured={"first": ["a"]}, kind_of=lambda rso: kind)
+    assert len(day_command.warnings(date.fromisoformat(day), settings)) == warned
+
+
 def test_what_is_ahead_is_told(tmp_path):
     learners = {
         "fit24": {"window_hours": 24},
