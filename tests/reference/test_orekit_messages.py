@@ -9,7 +9,7 @@ from opml.base.errors import InputError
 from opml.conjunctions import cdm
 from opml.conjunctions.probability import chance
 from opml.ephemerides.along_track_shift import corrected
-from opml.interop import oem, orbit_segments, tdm
+from opml.interop import known_orbits, oem, tdm
 from opml.interop.element_sets import element_fits, mean_elements, omm, tle
 from opml.interop.object_ids import ObjectId
 from opml.orbits.elements import cartesian_from_coe, true_from_mean_anomaly
@@ -212,7 +212,7 @@ def test_a_message_that_orekit_writes_is_read(org, tmp_path):
     generator = org.orekit.files.ccsds.utils.generation.KvnGenerator(buffer, 20, "truth", 60.0, 0)
     org.orekit.files.ccsds.ndm.WriterBuilder().buildOemWriter().writeMessage(generator, message)
     (tmp_path / "theirs.oem").write_text(str(buffer))
-    (back,) = orbit_segments.read(tmp_path / "theirs.oem", epoch=EPOCH)
+    (back,) = known_orbits.segments(tmp_path / "theirs.oem", epoch=EPOCH)
     assert back.t.tolist() == truth["t"].tolist()
     np.testing.assert_allclose(back.states, truth[list(STATE)], rtol=1e-14)
 

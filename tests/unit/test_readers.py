@@ -19,7 +19,7 @@ from opml.base.yaml_files import read_yaml
 from opml.catalog.propagator import Propagator
 from opml.catalog.simulate import truth
 from opml.environment import celestial_bodies, earth_orientation, gravity_field, solar_activity
-from opml.interop import oem, orbit_segments
+from opml.interop import known_orbits, oem
 from opml.interop.element_sets import known_sets, mean_elements
 from opml.orbits.sheets import read_rsos, read_stations
 
@@ -64,7 +64,7 @@ READ = {
     "weather.csv": lambda path: solar_activity.tabulate(path, EPOCH, DAYS, 50),
     "finals2000A.all": lambda path: earth_orientation.tabulate(EPOCH, DAYS, bulletin=path),
     "week.bsp": lambda path: celestial_bodies.tabulate(path, EPOCH, DAYS),
-    "iss.oem": lambda path: orbit_segments.read(path, epoch=EPOCH),
+    "iss.oem": lambda path: known_orbits.segments(path, epoch=EPOCH),
     "vanguard.omm": mean_elements.read,
     **dict.fromkeys(NOTATIONS, lambda path: known_sets.by_object([path])),
     "stations.tsv": read_stations,

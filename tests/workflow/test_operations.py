@@ -10,7 +10,7 @@ from project import ROOT
 from weather_files import up_to
 
 from opml.base.constants import DAY
-from opml.interop import orbit_segments
+from opml.interop import known_orbits
 from opml.tables import read_table
 
 PAGE = page("operations")
@@ -72,7 +72,7 @@ def test_from_tracks_and_the_weather_up_to_now_comes_an_ephemeris_of_the_days_ah
     results = project.folder / "results"
     estimates = read_table(results / "estimates" / "mine" / "eglin-clear-kaena.parquet", "estimates")
     assert estimates["converged"].all()
-    (segment,) = orbit_segments.read(project.folder / message, epoch="2016-09-28T12:09:45")
+    (segment,) = known_orbits.segments(project.folder / message, epoch="2016-09-28T12:09:45")
     assert segment.t[-1] > estimates["t"].max() + 0.95 * DAY
     assert np.isfinite(segment.states).all()
     assert (np.linalg.eigvalsh(segment.covariances[:, :3, :3]) > 0.0).all()

@@ -20,7 +20,7 @@ from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.benchmark import tasks
 from opml.benchmark.tasks import STATE, BenchmarkTask
-from opml.interop import known_orbits, orbit_segments
+from opml.interop import known_orbits
 from opml.interop.element_sets.teme import teme_to_gcrf
 from opml.orbits.elements import rsw_rotation
 
@@ -149,7 +149,7 @@ def _check_orbits(states: np.ndarray, where: str, path: Path) -> None:
 
 
 def _read_oem(path: Path, questions: _Questions) -> None:
-    for k, segment in enumerate(orbit_segments.read(path, epoch=tasks.EPOCH), start=1):
+    for k, segment in enumerate(known_orbits.segments(path, epoch=tasks.EPOCH), start=1):
         number = segment.identity.number or int(segment.name if segment.name.isdecimal() else 0)
         places = questions.of(number, segment.t[0])
         where = f"segment {k}"

@@ -29,7 +29,7 @@ from opml.conjunctions.trajectories import (
     read_elements,
     span_of_days,
 )
-from opml.interop import ccsds, formats, orbit_segments
+from opml.interop import ccsds, formats, known_orbits
 from opml.interop.element_sets.mean_elements import WARN_DAYS
 from opml.interop.ephemeris import EPOCH, Ephemeris
 from opml.interop.object_ids import ObjectId
@@ -228,7 +228,7 @@ def _goes_on(approach: Approach, span: Span, spans: Sequence[Span]) -> bool:
 
 def _of_orbit(path: FilePath) -> list[ScreenedObject]:
     """Return an ephemeris of each object in a file."""
-    segments = orbit_segments.read(path, epoch=EPOCH)
+    segments = known_orbits.segments(path, epoch=EPOCH)
     try:
         trajectories = [(one.identity, of_states(one)) for one in segments]
     except InputError as reason:

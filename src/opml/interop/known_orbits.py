@@ -20,13 +20,15 @@ from opml.base.arrays import read_only
 from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.files import FilePath
-from opml.interop import ccsds, formats, object_ids, oem, orbit_segments
+from opml.environment import earth_orientation, nodes
+from opml.interop import ccsds, formats, object_ids, oem
+from opml.interop.curves.orbit_curve import rotate_to_gcrf
 from opml.interop.element_sets import known_sets, mean_elements
 from opml.interop.element_sets.burns_in_sets import KnownSet
 from opml.interop.element_sets.mean_elements import MOST_DAYS
 from opml.interop.ephemeris import EPOCH, LONGEST_STEP, Ephemeris, with_velocities
 from opml.interop.object_ids import UNKNOWN, ObjectId
-from opml.interop.orbit_arcs import Arc
+from opml.interop.orbit_arcs import EVERY, Arc, contents
 from opml.interop.orbit_from_files import OrbitFiles, arcs_of_files
 from opml.interop.predicted_orbit import PredictedOrbit
 from opml.tables import STATE, read_kind, read_metadata, read_table
@@ -149,6 +151,36 @@ def read(paths: Sequence[FilePath], wanted: str | None = None) -> KnownOrbit:
     return _of_tables(paths) if kind == formats.TABLE else _of_files(OrbitFiles(paths, EPOCH, np.inf, wanted))
 
 
+def segments(path: FilePath, *, epoch: str) -> list[Ephemeris]:
+    """Read the ephemerides of all objects in a file, in GCRF, velocities NaN where it has none.
+
+    epoch: from which their times count
+
+    Raises InputError, naming file and line, as the reader of its format does, and for no orbit.
+    """
+    arcs = formats.read(path, contents(path), formats.ORBIT, epoch=epoch, satellite=EVERY)
+    newest = float(arcs[0].t[0])
+    found = [_in_gcrf(arc, epoch) for arc in arcs]
+    return [replace(one, known=newest) if one.known is None else one for one in found]
+
+
+def _in_gcrf(arc: Arc, epoch: str) -> Ephemeris:
+    """Return an arc in GCRF; epoch: from which its times count."""
+    (begin,) = ccsds.utc_texts(epoch, arc.t[:1])
+    orientation = earth_orientation.tabulate(begin, nodes(begin, float(arc.t[-1] - arc.t[0])))
+    return Ephemeris(
+        arc.satellite,
+        arc.t,
+        rotate_to_gcrf(replace(arc, t=arc.t - arc.t[0]), orientation),
+        arc.covariance_t,
+        arc.covariances,
+        arc.covariance_frame,
+        identity=arc.identity,
+        known=arc.known,
+        density=arc.density,
+    )
+
+
 def of(orbit: KnownOrbit | PredictedOrbit) -> KnownOrbit:
     """Return an orbit that was read, or a prediction as one. Raises InputError for what is neither."""
     if isinstance(orbit, PredictedOrbit):
@@ -161,8 +193,7 @@ def of(orbit: KnownOrbit | PredictedOrbit) -> KnownOrbit:
 
 def _of_files(files: OrbitFiles) -> States:
     arcs = [_in_one_unit(arc) for arc in arcs_of_files(files)]
-    segments = orbit_segments.of_arcs(arcs, epoch=EPOCH)
-    by_file = [replace(one, name=str(arc.path)) for arc, one in zip(arcs, segments, strict=True)]
+    by_file = [replace(_in_gcrf(arc, EPOCH), name=str(arc.path)) for arc in arcs]
     parts = [one for segment in by_file for one in parts_of(segment)]
     return States(str(files.paths[0]), parts, identity=arcs[0].identity)
 

@@ -1,7 +1,7 @@
 """Writer and readers of orbits as CCSDS orbit ephemeris messages (OEM 2.0, KVN).
 
-A message holds a table of opml: the truth is one segment, as the estimates with their covariances, and each
-corrected ephemeris is one. An OEM has no drag coefficients.
+A message holds a table of opml: the truth is one segment, and each corrected ephemeris is one. An OEM has no
+drag coefficients.
 Source: CCSDS 502.0-B-2, section 5.
 """
 
@@ -24,7 +24,6 @@ from opml.interop.object_ids import ObjectId
 from opml.interop.orbit_arcs import MOST_APART, Arc, check_ascending, choose_satellites
 from opml.orbits.density_error import DensityErrors
 from opml.tables import STATE, STATE_COVARIANCES, symmetric_matrices
-from opml.tables.convergence import none_converged
 
 _KEY = "CCSDS_OEM_VERS"
 _VERSIONS = ("1.0", "2.0", "3.0")
@@ -63,19 +62,6 @@ def truth_segments(truth: pd.DataFrame, *, rso: str) -> list[Ephemeris]:
     return [Ephemeris(rso, t, truth[STATE].to_numpy(), remark="true orbit", known=t[-1])]
 
 
-def estimate_segments(estimates: pd.DataFrame, *, rso: str) -> list[Ephemeris]:
-    """Return the segment of a table `estimates`: state and covariance of each estimate that converged.
-
-    Raises InputError where no estimate converged.
-    """
-    usable = estimates[estimates["converged"]]
-    if usable.empty:
-        raise none_converged(rso, [estimates])
-    t, remark = usable["t"].to_numpy(), "estimates at the starts of tracks, not for interpolation"
-    covariances = symmetric_matrices(usable, STATE_COVARIANCES)
-    return [Ephemeris(rso, t, usable[STATE].to_numpy(), t, covariances, remark=remark, known=t[-1])]
-
-
 def corrected_segments(corrected: pd.DataFrame, *, rso: str) -> list[Ephemeris]:
     """Return the segments of a table `corrected`, one per estimate, with a covariance every ten minutes."""
     segments = []
@@ -100,7 +86,6 @@ def corrected_segments(corrected: pd.DataFrame, *, rso: str) -> list[Ephemeris]:
 
 SEGMENTS: dict[str, Callable[..., list[Ephemeris]]] = {
     "truth": truth_segments,
-    "estimates": estimate_segments,
     "corrected": corrected_segments,
 }
 """Makers of the segments of a message, by the table."""

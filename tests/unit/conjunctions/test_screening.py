@@ -15,7 +15,7 @@ from opml import cli
 from opml.base.constants import EARTH_GM
 from opml.base.errors import InputError
 from opml.conjunctions import as_text, cdm, screening
-from opml.interop import ccsds, oem, orbit_segments
+from opml.interop import known_orbits, oem
 from opml.interop.element_sets import element_set, omm, tle
 from opml.interop.ephemeris import EPOCH, Ephemeris
 from opml.interop.object_ids import UNKNOWN, ObjectId
@@ -86,17 +86,9 @@ def test_the_command_prints_a_line_of_each_and_writes_messages(files, tmp_path, 
     assert capsys.readouterr().out == ",".join(as_text.table([], epoch=EPOCH).columns) + "\n"
 
 
-def test_a_file_that_is_named_twice_counts_once(files, tmp_path):
-    (ours, other), *_ = files
-    again = tmp_path / "sub" / ".." / other.name
-    (tmp_path / "sub").mkdir()
-    once, twice = (screening.read([ours, *others]) for others in ([other], [other, again, ours]))
-    assert [one.identity for one in twice] == [one.identity for one in once]
-
-
 def test_a_message_of_a_long_name_has_a_file(files, tmp_path):
     paths, *_ = files
-    (segment,) = orbit_segments.read(paths[1], epoch=EPOCH)
+    (segment,) = known_orbits.segments(paths[1], epoch=EPOCH)
     oem.write(tmp_path / "long.oem", [replace(segment, name="N" * 300)], epoch=EPOCH)
     folder = tmp_path / "messages"
     assert cli.main(["screen", str(paths[0]), str(tmp_path / "long.oem"), "--messages", str(folder)]) == 0
@@ -143,13 +135,6 @@ def test_sets_share_what_the_density_is_off_by(files, tmp_path):
                 held = member.covariance - np.outer(effect, effect)
                 sigma = np.sqrt(np.diag(member.covariance))
                 assert np.linalg.eigvalsh(held / np.outer(sigma, sigma)).min() > -1e-9
-
-
-def test_without_a_covariance_it_is_said(files, tmp_path):
-    sets = flown_set(tmp_path / "sets.tle", eccentricity=0.05)
-    found = screened([files[0][0], sets], within=1.5e7)
-    (row,) = as_text.table(found[:1], epoch=EPOCH).to_dict("records")
-    assert "77 without covariance" in row["remark"]
 
 
 def test_the_usual_covariance_ends_with_what_was_learned(tmp_path):
@@ -296,7 +281,7 @@ def test_covariances_do_not_reach_beyond_their_times(tmp_path):
 )
 def test_a_covariance_that_no_orbit_has_is_told(times, known, files, tmp_path):
     paths, *_ = files
-    (one,) = orbit_segments.read(paths[1], epoch=RUN)
+    (one,) = known_orbits.segments(paths[1], epoch=RUN)
     odd = replace(one, covariances=times * one.covariances)
     oem.write(tmp_path / "odd.oem", [odd], epoch=RUN)
     found = screened([paths[0], tmp_path / "odd.oem"])
@@ -315,7 +300,7 @@ def test_a_message_takes_no_distance(files, tmp_path, capsys):
 
 
 def test_our_file_is_of_one_object(files, tmp_path):
-    (one,), (other,) = (orbit_segments.read(path, epoch=EPOCH) for path in files[0])
+    (one,), (other,) = (known_orbits.segments(path, epoch=EPOCH) for path in files[0])
     oem.write(tmp_path / "both.oem", [one, other], epoch=EPOCH)
     with pytest.raises(InputError, match=r"both\.oem: expected one object, ours, got ours, other"):
         screening.read([tmp_path / "both.oem", files[0][0]])
@@ -393,7 +378,7 @@ def test_damaged_ephemerides_are_told_in_one_line(short, damage):
 
 
 def test_ephemerides_that_share_no_time_are_told(short, files, tmp_path, caplog):
-    (segment,) = orbit_segments.read(short, epoch=EPOCH)
+    (segment,) = known_orbits.segments(short, epoch=EPOCH)
     late = tmp_path / "late.oem"
     moved = {"t": segment.t + 1e7, "covariance_t": segment.covariance_t + 1e7}
     oem.write(late, [replace(segment, name="late", identity=UNKNOWN, **moved)], epoch=EPOCH)
@@ -418,7 +403,7 @@ def test_a_radius_of_no_object_is_refused(short, files):
 def test_segments_that_hold_the_same_states_tell_an_approach_once(files):
     paths, *_ = files
     once = screened(paths)
-    (segment,) = orbit_segments.read(paths[1], epoch=RUN)
+    (segment,) = known_orbits.segments(paths[1], epoch=RUN)
     part, covered = T[len(T) // 2 + 90] > T, segment.covariance_t < T[len(T) // 2 + 90]
     begin = replace(
         segment,
@@ -431,19 +416,6 @@ def test_segments_that_hold_the_same_states_tell_an_approach_once(files):
     assert len(screening.read(paths)[1].trajectories) == 2
     again = screened(paths)
     assert [one.t for one in again] == pytest.approx([one.t for one in once], abs=1e-6)
-
-
-def test_another_solution_of_the_same_time_is_told_too(files):
-    paths, *_ = files
-    once = screened(paths)
-    (segment,) = orbit_segments.read(paths[1], epoch=RUN)
-    oem.write(paths[1], [replace(segment, covariances=4.0 * segment.covariances), segment], epoch=RUN)
-    assert len(screened(paths)) == 2 * len(once)
-
-
-def test_times_beyond_known_leap_seconds_are_written_without_a_warning(recwarn):
-    assert ccsds.utc_texts("2199-10-01T00:00:00", np.zeros(1)) == ["2199-10-01T00:00:00.000000"]
-    assert not recwarn.list
 
 
 def test_a_message_is_no_ephemeris(short, tmp_path):
@@ -459,21 +431,3 @@ def test_what_cannot_be_screened_is_told_in_one_line(files, tmp_path):
     sets = tmp_path / "nothing.tle"
     sets.write_text("nothing\n")
     assert "nothing.tle" in refusal(screening.read, [paths[0], sets])
-
-
-def test_states_outside_the_useable_times_do_not_count(short):
-    text = short.read_text()
-    short.write_text(text.replace("META_STOP", "USEABLE_STOP_TIME = 2023-05-01T00:10:00\nMETA_STOP", 1))
-    (one,) = screening.read([short])
-    begin, end = one.trajectories[0].span
-    assert end - begin == 600.0
-    short.write_text(text.replace("META_STOP", "USEABLE_STOP_TIME = 2022-05-01T00:10:00\nMETA_STOP", 1))
-    assert "expected states within the useable times, got none" in refusal(screening.read, [short])
-
-
-def test_a_covariance_without_a_frame_is_in_that_of_the_states(short):
-    first, _, rest = short.read_text().rpartition("COV_REF_FRAME = RSW\n")
-    short.write_text(first + rest)
-    (segment,) = orbit_segments.read(short, epoch=EPOCH)
-    assert set(segment.covariance_frame[:-1]) == {"RSW"}
-    assert segment.covariance_frame[-1] == "GCRF"

@@ -32,7 +32,7 @@ from opml.element_sets import (
 )
 from opml.element_sets.inside import inside_forces, orbit_prediction
 from opml.element_sets.inside.orbit_prediction import OrbitInside
-from opml.interop import orbit_segments
+from opml.interop import known_orbits
 from opml.interop.element_sets import burns_in_sets, element_set, known_sets, mean_elements, sgp4_errors, tle
 from opml.report.results import with_unit
 from opml.workflow import prediction_files
@@ -165,7 +165,7 @@ def test_an_ephemeris_has_the_whole_minutes_of_its_days(made, days, minutes):
 
 def test_an_ephemeris_tells_what_other_objects_share(made, tmp_path):
     made.to_oem(tmp_path / "made.oem")
-    (found,) = orbit_segments.read(tmp_path / "made.oem", epoch=DATE)
+    (found,) = known_orbits.segments(tmp_path / "made.oem", epoch=DATE)
     shifts = [found.density.at(DAY * day).effect[1] for day in (1.0, 7.0)]
     held = np.sqrt(sgp4_errors.COMMON) * made.sizes.loc[[1, 7], "s"]
     assert 0.0 < shifts[0] < shifts[1]
@@ -339,7 +339,7 @@ def test_the_command_writes_every_format(file, made, tmp_path, capsys):
     out = capsys.readouterr().out
     assert made.way in out
     assert made.reason in out
-    (segment,) = orbit_segments.read(tmp_path / "mine.oem", epoch=DATE)
+    (segment,) = known_orbits.segments(tmp_path / "mine.oem", epoch=DATE)
     assert (segment.name, segment.identity.number, segment.covariance_frame) == ("101", 101, "RSW")
     np.testing.assert_allclose(segment.states[60], made.states(made.t[60:61])[0], rtol=1e-12)
     np.testing.assert_allclose(segment.covariances[-1], made.covariance("2026-01-15T06:00:00"), rtol=1e-9)
@@ -370,7 +370,7 @@ def test_the_lines_of_the_readme_run(file, made, tmp_path, monkeypatch, capsys):
         lines = lines.replace(told, asked)
     exec(lines, {"opml": opml})
     assert capsys.readouterr().out.startswith("set ")
-    assert orbit_segments.read(tmp_path / "mine.oem", epoch=DATE)
+    assert known_orbits.segments(tmp_path / "mine.oem", epoch=DATE)
 
 
 def test_a_phone_shows_all_of_the_page(made, tmp_path):

@@ -20,7 +20,7 @@ from opml.ephemerides.ephemeris_task import Task, departure
 from opml.ephemerides.known_tables import KnownTables
 from opml.ephemerides.task_part import Grid, TaskPart
 from opml.figures import errors_at_later_tracks
-from opml.interop import oem, orbit_segments
+from opml.interop import known_orbits, oem
 from opml.learning.judge.error_sizes import Sizes
 from opml.learning.models.linear_law import LinearLaw
 from opml.orbits.elements import in_rsw
@@ -263,7 +263,7 @@ def test_an_oem_holds_the_table_to_its_digits(table, tmp_path):
     )
     oem.write(tmp_path / "c.oem", oem.corrected_segments(table, rso="iss"), epoch=EPOCH, comment=told)
     assert f"\nCOMMENT {told}\n" in (tmp_path / "c.oem").read_text(encoding="utf-8")
-    back = orbit_segments.read(tmp_path / "c.oem", epoch=EPOCH)
+    back = known_orbits.segments(tmp_path / "c.oem", epoch=EPOCH)
     assert [segment.covariance_frame for segment in back] == ["RSW", "RSW"]
     for segment, (_, own) in zip(back, table.groupby("i"), strict=True):
         np.testing.assert_array_equal(segment.t, own["t"])

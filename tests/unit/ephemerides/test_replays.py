@@ -19,7 +19,7 @@ from opml.ephemerides.along_track_shift import through
 from opml.ephemerides.ephemeris_task import Task
 from opml.ephemerides.known_tables import KnownTables
 from opml.ephemerides.task_part import Grid
-from opml.interop import oem, orbit_segments
+from opml.interop import known_orbits, oem
 from opml.learning.data import dataset
 from opml.learning.data.cleaning import Cleaning
 from opml.learning.data.splits import are_over
@@ -223,7 +223,7 @@ def test_the_message_of_a_morning_has_the_errors_and_the_covariance_that_were_re
         now=now,
     )
     oem.write(tmp_path / "m.oem", oem.corrected_segments(made, rso="iss"), epoch=EPOCH)
-    (segment,) = orbit_segments.read(tmp_path / "m.oem", epoch=EPOCH)
+    (segment,) = known_orbits.segments(tmp_path / "m.oem", epoch=EPOCH)
     told = table[table["i"] == starts["track"].iloc[0]]
     true = tables["predictions"].set_index(["i", "j"]).loc[pd.MultiIndex.from_frame(told[["i", "j"]])]
     states = true[[f"{name}_true" for name in STATE]].to_numpy()

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from support import EPOCH, refusal
 
-from opml.interop import orbit_segments, tdm
+from opml.interop import known_orbits, tdm
 
 OEM = """CCSDS_OEM_VERS = 2.0
 CREATION_DATE = 2016-09-28T00:00:00
@@ -92,7 +92,7 @@ def oem_in_xml(text):
 def test_an_orbit_in_xml_has_its_states_and_covariances(tmp_path):
     (tmp_path / "a.oem").write_text(OEM)
     (tmp_path / "b.xml").write_text(oem_in_xml(OEM))
-    (one,), (other,) = (orbit_segments.read(tmp_path / name, epoch=EPOCH) for name in ("a.oem", "b.xml"))
+    (one,), (other,) = (known_orbits.segments(tmp_path / name, epoch=EPOCH) for name in ("a.oem", "b.xml"))
     assert len(one.covariances) == 2
     for name in ("t", "states", "covariance_t", "covariances", "identity", "covariance_frame", "known"):
         np.testing.assert_array_equal(getattr(other, name), getattr(one, name))
@@ -111,7 +111,7 @@ def test_an_orbit_in_xml_has_its_states_and_covariances(tmp_path):
 def test_what_is_missing_in_xml_is_told_by_line(tmp_path, old, new, said):
     path = tmp_path / "b.xml"
     path.write_text(oem_in_xml(OEM).replace(old, new))
-    assert said in refusal(orbit_segments.read, path, epoch=EPOCH)
+    assert said in refusal(known_orbits.segments, path, epoch=EPOCH)
 
 
 def test_tracks_in_xml_have_their_measurements(tmp_path):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from support import EPOCH, refusal
 
-from opml.interop import known_orbits, oem, orbit_segments
+from opml.interop import known_orbits, oem
 from opml.interop.ephemeris import Ephemeris
 from opml.orbits.elements import rsw_rotation
 
@@ -62,7 +62,7 @@ def test_an_operator_s_orbit_has_its_covariances_and_its_name(tmp_path):
 
 
 def test_an_ephemeris_of_stk_has_states_and_covariances(tmp_path):
-    (segment,) = orbit_segments.read(stk(tmp_path), epoch=EPOCH)
+    (segment,) = known_orbits.segments(stk(tmp_path), epoch=EPOCH)
     assert segment.name == "mine"
     np.testing.assert_allclose(segment.t, T, atol=1e-6)
     np.testing.assert_array_equal(segment.states, STATES)
@@ -71,13 +71,13 @@ def test_an_ephemeris_of_stk_has_states_and_covariances(tmp_path):
 
 
 def test_units_and_frames_of_stk_are_turned(tmp_path):
-    (fixed,) = orbit_segments.read(
+    (fixed,) = known_orbits.segments(
         stk(tmp_path, lambda text: text.replace("System ICRF", "System Fixed")), epoch=EPOCH
     )
     assert len(fixed.covariances) == 0
     assert np.linalg.norm(fixed.states[:, 3:], axis=1).min() > 7900.0  # the Earth's turn comes on top
     path = stk(tmp_path, lambda text: text.replace("ICRF", "J2000\nDistanceUnit Kilometers"))
-    (wide,) = orbit_segments.read(path, epoch=EPOCH)
+    (wide,) = known_orbits.segments(path, epoch=EPOCH)
     np.testing.assert_allclose(np.linalg.norm(wide.states[:, :3], axis=1), 6.9e9, rtol=1e-6)
 
 
@@ -103,11 +103,11 @@ def test_units_and_frames_of_stk_are_turned(tmp_path):
 )
 def test_what_is_malformed_is_told_by_line(write, old, new, said, tmp_path):
     path = write(tmp_path, lambda text: text.replace(old, new))
-    assert said in refusal(orbit_segments.read, path, epoch=EPOCH)
+    assert said in refusal(known_orbits.segments, path, epoch=EPOCH)
 
 
 def test_a_cut_ephemeris_is_noticed(tmp_path):
     path = starlink(tmp_path, lambda text: "\n".join(text.splitlines()[:-1]))
     assert "expected 3 lines of covariance behind each state" in refusal(
-        orbit_segments.read, path, epoch=EPOCH
+        known_orbits.segments, path, epoch=EPOCH
     )

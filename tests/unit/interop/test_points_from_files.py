@@ -174,20 +174,6 @@ def test_bytes_that_are_no_csv_are_told_in_one_line(tmp_path, content, message):
         points_from_files.check(OrbitFiles([path], EPOCH, DAY), PLACES)
 
 
-def test_what_is_right_passes_the_check(tmp_path):
-    for text in (
-        GOOD,
-        MOVED,
-        "\ufeff" + GOOD,
-        GOOD.replace("\n", "\r\n"),
-        GOOD.upper(),
-        GOOD.replace(",", ", "),
-    ):
-        path = tmp_path / "orbit.csv"
-        path.write_text(text)
-        points_from_files.check(OrbitFiles([path], EPOCH, DAY), PLACES)
-
-
 def test_headings_in_use_give_the_same_points(tmp_path, t, states):
     """Of receivers, reports of GMAT and spreadsheets."""
     utc = ccsds.utc_texts(EPOCH, t)

@@ -17,7 +17,7 @@ from opml.catalog.simulate import tracking, truth
 from opml.dynamics.settings import ForceModelSettings
 from opml.ephemerides import along_track_shift
 from opml.ephemerides.paths import Paths
-from opml.interop import oem, orbit_segments, tdm
+from opml.interop import known_orbits, oem, tdm
 from opml.interop.element_sets import mean_elements
 from opml.mornings.outcomes import UNPROVEN
 from opml.mornings.prediction import Request
@@ -165,7 +165,7 @@ def test_the_command_writes_every_format(hours, short, tmp_path, capsys):
     assert short.verdict.reason in told.out
     assert "sgp4" not in told.out
     assert "morning 1 of 1" in told.err
-    (segment,) = orbit_segments.read(tmp_path / "mine.oem", epoch=short.date)
+    (segment,) = known_orbits.segments(tmp_path / "mine.oem", epoch=short.date)
     np.testing.assert_allclose(segment.states[60], short.states(short.t[60:61])[0], rtol=1e-12)
     np.testing.assert_allclose(np.sqrt(np.diag(segment.covariances[0])[:3]), short.sigmas(short.t[:1])[0])
     pd.testing.assert_frame_equal(pd.read_csv(tmp_path / "mine.csv"), short.expected(), check_dtype=False)

@@ -19,7 +19,7 @@ from opml.dynamics.shared_blocks import SharedBlocks
 from opml.element_sets import station_passes
 from opml.ephemerides.along_track_shift import corrected
 from opml.ephemerides.known_tables import KnownTables
-from opml.interop import known_orbits, orbit_segments
+from opml.interop import known_orbits
 from opml.interop.object_ids import ObjectId
 from opml.learning.models import learners
 from opml.mornings import candidates, days, fits
@@ -188,7 +188,7 @@ def test_what_leaves_is_the_path_of_the_model_that_the_past_chose(whole):
     assert found["mornings"][-1] == {"date": LAST.isoformat(), "verdict": UNPROVEN}
     assert [one["day"] for one in found["expected"]] == [1, 2]
     (paths,) = (one.table for one in left(whole).paths("iss"))
-    (segment,) = orbit_segments.read(whole / LAST.isoformat() / "iss" / "iss.oem", epoch=EPOCH)
+    (segment,) = known_orbits.segments(whole / LAST.isoformat() / "iss" / "iss.oem", epoch=EPOCH)
     states = corrected(
         paths["t_j"].to_numpy(), np.ascontiguousarray(paths[STATE]), paths[f"e_y_{found['model']}"].to_numpy()
     )
@@ -432,7 +432,7 @@ def test_a_track_keeps_its_number_and_one_that_comes_late_gets_none():
 
 
 def test_messages_tell_the_object_by_what_its_files_tell(watched, whole):
-    (segment,) = orbit_segments.read(whole / LAST.isoformat() / "iss" / "iss.oem", epoch=EPOCH)
+    (segment,) = known_orbits.segments(whole / LAST.isoformat() / "iss" / "iss.oem", epoch=EPOCH)
     assert (segment.name, segment.identity.designator) == ("iss", "1998-067A")
 
 

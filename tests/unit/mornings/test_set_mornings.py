@@ -14,7 +14,7 @@ from opml.base.constants import DAY
 from opml.element_sets import prediction
 from opml.element_sets.catalogue import modified_julian_day
 from opml.element_sets.inside import inside_forces, inside_now
-from opml.interop import orbit_segments
+from opml.interop import known_orbits
 from opml.interop.element_sets import known_sets
 from opml.mornings import days, set_mornings
 from opml.mornings.calendar import Calendar
@@ -85,7 +85,7 @@ def test_a_morning_says_what_predict_says(sets, whole):
     names = ("radial_sigma_m", "along_track_sigma_m", "cross_track_sigma_m")
     sigmas = [[one[name] for name in names] for one in outcome["expected"]]
     np.testing.assert_allclose(sigmas, made.sigmas(DAY * leads), atol=0.051)
-    (segment,) = orbit_segments.read(whole / str(LAST) / "mine" / "mine.oem", epoch=when)
+    (segment,) = known_orbits.segments(whole / str(LAST) / "mine" / "mine.oem", epoch=when)
     assert segment.name == "mine"
     np.testing.assert_allclose(segment.states, made.states(segment.t), atol=1e-5)
 
