@@ -57,15 +57,6 @@ def test_a_hundred_encounters_are_all_found():
         assert np.linalg.norm(relative[:3]) == pytest.approx(near[0].distance, abs=1e-2)
 
 
-def test_paths_may_have_other_times_and_parts_of_the_span():
-    first, second, at, miss = built(np.random.default_rng(3))
-    other = np.arange(at - 5000.0, at + 7000.0, 47.3)
-    paths = [Ephemeris("a", T, kepler(first, at, T)), Ephemeris("b", other, kepler(second, at, other))]
-    (found,) = (one for one in find(*paths, within=5000.0) if abs(one.t - at) < 5.0)
-    assert found.distance == pytest.approx(miss, abs=1.0)
-    assert all(other[0] <= one.t <= other[-1] for one in find(*paths, within=1e7))
-
-
 @pytest.mark.parametrize("begin", [-20.0, 20.0 - 600.0 * 60.0])
 def test_encounters_between_an_end_and_a_whole_minute_are_found(begin):
     first, second, _, miss = built(np.random.default_rng(6))
@@ -106,19 +97,6 @@ def test_slow_and_opposite_encounters_of_eccentric_orbits_are_found(velocities):
         (found,) = (one for one in find(*paths, within=5000.0) if abs(one.t - at) < 300.0)
         assert found.distance == pytest.approx(apart.min(), abs=1.0)
         assert abs(found.t - fine[np.argmin(apart)]) < 0.2
-
-
-def test_every_minimum_of_the_distance_is_among_them():
-    """Beside the distance each second, of two objects that meet every half revolution."""
-    first, second, at, _ = built(np.random.default_rng(4))
-    paths = [Ephemeris(name, T, kepler(state, at, T)) for name, state in (("a", first), ("b", second))]
-    fine = np.arange(0.0, 2.0 * DAY, 1.0)
-    distance = np.linalg.norm((kepler(second, at, fine) - kepler(first, at, fine))[:, :3], axis=1)
-    least = np.flatnonzero((distance[1:-1] < distance[:-2]) & (distance[1:-1] <= distance[2:])) + 1
-    near = least[distance[least] < 5e5]
-    found = find(*paths, within=5e5)
-    assert len(near) > 10
-    np.testing.assert_allclose([one.t for one in found], fine[near], atol=1.0)
 
 
 @pytest.mark.parametrize(("t", "expected"), [(T[:3], "at least 4 states, got 3"), (10.0 * T, "got 600")])

@@ -142,18 +142,6 @@ def test_a_damaged_error_of_density_is_told(tmp_path, old, new, expected):
         cdm.read(path, epoch=EPOCH)[0]
 
 
-def test_keys_of_the_next_version_tell_the_same(tmp_path):
-    """CDM 2.0 has keys for what comments of 1.0 have."""
-    together = replace(CONJUNCTION, first=shifted("ours", 300.0))
-    cdm.write(tmp_path / "one.cdm", together, epoch=EPOCH)
-    text = (tmp_path / "one.cdm").read_text()
-    for name, key in cdm._DENSITY_KEYS.items():
-        text = text.replace(f"COMMENT {name}", key)
-    (tmp_path / "two.cdm").write_text(text)
-    found = cdm.read(tmp_path / "two.cdm", epoch=EPOCH)[0]
-    np.testing.assert_array_equal(found.first.density.effect, together.first.density.effect)
-
-
 def test_messages_are_named_by_objects_and_time_and_need_both_covariances(tmp_path):
     lonely = Conjunction(
         0.0, CONJUNCTION.first, Participant(ObjectId("bare"), CONJUNCTION.second.state), 20.0
@@ -210,16 +198,6 @@ def test_the_caller_knows_the_radius_better(message, capsys):
     assert capsys.readouterr().err == "opml: radius: expected a length above 0, got -1 m\n"
 
 
-def test_ids_travel_through_messages(tmp_path):
-    identity = ObjectId("SAT", "1998-067UR", 55124)
-    pair = replace(CONJUNCTION.first, identity=identity), CONJUNCTION.second
-    cdm.write(tmp_path / "one.cdm", Conjunction(0.0, *pair, 20.0), epoch=EPOCH)
-    assert cdm.read(tmp_path / "one.cdm", epoch=EPOCH)[0].first.identity == identity
-    text = (tmp_path / "one.cdm").read_text()
-    assert "OBJECT_DESIGNATOR = 55124\nCATALOG_NAME = SATCAT\nOBJECT_NAME = SAT\n" in text
-    assert "INTERNATIONAL_DESIGNATOR = 1998-067UR\n" in text
-
-
 def test_a_message_has_the_date_of_what_it_is_made_from(tmp_path, monkeypatch):
     cdm.write(tmp_path / "one.cdm", replace(CONJUNCTION, known=3600.0), epoch=EPOCH)
     assert "CREATION_DATE = 2000-01-01T01:00:00.000000\n" in (tmp_path / "one.cdm").read_text()
@@ -264,15 +242,6 @@ def test_a_covariance_that_is_none_is_told(sign, tmp_path):
     (row,) = as_text.table([cdm.read(tmp_path / "one.cdm", epoch=EPOCH)[0]], epoch=EPOCH).to_dict("records")
     assert ("covariance not positive definite" in row["remark"]) == (sign < 0.0)
     assert 0.0 <= row["correlated"] <= row["probability"] < 1e-3
-
-
-def test_the_method_is_in_the_row_and_in_the_message(tmp_path):
-    (row,) = as_text.table([CONJUNCTION], epoch=EPOCH).to_dict("records")
-    assert row["method"] == "2D-Nc"
-    cdm.write(tmp_path / "one.cdm", CONJUNCTION, epoch=EPOCH)
-    text = (tmp_path / "one.cdm").read_text()
-    assert "COMMENT PROBABILITY METHOD = 2D-Nc\n" in text
-    assert "COLLISION_PROBABILITY_METHOD" not in text
 
 
 def test_of_a_hyperbola_the_states_are_taken(tmp_path):
@@ -325,20 +294,6 @@ def test_a_message_without_covariances_has_its_miss(message):
     (found,) = cdm.read(message, epoch=EPOCH)
     assert found.chance is None
     assert np.linalg.norm(found.relative[:3]) == pytest.approx(50.0, rel=1e-3)
-
-
-def test_a_covariance_of_zeros_is_remarked_on(message):
-    text = message.read_text()
-    first, second = text.split("OBJECT = OBJECT2")
-    zeros = "".join(
-        f"{line.split(' = ')[0]} = 0.0\n"
-        if line.startswith("C") and "_" in line[:8] and " [m**2" in line
-        else line
-        for line in second.splitlines(True)
-    )
-    message.write_text(f"{first}OBJECT = OBJECT2{zeros}")
-    (row,) = as_text.table(cdm.read(message, epoch=EPOCH), epoch=EPOCH).to_dict("records")
-    assert "covariance of other zero, as where it is unknown" in row["remark"]
 
 
 def test_a_message_in_xml_is_the_same(message):

@@ -193,35 +193,6 @@ def test_errors_that_both_share_are_those_of_drawn_ones(turn, share):
     assert abs(bent(alone) / expected - 1.0) > 0.1
 
 
-def test_two_dimensions_about_the_expected_states_suffice_where_paths_are_straight():
-    near = pairs(ahead=100.0, along=200.0, radial=20.0, radius=10.0)
-    assert bent(near) == pytest.approx(straight(near), rel=1e-3)
-
-
-def test_many_pairs_are_each_alone():
-    alone = [pairs(), pairs(ahead=1e5, along=5e4, radial=300.0, radius=500.0)]
-    together = UncertainPairs(
-        *(np.array([getattr(one, name) for one in alone]) for name in ("states", "covariances", "radius"))
-    )
-    found = together.collisions()
-    for k, one in enumerate(alone):
-        expected = one.collisions()
-        np.testing.assert_allclose(found.velocity[k], expected.velocity, rtol=1e-3, atol=1.0)
-        np.testing.assert_allclose(found.cloud.mean[k, :3], expected.cloud.mean[:3], rtol=1e-2, atol=10.0)
-
-
-def test_each_time_has_the_likeliest_collision():
-    """Both are there at the time at which a collision is likeliest, and it is the farthest at others."""
-    pair = pairs()
-    cloud, squared = pair.clouds(np.array([-60.0, -13.5, 30.0]))
-    assert squared.argmin() == 1
-    assert cloud.mean.shape == (3, 6)
-    now, _ = pairs(ahead=10.0).clouds(np.zeros(1))
-    np.testing.assert_allclose(
-        now.mean[0], pairs(ahead=10.0).states[1] - pairs(ahead=10.0).states[0], atol=0.1
-    )
-
-
 def test_negative_variances_of_rounded_covariances_are_taken_away():
     """Of the first object, whose axes are those of the elements."""
     pair = pairs()

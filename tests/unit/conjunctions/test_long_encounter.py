@@ -102,15 +102,6 @@ def test_a_long_encounter_is_the_same_from_another_time(name, dt):
     assert moved(told, dt).chance.probability == pytest.approx(told.chance.probability, rel=1e-4)
 
 
-def test_an_encounter_far_from_the_approach_is_that_of_drawn_orbits():
-    """Half a revolution after the least distance, spheres of 100 m: the flow has not ended at the limit."""
-    name = "000048901_conj_000048903_20211219_182317_20211217_232706"
-    told = cdm.read(shared(f"real/cara/{name}.cdm.gz"), epoch=EPOCH)[0]
-    later = replace(moved(told, 2390.0), radius=100.0)
-    expected, error = drawn(later, -0.29 * later.first.period, 0.73 * later.first.period, 4000)
-    assert later.chance.probability == pytest.approx(expected, abs=3.0 * error)
-
-
 def test_a_fast_encounter_is_that_in_two_dimensions():
     fast = met(0.3, (15.0, 200.0, 20.0, 0.01, 0.01, 0.01))
     assert fast.is_short
@@ -129,25 +120,6 @@ def test_what_flows_at_other_times_of_the_revolution_is_told():
     (remark,) = as_text.table([conjunction], epoch=EPOCH)["remark"]
     assert remark == "8.4e-03 in its revolution"
     assert SLOW.chance.probability <= SLOW.chance.around < 1.5 * SLOW.chance.probability
-
-
-def test_an_encounter_of_uncertain_velocity_is_long():
-    sure, unsure = (met(1e-2, (15.0, 60.0, 20.0, *[sigma] * 3)) for sigma in (0.01, 3.0))
-    assert sure.method == "2D-Nc"
-    assert unsure.method == "3D-Nc"
-
-
-def test_an_encounter_at_a_perigee_is_long_beside_its_bend():
-    """Of a revolution of a day and a half, and a miss that takes 2.5 minutes."""
-    conjunction = met(1e-2, (15.0, 200.0, 20.0, 0.01, 0.01, 0.01), miss=8000.0)
-    faster = np.array([1.0, 1.0, 1.0, 1.37, 1.37, 1.37])
-    pair = (
-        Participant(one.identity, faster * one.state, one.covariance)
-        for one in (conjunction.first, conjunction.second)
-    )
-    eccentric = Conjunction(0.0, *pair, 20.0)
-    assert eccentric.first.period > 100_000.0
-    assert not eccentric.is_short
 
 
 def test_objects_that_never_are_apart_collide():

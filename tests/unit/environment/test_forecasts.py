@@ -7,7 +7,6 @@ from opml.base.errors import InputError
 from opml.environment.forecasts.radio_bursts import remove_bursts
 from opml.environment.forecasts.regression import Forecast
 from opml.environment.weather import Weather
-from validation import forecast_skill as report
 
 FIRST, DAYS, AHEAD = 50000, 1500, 9
 PHASE = 2.0 * np.pi / 27.0
@@ -59,28 +58,3 @@ def test_too_little_to_learn_from_is_told():
         Forecast.fit(regular(200), days=AHEAD)
     with pytest.raises(InputError, match=r"^forecast: expected 2462 days of packaged weather"):
         Forecast.fit(regular(), days=2).futures(regular(), 200)
-
-
-def test_skill_grows_worse_with_the_lead_and_the_page_holds_its_table(tmp_path):
-    found = report.skill("2016-01-01T00:00:00", "2016-02-01T00:00:00")
-    for name in ("persistence", "regression"):
-        assert found[name][0, 0] < found[name][-1, 0]
-    path = tmp_path / "page.md"
-    path.write_text("before\n\n<!-- skill -->\nold\n<!-- end of skill -->\n\nafter\n")
-    report.write(path, "skill", report.table(found))
-    text = path.read_text()
-    assert text.startswith("before\n\n<!-- skill -->\n\n| RMS of")
-    assert text.endswith("\n\n<!-- end of skill -->\n\nafter\n")
-    assert "old" not in text
-
-
-def test_the_spread_of_futures_is_scored_by_kind_and_span(monkeypatch):
-    monkeypatch.setattr(report, "_YEAR", 5)
-    found = report.spread("2017-01-01T00:00:00", "2017-03-01T00:00:00")
-    assert list(found) == ["regression", "errors of a year"]
-    for scores in found.values():
-        assert scores.shape == (4, 2)
-        assert (scores[:, 0] > 0.0).all()
-        assert ((scores[:, 1] >= 0.0) & (scores[:, 1] <= 100.0)).all()
-    text = report.table_of_spread(found)
-    assert text.splitlines()[2].startswith(f"| `regression` | {found['regression'][0, 0]:.2f}; ")

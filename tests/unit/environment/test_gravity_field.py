@@ -104,30 +104,6 @@ def test_intervals_of_format_2_choose_the_row(read):
         field.freeze("2021-01-01T00:00:00")
 
 
-def test_truncation_keeps_what_lies_below(read):
-    field = read(HEAD + ROWS).truncate(2, 1)
-    assert (field.max_degree, field.max_order) == (2, 1)
-    assert field.c[2, 1] == 1.0e-10
-    assert len(field.variations) == 4
-    assert field.truncate(1, 0).variations == ()
-
-
-def test_table_lists_the_triangle_at_the_epoch(read):
-    epoch = "2016-09-28T12:09:45"
-    field = read(HEAD + ROWS)
-    table = gravity_field.table(field.truncate(2, 1), epoch)
-    assert table[["n", "m"]].to_numpy().tolist() == [[0, 0], [1, 0], [1, 1], [2, 0], [2, 1]]
-    assert table["c"].iloc[3] == field.freeze(epoch).c[2, 0]
-    assert table.dtypes.astype(str).tolist() == ["int64", "int64", "float64", "float64"]
-
-
-def test_coefficients_are_read_only(read):
-    field = read(HEAD + ROWS)
-    for variant in (field, field.freeze("2016-09-28T12:09:45"), field.truncate(1, 1)):
-        with pytest.raises(ValueError, match="read-only"):
-            variant.c[0, 0] = 2.0
-
-
 @pytest.mark.parametrize(("degree", "order"), [(3, 3), (-1, 0), (2, 3)])
 def test_degrees_and_orders_that_the_file_does_not_have_are_refused(read, degree, order):
     with pytest.raises(InputError, match=r"^TOY: (degree|order): expected 0 to 2, got"):

@@ -1,7 +1,6 @@
 """What an assumed model knows of the weather: nothing that was measured later."""
 
 from functools import partial
-from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -22,7 +21,7 @@ from opml.dynamics.run_environment import Environment
 from opml.dynamics.settings import ForceModelSettings
 from opml.environment import gravity_field, known_weather, nodes, solar_activity, space_weather
 from opml.environment.known_weather import Issues
-from opml.environment.weather import Future, Weather
+from opml.environment.weather import Weather
 from opml.tables import STATE
 
 T = nodes(EPOCH, 3 * DAY)
@@ -134,24 +133,6 @@ def test_fits_and_predictions_know_nothing_measured_after_they_start(tmp_path, i
     assert not predictions[~from_then][STATE].equals(other_predictions[~from_then][STATE])
 
 
-def test_a_perfect_forecast_is_the_hindcast(monkeypatch):
-    weather = known_weather.read("OBSERVED")
-
-    def all_knowing(epoch, *, days):
-        def future(past):
-            fluxes, kps = len(past.flux), len(past.kp)
-            return Future(weather.flux[fluxes : fluxes + days], weather.kp[kps : kps + 8 * days])
-
-        return SimpleNamespace(future=future)
-
-    monkeypatch.setattr(known_weather, "fit_forecast", all_knowing)
-    hindcast = known_weather.hindcast("OBSERVED", EPOCH, T).set_index("t")
-    for hours in (3, 24):
-        found = outlooks(hours=hours).set_index("t")
-        names = ["f107", "f107_mean", "kp_3h", "kp_24h"]
-        pd.testing.assert_frame_equal(found[names], hindcast.loc[found.index, names], rtol=1e-12)
-
-
 def test_outlooks_are_issued_on_whole_hours_the_first_at_or_before_the_epoch():
     t, day = known_weather.issue_times(EPOCH, T, 3)
     assert t[0] <= 0.0 < t[1]
@@ -200,16 +181,3 @@ def test_predicted_days_of_a_file_were_not_measured(tmp_path):
     whole, measured = known_weather.read("OBSERVED"), known_weather.read(path)
     assert len(measured.flux) == len(whole.flux) - 5
     assert len(space_weather.read(path, path.read_text())) == len(whole.flux)
-
-
-def test_arcs_under_several_outlooks_fly_together_as_each_alone(iss):
-    propagator = Propagator(model("OBSERVED"), iss)
-    epochs = HOUR * np.arange(0.0, 25.0)
-    first = np.arange(0, 16, 2)
-    states = np.tile([6.9e6, 0.0, 0.0, 0.0, 5e3, 5.7e3], (len(first), 1))
-    together = propagator.propagate(epochs, states, cd=2.2, first=first, last=first + 9)
-    for arc, begin in enumerate(first):
-        alone = propagator.propagate(epochs, states[:1], cd=2.2, first=[begin], last=[begin + 9])
-        assert alone.states.tobytes() == together.path(arc).tobytes()
-    assert len(np.unique(propagator.model.newest_outlook(epochs[first]))) > 4
-    assert len({together.path(arc)[-1].tobytes() for arc in range(len(first))}) == len(first)

@@ -8,9 +8,8 @@ import pytest
 from support import EXCERPTS, refusal, refusals, shared
 
 from opml.base import epochs
-from opml.base.constants import DAY
 from opml.base.errors import InputError
-from opml.environment import nodes, solar_activity
+from opml.environment import solar_activity
 
 EPOCH = "2016-09-28T12:09:45"
 REFERENCE = EXCERPTS / "solar_activity.csv"
@@ -65,44 +64,6 @@ def test_flux_and_ap_change_linearly_between_months(bulletin):
     assert row["kp_3h"] == pytest.approx(1.89 * np.arcsinh(0.154 * 11.5), rel=1e-12)
 
 
-def test_kp_follows_the_definition_of_ap():
-    # Bartels' table: ap 4, 15, 48, 132 stand for Kp 1, 3, 5, 7.
-    assert solar_activity.kp_from_ap([4.0, 15.0, 48.0, 132.0]) == pytest.approx([1.0, 3.0, 5.0, 7.0], abs=0.2)
-
-
-@pytest.fixture
-def paper_months(tmp_path):
-    """Path of the packaged table cut to the paper's months."""
-    lines = solar_activity.resolve("MSAFE").read_text().splitlines(keepends=True)
-    path = tmp_path / "own.tsv"
-    path.write_text("".join(line for line in lines if line[0] in "#m" or "2016-08" <= line[:7] <= "2017-01"))
-    return path
-
-
-def test_the_papers_run_is_told_by_its_months_alone(paper_months):
-    t = nodes(EPOCH, 50 * DAY)
-    ours, cut = (solar_activity.tabulate(source, EPOCH, t, 50) for source in ("MSAFE", paper_months))
-    pd.testing.assert_frame_equal(ours, cut, check_exact=True)
-    assert ours["f107"].iloc[[0, -1]].tolist() == [83.0463888888889, 81.12416666666667]
-
-
-@pytest.mark.parametrize(
-    ("month", "figures"),
-    [
-        # First rows of the bulletins of March 1999, June 2002, April 2009 and October 2014.
-        ("1998-09", [131.0, 127.7, 123.4, 14.3, 13.4, 12.4]),
-        ("2001-12", [194.9, 191.9, 188.9, 12.5, 11.7, 10.8]),
-        ("2008-10", [69.2, 68.6, 67.9, 7.7, 6.1, 5.1]),
-        ("2014-04", [142.3, 139.2, 134.8, 7.9, 7.1, 6.5]),
-        # First and last row of March 2026, the newest.
-        ("2025-09", [151.1, 146.9, 143.8, 16.2, 15.8, 15.1]),
-        ("2041-10", [74.0, 70.0, 67.0, 11.4, 8.9, 5.2]),
-    ],
-)
-def test_a_packaged_month_is_of_the_newest_bulletin_that_lists_it(month, figures):
-    assert solar_activity.read(solar_activity.resolve("MSAFE")).loc[month].tolist() == figures
-
-
 @pytest.mark.parametrize("folder", ["orekit-data/MSAFE", "real/msafe"])
 def test_the_packaged_months_are_the_first_of_the_bulletins(folder):
     ours = solar_activity.read(solar_activity.resolve("MSAFE"))
@@ -121,13 +82,6 @@ def test_the_packaged_months_reach_from_1998_to_2041_and_not_a_second_further():
             InputError, match=r"^msafe\.tsv: epoch: expected dates from 1998-09-01 to 2041-10-01"
         ):
             solar_activity.tabulate("MSAFE", EPOCH, np.array([0.0, beyond]), 50)
-
-
-def test_a_time_has_the_same_activity_alone_and_among_thirty_years():
-    t = DAY * np.linspace(-6000.0, 9000.0, 31)
-    together = solar_activity.tabulate("MSAFE", EPOCH, t, 50)
-    alone = pd.concat([solar_activity.tabulate("MSAFE", EPOCH, t[k : k + 1], 50) for k in range(len(t))])
-    pd.testing.assert_frame_equal(together, alone.reset_index(drop=True), check_exact=True)
 
 
 def test_a_leap_second_before_a_month_is_counted():

@@ -57,13 +57,6 @@ def test_an_interval_that_is_not_wanted_or_cannot_be_flown_is_left_open(orbit, a
     assert np.flatnonzero((bridges.jumps == 0.0).all(axis=1)).tolist() == [0, 3, 4, 9, 10, 11, len(t) - 1]
 
 
-def test_an_interval_does_not_depend_on_the_others(orbit, attraction):
-    t, positions = orbit[0][::60], orbit[1][::60, :3]
-    everything = bridge(t, positions, attraction, wanted=np.ones(len(t) - 1, bool))
-    one = bridge(t, positions, attraction, wanted=np.arange(len(t) - 1) == 7)
-    np.testing.assert_allclose(one.coefficients[7], everything.coefficients[7], rtol=0, atol=1e-6)
-
-
 def jumps_of(t, states, attraction):
     """Jumps of an orbit at its nodes, beside their times."""
     bridges: Bridges = bridge(t, states[:, :3], attraction, wanted=np.ones(len(t) - 1, bool))
@@ -101,13 +94,6 @@ def test_breaks_are_where_nodes_were_moved(orbit, attraction, cadence, nodes, by
     assert np.flatnonzero(jumping).tolist() == [
         k for first, last, _ in breaks for k in range(first, last + 1)
     ]
-
-
-def test_the_step_of_a_seam_is_told(orbit, attraction):
-    t, states = orbit[0][::12], orbit[1][::12].copy()
-    states[t >= 6000.0, :3] += [3.0, 4.0, 0.0]
-    (seam,), _, _ = orbit_breaks.find(*jumps_of(t, states, attraction))
-    assert seam.step == pytest.approx(5.0, rel=0.01)
 
 
 @pytest.mark.parametrize("at", [6000.0, 6010.0, 6030.0, 6055.0])

@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 import sgp4
-from sgp4.api import Satrec
 from support import refusal, refusals, shared
 
 from opml.base.errors import InputError
@@ -185,10 +184,6 @@ def test_gzipped_files_of_different_notations_are_one_history(read):
     assert [Path(one.path).name for one in sets] == ["sets1", "sets2", "sets0"]
 
 
-def test_sets_out_of_order_are_sorted(read):
-    assert (np.diff(times(read(text(LINES[2], LINES[0], LINES[1])))) > 0).all()
-
-
 def test_of_sets_of_one_epoch_the_one_that_was_made_last_counts(read):
     late, early = "2024-01-02T06:00:00", "2024-01-01T18:00:00"
     sets = [omm(created=late, RA_OF_ASC_NODE="210.6"), omm(created=early), omm()]
@@ -234,17 +229,6 @@ def test_objects_are_told_apart(written):
         assert f"expected {expected}, got 12345 A, B, 270000001" in refusal(
             known_sets.of_object, [path], wanted
         )
-
-
-@pytest.mark.parametrize("notation", ["tle", "json"])
-def test_predictions_are_those_of_the_set_itself(read, notation):
-    found = states(read(NOTATIONS[notation])[1], np.array([2.4, 4.0]) * DAY)
-    newest = Satrec.twoline2rv(*LINES[1])
-    expected = [
-        mean_elements.state(newest, epoch=epoch) for epoch in ("2024-01-03T09:36:00", "2024-01-05T00:00:00")
-    ]
-    np.testing.assert_allclose(found[:, :3], np.array(expected)[:, :3], rtol=0, atol=0.02)
-    np.testing.assert_allclose(found[:, 3:], np.array(expected)[:, 3:], rtol=0, atol=2e-5)
 
 
 def test_where_the_object_decayed_there_is_no_state(read):
@@ -497,15 +481,6 @@ def test_columns_that_were_collapsed_are_shown_as_they_are(tmp_path):
     assert re.search(
         r"line 1: expected line 1 of a TLE, got '1 12345U 20001A .*: \d\d columns, not 69$", told
     )
-
-
-def test_columns_that_are_shifted_are_shown_with_all_their_blanks(tmp_path):
-    first, second = tle()
-    shifted = f"{first[:20]} {first[20:].replace('  ', ' ', 1)}"
-    (tmp_path / "sets.tle").write_text(f"{shifted}\n{second}\n")
-    said = refusal(mean_elements.read_sets, tmp_path / "sets.tle")
-    assert said.endswith(f"line 1 of a TLE, got {shifted!r}")
-    assert "  " in shifted
 
 
 @pytest.mark.parametrize(

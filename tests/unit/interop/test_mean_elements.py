@@ -95,14 +95,6 @@ def test_teme_turns_to_gcrf(written):
     np.testing.assert_allclose(found[3:], expected[3:], rtol=0, atol=1e-3)
 
 
-def test_an_rso_starts_where_sgp4_has_it(written):
-    satellite = mean_elements.read(written(tle()))
-    rso = mean_elements.rso(satellite, name="mine", epoch=THREE_DAYS_ON, body=BODY)
-    expected = mean_elements.state(satellite, epoch=THREE_DAYS_ON)
-    np.testing.assert_allclose(initial_state(rso, mean_elements.EARTH_GM), expected, rtol=1e-13)
-    assert (rso.name, rso.area_to_mass, rso.cd, rso.cr) == ("mine", 0.05, 2.2, 1.25)
-
-
 def test_the_command_adds_a_line_to_the_sheet(written, capsys, tmp_path):
     path = str(written(tle()))
     assert cli.main(["rso", path, *COMMAND, "--epoch", THREE_DAYS_ON]) == 0
@@ -129,16 +121,6 @@ def test_the_command_prints_no_line_that_the_sheet_would_refuse(written, capsys,
     assert told.err.count("\n") == 1
 
 
-@pytest.mark.parametrize("option", ["--epoch", "--area-to-mass", "--cd", "--cr"])
-def test_the_command_asks_for_epoch_and_body(written, capsys, option):
-    given = ["--epoch", THREE_DAYS_ON, *COMMAND]
-    del given[given.index(option) : given.index(option) + 2]
-    with pytest.raises(SystemExit) as ended:
-        cli.main(["rso", str(written(tle())), *given])
-    assert ended.value.code == 2
-    assert option in capsys.readouterr().err
-
-
 def test_the_command_warns_of_old_elements_in_one_line_on_stderr(written):
     command = [sys.executable, "-m", "opml", "rso", str(written(tle())), *COMMAND]
     done = subprocess.run([*command, "--epoch", TEN_DAYS_ON], capture_output=True, text=True, check=True)
@@ -147,12 +129,6 @@ def test_the_command_warns_of_old_elements_in_one_line_on_stderr(written):
         "2000-07-07T18:50:19.733568; it errs by kilometres per day\n"
     )
     assert done.stdout.startswith("mine\t")
-
-
-@pytest.mark.parametrize("epoch", [THREE_DAYS_ON, "2000-06-21T00:00:00"])
-def test_elements_of_a_few_days_are_flown_without_a_warning(written, caplog, epoch):
-    mean_elements.rso(mean_elements.read(written(tle())), name="mine", epoch=epoch, body=BODY)
-    assert caplog.records == []
 
 
 @pytest.mark.parametrize("epoch", [A_MONTH_ON, "2000-05-20T00:00:00"])
@@ -212,12 +188,3 @@ def test_a_list_as_csv_is_read_and_several_are_told(tmp_path):
     for rows, said in ((2, "the mean elements of one RSO, got 2 sets"), (0, "element sets, got none")):
         path.write_text("\n".join([",".join(OMM), *[",".join(OMM.values())] * rows]))
         assert refusal(mean_elements.read, path) == f"{path}: expected {said}"
-
-
-def test_a_catalogue_number_of_nine_digits_changes_nothing(tmp_path):
-    for number in ("5", "799501234"):
-        (tmp_path / f"{number}.json").write_text(json.dumps([OMM | {"NORAD_CAT_ID": number}]))
-    short, long = (mean_elements.read(tmp_path / f"{number}.json") for number in ("5", "799501234"))
-    np.testing.assert_array_equal(
-        *(mean_elements.state(satellite, epoch=THREE_DAYS_ON) for satellite in (short, long))
-    )

@@ -145,14 +145,6 @@ def test_a_message_has_the_header_that_the_standard_asks_for(suffix, source, tmp
     assert text.count("CREATION_DATE") == (1 if suffix == ".kvn" else 2)
 
 
-def test_json_has_numbers_and_texts_as_celestrak_has_them(source: Path, tmp_path: Path) -> None:
-    rewriting.write(tmp_path / "better.json", [better(source)])
-
-    (one,) = json.loads((tmp_path / "better.json").read_text())
-    assert (one["OBJECT_NAME"], one["OBJECT_ID"], one["NORAD_CAT_ID"]) == (NAME, "1964-063C", 900)
-    assert one["ECCENTRICITY"] == 0.0026047
-
-
 @pytest.mark.parametrize("suffix", [".json", ".xml"])
 def test_sets_in_one_line_are_told_apart(suffix: str, source: Path, tmp_path: Path) -> None:
     """As lists of public sets have them: each keeps its object and its epoch."""

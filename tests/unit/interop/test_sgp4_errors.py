@@ -29,13 +29,6 @@ def test_a_size_is_that_of_its_band_by_hand():
         assert sgp4_errors.usual_sigmas(satellite, DAYS)[:, axis] == pytest.approx(by_hand)
 
 
-def test_the_drag_of_a_set_is_what_it_does_without():
-    kicked, free = flown(400.0), flown(400.0, bstar=0.0)
-    at = [sgp4_errors.sgp4_states(one, DAYS[1:]) for one in (kicked, free)]
-    apart = np.linalg.norm(at[0][:, :3] - at[1][:, :3], axis=1)
-    assert np.abs(sgp4_errors.drag_displacement(kicked, DAYS[1:])) == pytest.approx(apart, rel=0.05)
-
-
 @pytest.mark.parametrize(
     ("satellite", "expected"),
     [
@@ -48,12 +41,6 @@ def test_the_drag_of_a_set_is_what_it_does_without():
 )
 def test_only_orbits_like_those_learned_from_are_known(satellite, expected):
     assert sgp4_errors.are_known(satellite) is expected
-
-
-def test_lower_and_higher_orbits_err_as_the_nearest():
-    for beyond, nearest in ((250.0, 0), (1200.0, -1)):
-        constant = sgp4_errors.law()[nearest][:, 0]
-        assert sgp4_errors.usual_sigmas(flown(beyond), DAYS[:1])[0] == pytest.approx(constant, abs=1e-3)
 
 
 def test_a_covariance_has_the_sizes_and_velocities_that_follow():

@@ -42,18 +42,6 @@ def test_tracks_come_back(table, message):
     pd.testing.assert_frame_equal(back[columns], given[columns], check_exact=True)
 
 
-def test_a_segment_is_a_station_and_a_track(table, message):
-    assert message.read_text().count("META_START") == len(table.groupby(["track", "station"]))
-
-
-def test_segments_may_be_without_an_id(message):
-    lines = message.read_text().splitlines(keepends=True)
-    message.write_text("".join(line for line in lines if not line.startswith("TRACK_ID")))
-    back = read(message)
-    assert back["segment"].nunique() == message.read_text().count("META_START")
-    assert set(back["track_id"]) == {""}
-
-
 def test_messages_in_a_row_are_read_and_one_object_of_several_is_chosen(table, message):
     ours = message.read_text()
     message.write_text(ours + ours.replace("= iss", "= 1998-067A"))
