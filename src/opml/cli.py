@@ -26,9 +26,9 @@ if TYPE_CHECKING:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run a subcommand; return the exit code, 1 after one line that tells why."""
-    told = logging.StreamHandler()
-    told.addFilter(_first_of_each())
-    logging.basicConfig(format=f"{clear()}opml: %(message)s", handlers=[told])
+    warnings = logging.StreamHandler()
+    warnings.addFilter(_first_of_each())
+    logging.basicConfig(format=f"{clear()}opml: %(message)s", handlers=[warnings])
     options = _parser().parse_args(_readable(sys.argv[1:] if arguments is None else arguments))
     if isinstance(sys.stdout, io.TextIOWrapper):  # of names that the terminal has no letters for
         sys.stdout.reconfigure(errors="backslashreplace")

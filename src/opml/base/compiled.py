@@ -17,6 +17,7 @@ from numba.core.caching import UserProvidedCacheLocator
 from numba.extending import register_jitable
 
 from opml.base.errors import InputError
+from opml.base.linked_kernels import LinkedKernels
 from opml.base.provenance import script_digest
 
 Decorator = Callable[[Callable[..., Any]], Any]
@@ -38,7 +39,8 @@ def decorators(**options: Any) -> tuple[Decorator, Decorator]:
             folder = numba.config.CACHE_DIR  # type: ignore[attr-defined]  # made at run time
             raise InputError(f"{folder}: expected a folder for compiled kernels: set OPML_CACHE") from error
 
-    return register_jitable(inline="never", **options), entry
+    to_link = {"pipeline_class": LinkedKernels, "no_cfunc_wrapper": True}
+    return register_jitable(inline="never", **to_link, **options), entry
 
 
 def kernel_folder(source: str | Path) -> str:

@@ -96,7 +96,7 @@ def propagate(
     )
     outlook = departures.outlooks(model, epochs)
     if not advance.signatures and not any(Path(advance.stats.cache_path).glob("*.nbi")):
-        _log.warning("the force model is compiled, once for each version: half a minute")
+        _log.warning("the force model is compiled, once for each version: ten seconds")
 
     def propagate(members: np.ndarray) -> int:
         kinds, kind = np.unique(outlook[members], return_inverse=True)

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numba
 import pytest
+from numba.core.codegen import JITCodeLibrary
 
 from opml.base.compiled import SharedLocator, decorators, kernel_folder
 from opml.base.errors import InputError
@@ -49,6 +50,16 @@ def test_other_source_or_other_imports_have_a_folder_of_their_own(tmp_path, chan
     before = kernel_folder(tmp_path / "kernel.py")
     (tmp_path / "kernel.py").write_text(changed)
     assert kernel_folder(tmp_path / "kernel.py") != before
+
+
+def test_kernels_become_machine_code_where_an_entry_links_them_alone(monkeypatch):
+    names, translate = [], JITCodeLibrary._finalize_specific
+    monkeypatch.setattr(JITCodeLibrary, "_finalize_specific", lambda x: names.append(x.name) or translate(x))
+    compiled, _ = decorators()
+    leaf = compiled(lambda x: x + 1.0)
+    branch = compiled(lambda x: leaf(x) * leaf(x + 1.0))
+    assert numba.njit(lambda x: branch(x) + leaf(x))(2.0) == 15.0
+    assert len(set(names) - {"nrt"}) == 1
 
 
 def test_no_folder_that_can_be_written_is_told_in_one_line(tmp_path, monkeypatch):

@@ -7,14 +7,16 @@ its neighbours.
 """
 
 import operator
-from typing import Any
+from itertools import product
+from typing import Any, ClassVar
 
 import numpy as np
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils
 from numba.core.datamodel import models, register_default
-from numba.extending import intrinsic, overload
+from numba.core.typing.templates import AbstractTemplate, infer_global, signature
+from numba.extending import intrinsic, lower_builtin
 
 from opml.base.compiled import decorators
 from opml.base.constants import LANES
@@ -47,22 +49,22 @@ _BITS = ir.VectorType(ir.IntType(64), WIDTH)
 _TRUTH = ir.VectorType(ir.IntType(1), WIDTH)
 
 
-class Lanes(types.Type):
-    """Numba type of a vector of `WIDTH` doubles."""
+class Vector(types.Type):
+    """Numba type of a vector of `WIDTH` values, with LLVM's type of it."""
 
-    def __init__(self):
-        super().__init__(name=f"lanes{WIDTH}")
-
-
-class Mask(types.Type):
-    """Numba type of a vector of `WIDTH` truth values."""
-
-    def __init__(self):
-        super().__init__(name=f"mask{WIDTH}")
+    def __init__(self, name, llvm):
+        super().__init__(name=f"{name}{WIDTH}")
+        self.llvm = llvm
 
 
-lanes = Lanes()
-mask = Mask()
+lanes = Vector("lanes", _VECTOR)  # of doubles
+mask = Vector("mask", _TRUTH)  # of truth values
+
+
+@register_default(Vector)
+class _VectorModel(models.PrimitiveModel):
+    def __init__(self, dmm, fe_type):
+        super().__init__(dmm, fe_type, fe_type.llvm)
 
 
 def rows(count: int) -> np.ndarray:
@@ -72,18 +74,6 @@ def rows(count: int) -> np.ndarray:
     return block[start : start + count * WIDTH].reshape(count, WIDTH)
 
 
-@register_default(Lanes)
-class _LanesModel(models.PrimitiveModel):
-    def __init__(self, dmm, fe_type):
-        super().__init__(dmm, fe_type, _VECTOR)
-
-
-@register_default(Mask)
-class _MaskModel(models.PrimitiveModel):
-    def __init__(self, dmm, fe_type):
-        super().__init__(dmm, fe_type, _TRUTH)
-
-
 def _splat(builder, scalar, vector=_VECTOR):
     first = builder.insert_element(ir.Constant(vector, ir.Undefined), scalar, ir.Constant(ir.IntType(32), 0))
     index = ir.Constant(ir.VectorType(ir.IntType(32), WIDTH), [0] * WIDTH)
@@ -91,69 +81,50 @@ def _splat(builder, scalar, vector=_VECTOR):
 
 
 def _as_vector(context, builder, value, typ):
-    if isinstance(typ, Lanes):
+    if isinstance(typ, Vector):
         return value
     return _splat(builder, context.cast(builder, value, typ, types.float64))
 
 
-def _is_operand(typ):
-    return isinstance(typ, (Lanes, types.Float, types.Integer))
+_NUMBERS = (types.Float, types.Integer)
 
 
-def _binary(symbol, emit, result):
-    """Define an operator between lanes, or between lanes and a number.
+def _operator(symbol, emit, result, vector, others=(), arity=2):
+    """Define an operator of which at least one operand is a vector.
 
     emit: makes its LLVM instruction
-    result: its Numba type
+    result, vector, others: Numba's types, of the operands beside a vector, too
+    arity: number of operands
+
+    An `overload` would compile a function for each combination of types.
     """
 
-    @intrinsic
-    def operate(typingctx, a, b):
-        def codegen(context, builder, signature, args):
-            left = _as_vector(context, builder, args[0], signature.args[0])
-            right = _as_vector(context, builder, args[1], signature.args[1])
-            return emit(builder, left, right)
+    @infer_global(symbol)
+    class _Operator(AbstractTemplate):
+        metadata: ClassVar = {"target": "cpu"}  # tried before Numba's own, of which there are a dozen
 
-        return result(a, b), codegen
+        def generic(self, args, kws):
+            fit = vector in args and all(typ == vector or isinstance(typ, others) for typ in args)
+            return signature(result, *args) if fit else None
 
-    @overload(symbol)
-    def meaning(a, b):
-        if _is_operand(a) and _is_operand(b) and (isinstance(a, Lanes) or isinstance(b, Lanes)):
-            return lambda a, b: operate(a, b)
+    def lower(context, builder, signature, args):
+        given = zip(args, signature.args, strict=True)
+        return emit(builder, *(_as_vector(context, builder, value, typ) for value, typ in given))
 
-
-_binary(operator.add, lambda b, x, y: b.fadd(x, y, flags=FLAGS), lanes)
-_binary(operator.sub, lambda b, x, y: b.fsub(x, y, flags=FLAGS), lanes)
-_binary(operator.mul, lambda b, x, y: b.fmul(x, y, flags=FLAGS), lanes)
-_binary(operator.truediv, lambda b, x, y: b.fdiv(x, y, flags=FLAGS), lanes)
-_binary(operator.lt, lambda b, x, y: b.fcmp_ordered("<", x, y), mask)
-_binary(operator.gt, lambda b, x, y: b.fcmp_ordered(">", x, y), mask)
+    for operands in product((vector, *others), repeat=arity):
+        if vector in operands:
+            lower_builtin(symbol, *operands)(lower)
 
 
-@intrinsic
-def _negate(typingctx, a):
-    return lanes(a), lambda context, builder, signature, args: builder.fneg(args[0], flags=FLAGS)
-
-
-@overload(operator.neg)
-def _neg(a):
-    if isinstance(a, Lanes):
-        return lambda a: _negate(a)
-
-
-def _between_masks(symbol, emit):
-    @intrinsic
-    def operate(typingctx, a, b):
-        return mask(a, b), lambda context, builder, signature, args: emit(builder, args[0], args[1])
-
-    @overload(symbol)
-    def meaning(a, b):
-        if isinstance(a, Mask) and isinstance(b, Mask):
-            return lambda a, b: operate(a, b)
-
-
-_between_masks(operator.and_, lambda b, x, y: b.and_(x, y))
-_between_masks(operator.or_, lambda b, x, y: b.or_(x, y))
+_operator(operator.add, lambda b, x, y: b.fadd(x, y, flags=FLAGS), lanes, lanes, _NUMBERS)
+_operator(operator.sub, lambda b, x, y: b.fsub(x, y, flags=FLAGS), lanes, lanes, _NUMBERS)
+_operator(operator.mul, lambda b, x, y: b.fmul(x, y, flags=FLAGS), lanes, lanes, _NUMBERS)
+_operator(operator.truediv, lambda b, x, y: b.fdiv(x, y, flags=FLAGS), lanes, lanes, _NUMBERS)
+_operator(operator.neg, lambda b, x: b.fneg(x, flags=FLAGS), lanes, lanes, arity=1)
+_operator(operator.lt, lambda b, x, y: b.fcmp_ordered("<", x, y), mask, lanes, _NUMBERS)
+_operator(operator.gt, lambda b, x, y: b.fcmp_ordered(">", x, y), mask, lanes, _NUMBERS)
+_operator(operator.and_, lambda b, x, y: b.and_(x, y), mask, mask)
+_operator(operator.or_, lambda b, x, y: b.or_(x, y), mask, mask)
 
 
 def _unary(name):

@@ -6,7 +6,6 @@ Source: Ricklefs 2006, Consolidated Laser Ranging Prediction Format, version 1.0
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -37,12 +36,6 @@ _PASSED_OVER = re.compile(r"00|30|40|50|60|70|H[3459]")
 _Row = tuple[int, list[str]]  # line and words
 
 
-@dataclass(frozen=True)
-class _Records:
-    positions: list[_Row]
-    velocities: list[_Row | None]  # of each position
-
-
 def read(path: FilePath, content: bytes, *, epoch: str, satellite: str | None = None) -> list[Arc]:
     """Read the arc of a CPF file.
 
@@ -54,9 +47,9 @@ def read(path: FilePath, content: bytes, *, epoch: str, satellite: str | None = 
     rows = [(n, line.split()) for n, line in enumerate(content.decode("latin-1").splitlines(), 1)]
     rows = [(n, words) for n, words in rows if words]
     name, number = _satellite(path, rows, satellite)
-    records = _records(path, rows[2:])
-    lines = np.array([number for number, _ in records.positions])
-    t = _times(path, records.positions, lines, epoch)
+    positions, velocities = _records(path, rows[2:])
+    lines = np.array([number for number, _ in positions])
+    t = _times(path, positions, lines, epoch)
     return [
         Arc(
             path=path,
@@ -65,8 +58,8 @@ def read(path: FilePath, content: bytes, *, epoch: str, satellite: str | None = 
             realisation="ITRF",
             scale="UTC",
             t=t,
-            positions=numbers(path, np.array([words[5:8] for _, words in records.positions]), lines),
-            velocities=_velocities(path, records.velocities),
+            positions=numbers(path, np.array([words[5:8] for _, words in positions]), lines),
+            velocities=_velocities(path, velocities),
             lines=lines,
             identity=ObjectId.of(name, number),
         )
@@ -90,7 +83,8 @@ def _satellite(path: FilePath, rows: Sequence[_Row], wanted: str | None) -> tupl
     return name, ids[-1]
 
 
-def _records(path: FilePath, rows: Sequence[_Row]) -> _Records:
+def _records(path: FilePath, rows: Sequence[_Row]) -> tuple[list[_Row], list[_Row | None]]:
+    """Return the records of positions, and that of the velocity at each, if there is one."""
     positions: list[_Row] = []
     velocities: list[_Row | None] = []
     for number, words in rows:
@@ -101,7 +95,7 @@ def _records(path: FilePath, rows: Sequence[_Row]) -> _Records:
             case "20" if len(words) == 5 and positions and velocities[-1] is None:
                 velocities[-1] = number, words
             case "99" if number == rows[-1][0] and positions:
-                return _Records(positions, velocities)
+                return positions, velocities
             case kind if _PASSED_OVER.fullmatch(kind) is None:
                 raise line_error(path, number, "a record 10 or 20, or 99 at the end", " ".join(words))
     raise InputError(f"{path}: expected positions and a line 99 at the end, got neither")
