@@ -2,15 +2,17 @@
 
 The errors of the orbits of past sets, at later ones so many days on, are those that the newest will have. A
 few errors of the size that is typical of its drag count with them, as a short past decides little. What
-neighbouring sets have in common they do not show: precise orbits do, and that floor is added.
+neighbouring sets have in common they do not show: precise orbits do, and that floor is added. Errors a week
+apart are three in three weeks, so intervals are those of Student's t with as many degrees of freedom.
 """
 
 import numpy as np
 import pandas as pd
+from scipy.special import ndtri, stdtrit
 from sgp4.api import Satrec
 
 from opml.base.constants import DAY
-from opml.element_sets.inside.inside_now import InsideNow
+from opml.element_sets.inside.inside_now import PAST, InsideNow
 from opml.interop.element_sets.element_set import decay
 
 FLOOR = {"r": 5.0, "s": 30.0, "w": 15.0}
@@ -20,11 +22,12 @@ _TYPICAL = 4.0  # errors of the typical size that count with an object's own
 _MINUTE = 60.0
 _FEWEST = 3  # errors that tell a size alone
 _REACH = 0.75  # an error counts for a time that is at most so far from its own [d]
-_AT_EPOCH = 50.0, 0.4
+_AT_EPOCH = 75.0, 0.4
 """Error along the track at the epoch: with a decay of a metre a day [m], and the power of the decay.
 
-By 462 pairs of sets a day apart, of 120 objects in April 2026.
+By the largest tenth of 462 pairs of sets a day apart, of 120 objects in April 2026.
 """
+_QUANTILE = 0.95  # at which intervals of Student's t and of Gauss are as wide
 _ROUND = {"r": 10.0, "w": 18.0}  # typical errors without drag [m]
 _ACROSS = 0.1, 30.0  # with it: a metre of decay a day makes so many across the track, and at most [m]
 _FREE = 25.0, 15.0  # typical error along the track without drag [m], and its growth [m/d]
@@ -53,24 +56,36 @@ def typical(sinking: float, days: np.ndarray, motion: float) -> pd.DataFrame:
 
 def at_epoch(satellite: Satrec) -> np.ndarray:
     """Return the standard deviations (3,) in RSW [m] of the orbit inside a set at its epoch."""
-    sinking, (part, power) = decay(satellite), _AT_EPOCH
-    usual = typical(sinking, np.zeros(1), satellite.no_kozai / _MINUTE)
-    usual["s"] = part * max(sinking, 0.0) ** power
-    return np.hypot(usual[list(FLOOR)].to_numpy()[0], [*FLOOR.values()])
+    usual = typical(decay(satellite), np.zeros(1), satellite.no_kozai / _MINUTE)
+    return np.hypot(usual[list(FLOOR)].to_numpy()[0] * [1.0, 0.0, 1.0], _common(satellite))
 
 
-def sizes(now: InsideNow, leads: np.ndarray) -> pd.DataFrame:
-    """Return the standard deviations r, s, w [m] at leads (n,) [d] from the date on, which they index."""
+def _common(satellite: Satrec) -> np.ndarray:
+    """Return the errors (3,) in RSW [m] that neighbouring sets have in common."""
+    part, power = _AT_EPOCH
+    return np.hypot([*FLOOR.values()], [0.0, part * max(decay(satellite), 0.0) ** power, 0.0])
+
+
+def rms(now: InsideNow, leads: np.ndarray) -> pd.DataFrame:
+    """Return the root mean squares r, s, w [m] of errors at leads (n,) [d] from the date on, which they
+    index: of the object's own, and of typical ones.
+    """
     satellite = now.orbit.beginning.satellite
     since = leads + now.age
-    usual = typical(decay(satellite), since, satellite.no_kozai / 60.0)
+    usual = typical(decay(satellite), since, satellite.no_kozai / _MINUTE)
     measured = usual.copy()
     for day in since:
         own = _near(now, day)[["r", "s", "w"]]
         squares = (own**2).sum() + _TYPICAL * usual.loc[day] ** 2
         measured.loc[day] = np.sqrt(squares / (len(own) + _TYPICAL))
-    floor = np.array([FLOOR[axis] for axis in measured])
-    return np.hypot(measured.cummax(), floor).set_axis(leads)
+    return measured.cummax().set_axis(leads)
+
+
+def sizes(now: InsideNow, leads: np.ndarray) -> pd.DataFrame:
+    """Return the standard deviations r, s, w [m] at leads (n,) [d] from the date on, which they index."""
+    independent = PAST / np.maximum(leads + now.age, 1.0) + _TYPICAL
+    wider = stdtrit(independent, _QUANTILE) / ndtri(_QUANTILE)
+    return np.hypot(rms(now, leads).mul(wider, axis=0), _common(now.orbit.beginning.satellite))
 
 
 def sgp4_along(now: InsideNow, leads: np.ndarray) -> np.ndarray:
@@ -92,5 +107,5 @@ def lower(along: pd.Series, motion: float) -> np.ndarray:
 
     An orbit that is too low by x gains 3/2 of its rate times x.
     """
-    gained = np.gradient(np.maximum.accumulate(along), along.index.to_numpy(float)) / DAY
-    return np.asarray(gained / (1.5 * motion / _MINUTE))
+    gained = np.gradient(np.maximum.accumulate(along), along.index.to_numpy(float), edge_order=2) / DAY
+    return np.asarray(np.maximum(gained, 0.0) / (1.5 * motion / _MINUTE))

@@ -124,7 +124,7 @@ def _shift(now: InsideNow, corrections: pd.DataFrame) -> np.ndarray:
     of their variances. At the date the orbit stays where it is.
     """
     leads = np.append(0.0, corrections["lead"].to_numpy(float))
-    own = inside_sizes.sizes(now, leads)["s"].to_numpy()
+    own = np.hypot(inside_sizes.rms(now, leads)["s"].to_numpy(), inside_sizes.FLOOR["s"])
     sigma = np.append(own[0], corrections["sigma"])
     part = own**2 / (own**2 + sigma**2)
     if decay(now.orbit.beginning.satellite) >= inside_now.LITTLE_DRAG:
