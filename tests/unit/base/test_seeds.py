@@ -1,7 +1,5 @@
 """Generators derived from names."""
 
-import numpy as np
-
 from opml.base.seeds import derive
 
 
@@ -28,14 +26,3 @@ def test_seed_and_every_name_count():
     ]
     drawn = [tuple(stream.integers(0, 2**32, 4)) for stream in streams]
     assert len(set(drawn)) == len(drawn)
-
-
-def test_names_do_not_run_together():
-    assert derive(1, "ab", "c").integers(2**62) != derive(1, "a", "bc").integers(2**62)
-
-
-def test_global_state_is_left_alone():
-    np.random.seed(1)  # noqa: NPY002
-    expected = np.random.RandomState(1).rand()
-    derive(42, "x").normal(size=100)
-    assert np.random.rand() == expected  # noqa: NPY002

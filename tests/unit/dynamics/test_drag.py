@@ -52,8 +52,3 @@ def test_eastward_and_westward_orbits_differ_by_the_winds_speed():
     west = acceleration([7e6, 0.0, 0.0, 0.0, -7500.0, 0.0], (0.0, 0.0, EARTH_RATE))
     assert east[1] == pytest.approx(-0.5 * DENSITY * BALLISTIC * (7500.0 - wind) ** 2, rel=1e-14)
     assert west[1] == pytest.approx(0.5 * DENSITY * BALLISTIC * (7500.0 + wind) ** 2, rel=1e-14)
-
-
-def test_a_negative_coefficient_pushes():
-    state, spin = [7e6, 0.0, 0.0, 0.0, 7500.0, 0.0], (0.0, 0.0, EARTH_RATE)
-    np.testing.assert_array_equal(acceleration(state, spin, ballistic=-0.11), -acceleration(state, spin))

@@ -177,41 +177,10 @@ def test_orekits_densities_between_150_and_1500_km():
     assert np.abs(errors).max() < 3e-9
 
 
-def test_it_falls_with_altitude_to_the_constituents_own_heights():
-    altitude = np.linspace(120e3, 1500e3, 500)
-    rho = density(altitude=altitude)
-    assert np.all(np.diff(rho) < 0.0)
-    assert 1e-9 < rho[0] < 1e-7
-    assert 1e-16 < rho[-1] < 1e-14
-
-
 def test_below_its_lower_boundary_it_stays_what_it_is_there():
     rho = density(altitude=np.array([120e3, 119_999.0, 0.0, -6e6]))
     assert np.all(rho == rho[0])
     assert density(altitude=121e3) < rho[0]
-
-
-def test_activity_heats_the_thermosphere():
-    quiet = {"f107": 70.0, "mean": 70.0, "kp": 0.0, "kp_mean": 0.0}
-    for change in ({"f107": 80.0}, {"mean": 80.0}, {"kp": 3.0}, {"kp": 3.0, "kp_mean": 3.0}):
-        assert density(**quiet | change) > 1.01 * density(**quiet), change
-
-
-def test_the_day_side_is_denser_than_the_night_side():
-    hours = np.arange(24)
-    rho = density(time=np.radians(15.0 * hours), lat=0.0)
-    assert hours[rho.argmax()] in (13, 14, 15)
-    assert hours[rho.argmin()] in (2, 3, 4, 5)
-    assert 3.0 < rho.max() / rho.min() < 10.0
-
-
-def test_it_is_continuous_through_the_pole_and_the_date_line():
-    lon = np.array([-np.pi, np.pi])
-    east, west = density(lon=lon, lat=-1.0)
-    assert east == pytest.approx(west, rel=1e-12)
-    # Over the pole all meridians meet, and local time goes with the longitude.
-    lon = np.linspace(0.0, 2.0 * np.pi, 50)
-    assert np.ptp(density(lat=0.5 * np.pi, lon=lon, time=lon + 1.0)) < 1e-12 * density(lat=0.5 * np.pi)
 
 
 def test_seasons_sign_is_continuous_but_for_the_models_own_jump():

@@ -97,30 +97,6 @@ def test_the_real_field_to_degree_40_is_its_potentials_gradient():
     assert np.all(error < 1e-12 * np.linalg.norm(expected, axis=1))
 
 
-def test_oblateness_in_closed_form():
-    c20 = -4.84165e-4
-    c = np.zeros((3, 3))
-    c[2, 0] = c20
-    positions = places(30, seed=5)
-    x, y, z = positions.T
-    r = np.linalg.norm(positions, axis=1)
-    # Vallado 2013, eq. 8-30 with J2 = -sqrt(5) C20.
-    factor = -1.5 * (-math.sqrt(5.0) * c20) * GM * RADIUS**2 / r**5
-    flat = 5 * z**2 / r**2
-    expected = np.stack([factor * x * (1 - flat), factor * y * (1 - flat), factor * z * (3 - flat)], axis=1)
-    np.testing.assert_allclose(acceleration(positions, c, np.zeros((3, 3))), expected, rtol=1e-13, atol=1e-17)
-
-
-def test_the_central_term_is_left_to_others():
-    c, s = random_field(4, 4, seed=7)
-    positions = places(5, seed=7)
-    c[0, 0] = 0.0
-    without = acceleration(positions, c, s)
-    c[0, 0] = 1.0
-    np.testing.assert_array_equal(acceleration(positions, c, s), without)
-    assert c[0, 0] == 1.0
-
-
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_the_poles_are_places_like_any_other(side):
     c, s = random_field(6, 6, seed=8)

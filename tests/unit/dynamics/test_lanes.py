@@ -116,19 +116,6 @@ def test_all_lanes_set_is_a_positive_number():
     assert bits.tolist() == [2**WIDTH - 1, 0]
 
 
-@kernel
-def _copy_row(source, row, target, at):
-    store(target, at, load(source, row))
-
-
-def test_a_row_is_read_and_written_alone():
-    source = np.arange(3.0 * WIDTH).reshape(3, WIDTH)
-    target = np.full((4, WIDTH), -1.0)
-    _copy_row(source, 1, target, 2)
-    np.testing.assert_array_equal(target[2], source[1])
-    assert np.all(target[[0, 1, 3]] == -1.0)
-
-
 def test_exp_is_good_to_two_units_in_the_last_place():
     rng = np.random.default_rng(2)
     x = np.concatenate(

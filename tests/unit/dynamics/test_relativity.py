@@ -55,14 +55,6 @@ def test_the_sum_is_that_of_the_conventions(states):
     np.testing.assert_allclose(acceleration(states, turn), expected, rtol=1e-11, atol=1e-24)
 
 
-def test_a_satellite_at_rest_feels_the_mass_alone(states):
-    resting = states * np.array([1, 1, 1, 0, 0, 0])
-    found, r = acceleration(resting, [1e-15, 2e-15, 3e-15]), np.linalg.norm(states[:, :3], axis=1)
-    np.testing.assert_allclose(
-        found, (4 * EARTH**2 / SPEED_OF_LIGHT**2 / r**4)[:, None] * states[:, :3], rtol=1e-13
-    )
-
-
 def test_velocities_turn_at_twice_the_geodesic_precession():
     turn = precise_model(8).columns_of_added
     # 1.9198 arcseconds a century about the pole of the ecliptic (IERS Conventions 2010, sec. 10.1), with the

@@ -80,15 +80,6 @@ def test_long_steps_are_those_of_an_arc_that_flies_without_a_raster(assumed_mode
     np.testing.assert_array_equal(found.states, expected.states)
 
 
-@pytest.mark.parametrize("span", SPANS)
-def test_it_is_the_arc_that_flies_without_a_raster_but_for_its_steps(assumed_model, span):
-    blocks, epochs = SharedBlocks(), SPANS[span]
-    (one,) = blocks.run([partial(caller, blocks, assumed_model, epochs, 5)])
-    plain = propagate(assumed_model, epochs, departures(epochs, assumed_model.gm, 5), integrator=Integrator())
-    np.testing.assert_array_equal(one.start, plain.start)
-    assert np.linalg.norm((one.states - plain.states)[:, :3], axis=1).max() < 0.01
-
-
 def test_arcs_of_all_callers_are_one_flight_and_the_shortest_are_first(assumed_model, flights):
     """Who has short ones again does not keep the long ones of others from waiting for his."""
     blocks, ahead = SharedBlocks(), partial(caller, epochs=RASTER, seed=1)

@@ -28,11 +28,6 @@ def _earth_rotation(x, y, s, x_pole, y_pole, angle, values):
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _sun(t, model):
-    return surroundings.sun(t, model)
-
-
-@numba.njit(cache=True, error_model="numpy")
 def _reduce(a, season, f107, f107_mean, kp_3h, kp_24h, factors):
     dtm2000.reduce_to_date(a, season, f107, f107_mean, kp_3h, kp_24h, factors)
 
@@ -138,8 +133,3 @@ def test_jumps_are_on_both_sides_of_each_midnight_between(model, way):
     # A span that begins or ends at midnight itself has the side that lies in it.
     assert np.floor((model.jumps(midnight, midnight + 60.0) - model.midnight) / DAY).tolist() == [1]
     assert model.jumps(midnight, midnight).size == 0
-
-
-def test_the_sun_alone_is_the_first_of_the_bodies(model):
-    for t in TIMES:
-        np.testing.assert_array_equal(_sun(t, model), looked_up(t, model)[3][0])
