@@ -418,7 +418,7 @@ def dataset(catalogue: Catalogue, *, labels: pd.DataFrame | None = None) -> pd.D
         catalogue.predictions,
         catalogue.tracks,
         gm=catalogue.environment.gm,
-        cleaning=_cleaning(catalogue, "dataset"),
+        cleaning=Cleaning.read(_laid_over(CLEANING, catalogue.cleaning, "dataset"), "dataset"),
         labels=labels,
     )
 
@@ -509,11 +509,6 @@ def style() -> dict[str, str]:
         "corrected": look.RESIDUAL,
         "context": look.MUTED,
     }
-
-
-def _cleaning(catalogue: Catalogue, what: str) -> Cleaning:
-    """Return a catalogue's cleaning; raises InputError for an unknown setting."""
-    return Cleaning.read(_laid_over(CLEANING, catalogue.cleaning, what), what)
 
 
 def _estimation(settings: Mapping[str, float] | None, what: str) -> Estimation:

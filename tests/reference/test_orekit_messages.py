@@ -13,7 +13,7 @@ from opml.interop import known_orbits, oem, tdm
 from opml.interop.element_sets import element_fits, mean_elements, omm, tle
 from opml.interop.object_ids import ObjectId
 from opml.orbits.elements import cartesian_from_coe, true_from_mean_anomaly
-from opml.tables import SCHEMAS, STATE, STATE_COVARIANCES
+from opml.tables import STATE, STATE_COVARIANCES
 
 T = 20.0 * np.arange(4)
 TLE = (
@@ -68,20 +68,6 @@ def test_orekit_reads_the_truth(org, tmp_path):
     read = list(segment.getCoordinates())
     assert [seconds(org, one.getDate()) for one in read] == T.tolist()
     np.testing.assert_allclose([state(one) for one in read], truth[list(STATE)], rtol=1e-15)
-
-
-def test_orekit_reads_estimates_with_their_covariances(org, tmp_path):
-    table = pd.DataFrame(np.random.default_rng(4).normal(size=(4, len(SCHEMAS["estimates"].names))))
-    table.columns = SCHEMAS["estimates"].names
-    table = table.assign(t=T, converged=True)
-    oem.write(tmp_path / "e.oem", segments := oem.estimate_segments(table, rso="iss"), epoch=EPOCH)
-    (segment,) = parsed(org, "Oem", tmp_path / "e.oem").getSegments()
-    found = list(segment.getCovarianceMatrices())
-    assert [seconds(org, one.getEpoch()) for one in found] == T.tolist()
-    assert {str(one.getReferenceFrame().asFrame()) for one in found} == {"GCRF"}
-    for one, expected in zip(found, segments[0].covariances, strict=True):
-        matrix = [[one.getCovarianceMatrix().getEntry(k, m) for m in range(6)] for k in range(6)]
-        np.testing.assert_allclose(matrix, expected, rtol=1e-14)
 
 
 @pytest.fixture(scope="module")

@@ -171,7 +171,10 @@ def _read_csv(path: Path, questions: _Questions) -> None:
     except (UnicodeDecodeError, csv.Error) as error:
         raise InputError(f"{path}: expected comma-separated values in UTF-8 ({error})") from None
     lines = [line for line, _ in rows]
-    t, time = (np.array([_seconds(path, line, row[name]) for line, row in rows]) for name in ("t", "time"))
+    t, time = (
+        np.array([tasks.seconds([row[name].rstrip("Z")], path, line)[0] for line, row in rows])
+        for name in ("t", "time")
+    )
     turns = _turns([row["frame"] for _, row in rows], time, path, lines)
     has_covariance = bool(rows) and COVARIANCE[0] in rows[0][1]
     for k, (line, row) in enumerate(rows):
@@ -199,10 +202,6 @@ def _rows(path: Path) -> Iterator[tuple[int, dict[str, str]]]:
             if None in row or None in row.values():
                 raise InputError(f"{path}: line {reader.line_num}: expected {len(names)} cells: cut short?")
             yield reader.line_num, row
-
-
-def _seconds(path: Path, line: int, text: str) -> float:
-    return float(tasks.seconds([text.rstrip("Z")], path, line)[0])
 
 
 def _whole(path: Path, line: int, text: str) -> int:

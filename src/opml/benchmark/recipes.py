@@ -20,7 +20,7 @@ from opml.base.setting_types import Count, NotNegative, Text
 from opml.base.yaml_files import read_yaml
 from opml.benchmark import set_truths, task_folders, tasks, track_recipes
 from opml.benchmark.set_truths import Judge
-from opml.benchmark.task_folders import Content, Facts, Folders, Question, utc_text
+from opml.benchmark.task_folders import Content, Folders, Question, utc_text
 from opml.benchmark.track_recipes import TrackRecipe
 from opml.element_sets import catalogue as catalogues
 from opml.element_sets import set_errors
@@ -94,7 +94,9 @@ def make(
     Raises InputError for unreadable files, without a question, and where the task is not the frozen one.
     """
     folders.check_free()
-    paths = orbits or _fetched(recipe)
+    paths = orbits or (recipe.source.fetch() if recipe.source else [])
+    if not paths:
+        raise InputError(f"{recipe.name}: expected files to make it from, as its recipe has no source")
     if isinstance(recipe, TrackRecipe):
         return track_recipes.make(recipe, paths, folders, weather)
     catalogue = catalogues.read(paths, latency=recipe.latency_hours / 24.0)
@@ -112,14 +114,8 @@ def make(
     def fill(t: str, place: Path) -> None:
         _write_sets(place / "sets.tle", recipe, catalogue, mornings[t])
 
-    facts = Facts(recipe.name, recipe.title, recipe.latency_hours, recipe.digest)
-    return task_folders.freeze(facts, Content(questions, truth, fill), weather, folders)
-
-
-def _fetched(recipe: Recipe | TrackRecipe) -> list[Path]:
-    if recipe.source is None:
-        raise InputError(f"{recipe.name}: expected files to make it from, as its recipe has no source")
-    return recipe.source.fetch()
+    facts = recipe.name, recipe.title, recipe.latency_hours, recipe.digest
+    return task_folders.freeze(Content(*facts, questions, truth, fill), weather, folders)
 
 
 def make_truth(folders: Folders, sets: Iterable[FilePath]) -> int:

@@ -27,7 +27,9 @@ def sentences(task: BenchmarkTask, answers: Answers, errors: pd.DataFrame, truth
     errors: of `scores.errors`
     truth: GCRF states (questions, 6) [m, m/s]
     """
-    suspicions = [*_missing(task, answers), *_stray(answers)]
+    suspicions = [*_missing(task, answers)]
+    if stray := answers.stray:
+        suspicions.append(f"times: {len(stray)} answers are to no question; {stray[0]}")
     if answers.is_answered.any():
         suspicions += [*_frame(task, answers, truth)] or [*_of_others(answers, truth)]
         suspicions += _shifted(errors, truth[answers.is_answered])
@@ -43,11 +45,6 @@ def _missing(task: BenchmarkTask, answers: Answers) -> Iterator[str]:
             f"truncated: {len(missing)} of {len(task.questions)} questions have no answer ({leads}), "
             f"the first is object {first['object']} at {first['time']}"
         )
-
-
-def _stray(answers: Answers) -> Iterator[str]:
-    if answers.stray:
-        yield f"times: {len(answers.stray)} answers are to no question; {answers.stray[0]}"
 
 
 def _frame(task: BenchmarkTask, answers: Answers, truth: np.ndarray) -> Iterator[str]:

@@ -27,16 +27,6 @@ _WEEK = 7  # days after t whose storms count
 
 
 @dataclass(frozen=True)
-class Facts:
-    """Facts about a task; digest: of its questions and inputs, '' before it is frozen."""
-
-    name: str
-    title: str
-    latency_hours: float
-    digest: str
-
-
-@dataclass(frozen=True)
 class Folders:
     """Folders of a task and of its truth."""
 
@@ -67,17 +57,22 @@ Question = tuple[int, str, int, str]  # object, t, lead [d] and time, the times 
 
 @dataclass(frozen=True, eq=False)
 class Content:
-    """Questions of a task, and their inputs.
+    """A task: its questions, and their inputs.
 
+    digest: of questions and inputs, '' before it is frozen
     truth: columns of tasks.TRUE of the questions; no rows: it is made later
     """
 
+    name: str
+    title: str
+    latency_hours: float
+    digest: str
     questions: Sequence[Question]
     truth: pd.DataFrame
     fill: Callable[[str, Path], None]  # writes the orbits that were known at t into the folder of its inputs
 
 
-def freeze(facts: Facts, content: Content, weather: str | Path, folders: Folders) -> int:
+def freeze(content: Content, weather: str | Path, folders: Folders) -> int:
     """Write the folders of a task and of its truth; return the number of questions.
 
     weather: OBSERVED, the packaged weather, or a CSSI file
@@ -101,12 +96,11 @@ def freeze(facts: Facts, content: Content, weather: str | Path, folders: Folders
         if len(content.truth):
             truth = stack.enter_context(replacing_folder(folders.truth))
             digest = write_truth(truth, questions, content.truth, measured)
-        _write_task(new, facts, digest)
+        _write_task(new, content, digest)
         digest_now = _digest_of_inputs(new)
-        if facts.digest not in ("", digest_now):
-            raise InputError(
-                f"{facts.name}: digest: expected {facts.digest}, got {digest_now}: other sources"
-            )
+        if content.digest not in ("", digest_now):
+            expected = f"digest: expected {content.digest}, got {digest_now}: other sources"
+            raise InputError(f"{content.name}: {expected}")
     return len(questions)
 
 
@@ -158,12 +152,12 @@ def _rounded(numbers: np.ndarray) -> list[str]:
     return [f"{value:.{count}f}" for value, count in zip(numbers, digits, strict=True)]
 
 
-def _write_task(folder: Path, facts: Facts, truth_digest: str) -> None:
+def _write_task(folder: Path, content: Content, truth_digest: str) -> None:
     values = {
         "format": tasks.FORMAT,
-        "name": facts.name,
-        "title": facts.title,
-        "latency_hours": facts.latency_hours,
+        "name": content.name,
+        "title": content.title,
+        "latency_hours": content.latency_hours,
         "truth_sha256": truth_digest,
     }
     (folder / tasks.TASK).write_text(json.dumps(values, indent=1) + "\n", encoding="utf-8")

@@ -19,7 +19,7 @@ from opml.base.files import FilePath, project_file
 from opml.base.section import Section
 from opml.base.setting_types import Count, NotNegative, Positive, Text
 from opml.benchmark import task_folders, tasks
-from opml.benchmark.task_folders import Content, Facts, Folders, Question, utc_text
+from opml.benchmark.task_folders import Content, Folders, Question, utc_text
 from opml.catalog.simulate import tracking
 from opml.element_sets.catalogue import modified_julian_day
 from opml.element_sets.set_errors import LEADS
@@ -100,11 +100,11 @@ def make(recipe: TrackRecipe, orbits: Iterable[FilePath], folders: Folders, weat
         (place / "stations.tsv").write_bytes(project_file(_SHEET).read_bytes())
         _write_orientation(place / "earth_orientation.csv", t, recipe.history_days)
 
-    facts = Facts(recipe.name, recipe.title, 0.0, recipe.digest)
+    facts = recipe.name, recipe.title, 0.0, recipe.digest
     order = sorted(range(len(questions)), key=lambda k: (questions[k][1], questions[k][0], questions[k][2]))
     truth = pd.DataFrame([states[k] for k in order], columns=[*tasks.STATE])
-    content = Content([questions[k] for k in order], truth, fill)
-    return task_folders.freeze(facts, content, weather, folders)
+    content = Content(*facts, [questions[k] for k in order], truth, fill)
+    return task_folders.freeze(content, weather, folders)
 
 
 def _measured(

@@ -4,7 +4,7 @@ opml screen catalogue.tle --days 7 --within 1
 """
 
 import logging
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from functools import partial
 
 from opml.base.errors import InputError
@@ -12,8 +12,7 @@ from opml.base.files import FilePath
 from opml.conjunctions import sieve
 from opml.conjunctions.conjunction import Conjunction, check_length, check_radius
 from opml.conjunctions.screening import approaches_of, object_of_elements
-from opml.conjunctions.sieve import Span
-from opml.conjunctions.trajectories import PropagatedElements, read_elements, span_of_days
+from opml.conjunctions.trajectories import read_elements, span_of_days
 
 _REACH = 300.0  # time before and after a look in which two objects that may be near are propagated [s]
 
@@ -42,18 +41,14 @@ def screen(path: FilePath, *, days: float, within: float, radius: float) -> Iter
     orbits = [(one.known_set, life) for one, life in living]
     for begin, end, pairs in sieve.near_pairs(orbits, elements[0].span, within):
         reach = begin - _REACH, end + _REACH
+        both = (
+            [object_of_elements(living[k][0], partial(living[k][0].during, reach)) for k in pair]
+            for pair in pairs
+        )
         near = [
             conjunction
-            for pair in pairs
-            for conjunction in _approaches([living[k][0] for k in pair], reach, within, radius)
+            for one, other in both
+            for conjunction in approaches_of(one, other, within, radius)
             if begin <= conjunction.t < end
         ]
         yield from sorted(near, key=lambda conjunction: conjunction.t)
-
-
-def _approaches(
-    pair: Sequence[PropagatedElements], span: Span, within: float, radius: float
-) -> Iterator[Conjunction]:
-    """Yield the close approaches of two objects in a part of the time."""
-    one, other = (object_of_elements(elements, partial(elements.during, span)) for elements in pair)
-    return approaches_of(one, other, within, radius)

@@ -8,7 +8,6 @@ while they approach, they are closest at that end.
 """
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -19,24 +18,17 @@ _FASTEST = 25e3  # relative speed of two objects bound to the Earth, head on at 
 _HALVINGS = 36  # of a look's step, to a nanosecond
 
 
-@dataclass(frozen=True)
-class Approach:
-    """A minimum of the distance of two paths."""
-
-    t: float  # when [s]
-    distance: float  # [m]
-    is_end: bool = False  # whether the time that both share begins or ends there; they may come nearer beyond
-
-
 def shared(one: Ephemeris, other: Ephemeris) -> tuple[float, float]:
     """Return when the time that two paths share begins and ends [s]; it is none where it ends first."""
     return float(max(one.t[0], other.t[0])), float(min(one.t[-1], other.t[-1]))
 
 
-def find(one: Ephemeris, other: Ephemeris, *, within: float) -> list[Approach]:
-    """Return the approaches of two paths, in the order of time.
+def find(one: Ephemeris, other: Ephemeris, *, within: float) -> list[tuple[float, bool]]:
+    """Return when the distance of two paths is least [s], in the order of time, and whether it is at an end.
 
     within: largest distance [m]
+
+    At an end of the time that both share they may come nearer beyond.
     """
     begin, end = shared(one, other)
     (low, high), (other_low, other_high) = one.heights, other.heights
@@ -49,12 +41,12 @@ def find(one: Ephemeris, other: Ephemeris, *, within: float) -> list[Approach]:
     turns = np.flatnonzero((partings[:-1] < 0.0) & (partings[1:] >= 0.0) & near[1:])
     t = _turned(one, other, times[turns], times[turns + 1])
     refined, _ = _apart(one, other, t)
-    approaches = [Approach(*pair) for pair in zip(t.tolist(), refined.tolist(), strict=True)]
-    if partings[0] >= 0.0:
-        approaches.insert(0, Approach(begin, float(distances[0]), is_end=True))
-    if partings[-1] < 0.0:
-        approaches.append(Approach(end, float(distances[-1]), is_end=True))
-    return [approach for approach in approaches if approach.distance <= within]
+    approaches = [(at, False) for at in t[refined <= within].tolist()]
+    if partings[0] >= 0.0 and distances[0] <= within:
+        approaches.insert(0, (begin, True))
+    if partings[-1] < 0.0 and distances[-1] <= within:
+        approaches.append((end, True))
+    return approaches
 
 
 def _apart(one: Ephemeris, other: Ephemeris, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

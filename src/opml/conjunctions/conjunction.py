@@ -140,11 +140,10 @@ class Conjunction:
         """
         if self.encounter is None or not self._may_bend:
             return self.encounter
-        collisions = self._pair.collisions()
-        if not collisions.is_straight:
+        cloud, velocity, is_straight = self._pair.collisions()
+        if not is_straight:
             return None
-        position, covariance = collisions.cloud.mean[:3], collisions.cloud.covariance[:3, :3]
-        return Encounter(position, collisions.velocity, covariance, self.radius)
+        return Encounter(cloud.mean[:3], velocity, cloud.covariance[:3, :3], self.radius)
 
     @property
     def is_short(self) -> bool:

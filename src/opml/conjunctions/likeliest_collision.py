@@ -48,15 +48,6 @@ class Cloud:
 
 
 @dataclass(frozen=True, eq=False)
-class Collision:
-    """The likeliest collision of two objects."""
-
-    cloud: Cloud  # the relative state, linear in the elements about there
-    velocity: np.ndarray  # (..., 3) with which they collide [m/s]
-    is_straight: np.ndarray  # (...) whether it was found, and they collide with hardly any other velocity
-
-
-@dataclass(frozen=True, eq=False)
 class UncertainPairs:
     """Pairs of objects on ellipses, at one time.
 
@@ -106,8 +97,12 @@ class UncertainPairs:
         shaped = Cloud(clouds.mean.reshape(*t.shape, 6), clouds.covariance.reshape(*t.shape, 6, 6))
         return shaped, squared.reshape(t.shape)
 
-    def collisions(self) -> Collision:
-        """Return where both most likely collide at any time on straight paths past each other: for 2D-Nc."""
+    def collisions(self) -> tuple[Cloud, np.ndarray, np.ndarray]:
+        """Return where both most likely collide at any time on straight paths past each other: for 2D-Nc.
+
+        That is the relative state, linear in the elements about there, the velocity (..., 3) with which they
+        collide [m/s], and whether (...) it was found, and they collide with hardly any other velocity.
+        """
         elements, t = self._elements, np.zeros(self.states.shape[:-2])
         velocity, before = _SIGN @ self.states[..., 3:], np.full(t.shape, np.inf)
         # R^2 / 4 is the variance along each axis of a point drawn from a disc of radius R.
@@ -129,7 +124,7 @@ class UncertainPairs:
             t = t - np.sum(position * velocity, axis=-1) / speed**2
             elements, before = self._pulled(mixed, force[..., 0]), squared
         steady = self._unsteadiness(cloud) < STEADY * np.linalg.norm(velocity, axis=-1)
-        return Collision(cloud, velocity, settled & steady)
+        return cloud, velocity, settled & steady
 
     def _unsteadiness(self, cloud: Cloud) -> np.ndarray:
         """Return the standard deviation (...) of the velocity with which both collide [m/s]."""

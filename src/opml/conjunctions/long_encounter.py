@@ -12,7 +12,6 @@ Sources: Coppola 2012, Including velocity uncertainty in the probability of coll
 """
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 from scipy.special import ndtr
@@ -41,21 +40,11 @@ def chance(pair: UncertainPairs, period: float) -> Chance:
 
     period: shortest time of a revolution [s]
     """
-    before, after = (_summed(pair, end) for end in _ends(pair, period))
-    inside = _inside(before.last, float(pair.radius))
-    probability = min(before.probability + after.probability + inside, 1.0)
-    around = min(before.around + after.around + inside, 1.0)
+    flows, arounds, clouds = zip(*(_summed(pair, end) for end in _ends(pair, period)), strict=True)
+    inside = _inside(clouds[0], float(pair.radius))
+    probability, around = min(sum(flows) + inside, 1.0), min(sum(arounds) + inside, 1.0)
     mended = is_flat(pair.covariances.sum(axis=0)[:3, :3])
     return Chance(probability, math.nan, math.nan, mended, around)
-
-
-@dataclass(frozen=True, eq=False)
-class _Side:
-    """Probability that flows into the sphere before the closest approach, or after it."""
-
-    probability: float  # of that, up to the end of the encounter
-    around: float  # the same up to the largest distance
-    last: Cloud  # the relative state about the time of the end
 
 
 def _ends(pair: UncertainPairs, period: float) -> tuple[float, float]:
@@ -74,22 +63,25 @@ def _ends(pair: UncertainPairs, period: float) -> tuple[float, float]:
     return float(before[-1]), float(after[0])
 
 
-def _summed(pair: UncertainPairs, end: float) -> _Side:
-    """Return what flows into the sphere from the closest approach to the end of the encounter.
+def _summed(pair: UncertainPairs, end: float) -> tuple[float, float, Cloud]:
+    """Return the probability that flows into the sphere from the closest approach to the encounter's end.
 
     end: when the objects are expected to be farthest [s]
+
+    Then that up to the largest distance, and the relative state about the end.
     """
     edges = _edges(pair, end)
     begins, steps = edges[:-1], np.diff(edges)
     cloud, squared = pair.clouds(begins[:, None] + 0.5 * steps[:, None] * (1.0 + _TIMES))
     cloud, is_near = _widened(cloud, LEAST_SIGMA * float(pair.radius)), squared < squared.min() + _BEYOND
-    flow = np.zeros(is_near.shape)
+    flow, radius = np.zeros(is_near.shape), float(pair.radius)
     for k in np.flatnonzero(is_near.any(axis=1)):  # a panel fits into the processor's cache
-        flow[k] = _flow(cloud[k], float(pair.radius))
+        entering = _density(cloud[k], radius * _POINTS) * _inward(cloud[k], radius)
+        flow[k] = radius**2 * entering @ _AREAS
     flows = 0.5 * flow @ _TIME_WEIGHTS
     least = _last(flows)
     summed = np.cumsum(np.abs(steps) * flows)
-    return _Side(float(summed[least]), float(summed[-1]), cloud[least, -1:])
+    return float(summed[least]), float(summed[-1]), cloud[least, -1:]
 
 
 def _last(flows: np.ndarray) -> int:
@@ -152,11 +144,6 @@ def _density(cloud: Cloud, points: np.ndarray) -> np.ndarray:
     scaled = np.linalg.inv(lower) @ (points - cloud.mean[:, :3, None])
     volume = (2.0 * math.pi) ** 1.5 * np.prod(np.diagonal(lower, axis1=1, axis2=2), axis=1)
     return np.exp(-0.5 * np.sum(scaled**2, axis=1)) / volume[:, None]
-
-
-def _flow(cloud: Cloud, radius: float) -> np.ndarray:
-    """Return the probability (n,) that flows into the sphere in a second."""
-    return radius**2 * (_density(cloud, radius * _POINTS) * _inward(cloud, radius)) @ _AREAS
 
 
 def _inward(cloud: Cloud, radius: float) -> np.ndarray:

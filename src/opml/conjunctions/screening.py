@@ -19,7 +19,6 @@ from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.conjunctions import approaches
-from opml.conjunctions.approaches import Approach
 from opml.conjunctions.conjunction import Conjunction, Participant, check_length, check_radius, remarks_on
 from opml.conjunctions.predicted_sets import PredictedSets
 from opml.conjunctions.sieve import Looks, Span
@@ -205,10 +204,12 @@ def approaches_of(
     """Yield the close approaches of two objects."""
     spans, known = _met_spans(ours, other), max(ours.known, other.known)
     for one, another in product(ours.trajectories, other.trajectories):
-        for approach in approaches.find(one, another, within=within):
-            if not _goes_on(approach, approaches.shared(one, another), spans):
-                pair = ours.participant(one, approach.t), other.participant(another, approach.t)
-                yield Conjunction(approach.t, *pair, radius, approach.is_end, known)
+        last = approaches.shared(one, another)[1]
+        for t, is_end in approaches.find(one, another, within=within):
+            # An approach at the end of a span may be looked at further in another.
+            if not (is_end and t == last and any(begin <= t < end for begin, end in spans)):
+                pair = ours.participant(one, t), other.participant(another, t)
+                yield Conjunction(t, *pair, radius, is_end, known)
 
 
 def _without_repetitions(conjunctions: Iterable[Conjunction]) -> list[Conjunction]:
@@ -218,12 +219,6 @@ def _without_repetitions(conjunctions: Iterable[Conjunction]) -> list[Conjunctio
         if not any(one.is_again(before) for before in kept):
             kept.append(one)
     return kept
-
-
-def _goes_on(approach: Approach, span: Span, spans: Sequence[Span]) -> bool:
-    """Return whether an approach at the end of a span is looked at further in another."""
-    is_last = approach.is_end and approach.t == span[1]
-    return is_last and any(begin <= approach.t < end for begin, end in spans)
 
 
 def _of_orbit(path: FilePath) -> list[ScreenedObject]:

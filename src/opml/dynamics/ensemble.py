@@ -12,7 +12,7 @@ knows what was measured later. Arcs under several outlooks share blocks: only th
 """
 
 import logging
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
@@ -105,8 +105,9 @@ def propagate(
 
     done = 0
     with ThreadPoolExecutor(threads) as pool:
-        days = np.abs(epochs[last] - epochs[first]) // DAY
-        for count in pool.map(propagate, _blocks(days, outlook, first, last)):
+        # Arcs of a block are about as long, under few outlooks, and of the same time, so that few lanes idle.
+        order = np.lexsort((last, first, outlook, np.abs(epochs[last] - epochs[first]) // DAY))
+        for count in pool.map(propagate, (order[k : k + WIDTH] for k in range(0, len(order), WIDTH))):
             done += count
             if progress:
                 progress(done / len(first))
@@ -172,14 +173,3 @@ class _Ensemble:
             workspace(model),
         )
         self.arcs.status[members] = status[: len(members)]
-
-
-def _blocks(
-    days: np.ndarray, outlook: np.ndarray, first: np.ndarray, last: np.ndarray
-) -> Iterator[np.ndarray]:
-    """Yield the arcs of each block: about as long, under few outlooks, and of the same time.
-
-    So few lanes idle. days: (arcs,) whole days from beginning to end
-    """
-    order = np.lexsort((last, first, outlook, days))
-    yield from (order[k : k + WIDTH] for k in range(0, len(order), WIDTH))

@@ -90,11 +90,10 @@ def hindcast(source: str | Path, epoch: str, t: np.ndarray) -> pd.DataFrame:
 
     Raises InputError where the source is unreadable or does not cover the times.
     """
-    weather, day = read(source), space_weather.days(epoch, t)
-    _check_begin(weather, day, source)
-    if day.max() > _last_day(weather):
-        raise _reach_error(weather, day, source)
-    return pd.DataFrame({"t": t, **weather.activity(day)})
+    table = measured_activity(source, epoch, t)
+    if table.isna().any(axis=None):
+        raise _reach_error(read(source), space_weather.days(epoch, t), source)
+    return table
 
 
 def measured_activity(source: str | Path, epoch: str, t: np.ndarray) -> pd.DataFrame:
@@ -120,25 +119,13 @@ def outlooks(issues: Issues, t: np.ndarray) -> pd.DataFrame:
 
     Raises InputError where a source is unreadable or does not cover the times.
     """
-    return _expected(issues, t, fit_forecast(issues.epoch, days=issues.days))
+    forecast = fit_forecast(issues.epoch, days=issues.days)
+    return _tabulate(issues, t, lambda past: [forecast.future(past)]).drop(columns="member")
 
 
 def tabulate_futures(issues: Issues, t: np.ndarray, *, members: int) -> pd.DataFrame:
     """Return the table `futures`: as `outlooks`, for each member of an ensemble about the forecast."""
-    return _ensemble(issues, t, members, fit_forecast(issues.epoch, days=issues.days))
-
-
-def outlooks_and_futures(issues: Issues, t: np.ndarray, *, members: int) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """Return the tables of `outlooks` and `tabulate_futures`, for which one forecast learns once."""
     forecast = fit_forecast(issues.epoch, days=issues.days)
-    return _expected(issues, t, forecast), _ensemble(issues, t, members, forecast)
-
-
-def _expected(issues: Issues, t: np.ndarray, forecast: Forecast) -> pd.DataFrame:
-    return _tabulate(issues, t, lambda past: [forecast.future(past)]).drop(columns="member")
-
-
-def _ensemble(issues: Issues, t: np.ndarray, members: int, forecast: Forecast) -> pd.DataFrame:
     return _tabulate(issues, t, lambda past: forecast.futures(past, members))
 
 
@@ -159,8 +146,11 @@ def _tabulate(issues: Issues, t: np.ndarray, ensemble: Callable[[Weather], Seque
     return pd.concat(parts, ignore_index=True)
 
 
+@lru_cache(maxsize=1)
 def fit_forecast(epoch: str, *, days: int) -> Forecast:
     """Return a forecast of `days` days that has learned from the packaged weather before `epoch` (UTC text).
+
+    Outlooks and futures of one issue learn once.
 
     Raises InputError where there is too little weather before the epoch.
     """

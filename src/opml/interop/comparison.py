@@ -114,14 +114,12 @@ def _begins(hours: pd.Series, end: float) -> pd.Series:
 
 
 def _aligned(rows: pd.DataFrame) -> str:
+    def metres(length: float) -> str:
+        return f"{length:.0f}" if length >= _WHOLE else f"{length:.2f}"
+
     rows.insert(0, "from_h", rows.index)
-    formats = dict.fromkeys(rows.columns, _metres) | {"from_h": "{:g}".format, "times": "{:.0f}".format}
+    formats = dict.fromkeys(rows.columns, metres) | {"from_h": "{:g}".format, "times": "{:.0f}".format}
     return rows.to_string(index=False, formatters=formats, na_rep="-")
-
-
-def _metres(length: float) -> str:
-    """Return a length [m] with the digits that matter."""
-    return f"{length:.0f}" if length >= _WHOLE else f"{length:.2f}"
 
 
 def _times(ours: KnownOrbit, other: KnownOrbit) -> np.ndarray:

@@ -89,20 +89,14 @@ def _newest(tables: Sequence[pd.DataFrame]) -> list[pd.DataFrame]:
     """Return the passes, of those that overlap and are of one station the newest release alone."""
     found: list[pd.DataFrame] = []
     for table in sorted(tables, key=lambda table: (table["station"].iloc[0], table["t"].min())):
-        if found and _is_again(table, found[-1]):
-            found[-1] = max(found[-1], table, key=lambda one: int(one["release"].iloc[0]))
+        before = found[-1] if found and found[-1]["station"].iloc[0] == table["station"].iloc[0] else None
+        if before is not None and table["t"].min() <= before["t"].max():
+            found[-1] = max(before, table, key=lambda one: int(one["release"].iloc[0]))
         else:
             found.append(table)
     if len(found) < len(tables):
         _log.info("%d passes are left out, as others of their station overlap them", len(tables) - len(found))
     return found
-
-
-def _is_again(table: pd.DataFrame, before: pd.DataFrame) -> bool:
-    """Return whether a pass is of the same station as one that began before, and begins within it."""
-    return bool(
-        table["station"].iloc[0] == before["station"].iloc[0] and table["t"].min() <= before["t"].max()
-    )
 
 
 def _passes(path: FilePath, satellite: str | None) -> Iterator[_Pass]:

@@ -255,7 +255,8 @@ def _covariances(
                 raise message.error("EPOCH = time", f"{key} = {value}", number)
             numbers.append(number)
             times.append(value)
-            frames.append(_covariance_frame(message, frame))
+            has_frame = message.peek().startswith("COV_REF_FRAME")
+            frames.append(message.pair()[2].upper().removesuffix("_INERTIAL") if has_frame else frame)
             covariances.append(_covariance(message))
         message.take()
     t = message.times(times, numbers, epoch=epoch, scale=scale)
@@ -295,13 +296,6 @@ def _density(message: ccsds.Message, scale: str, epoch: str) -> DensityErrors | 
     t = message.times(times, numbers, epoch=epoch, scale=scale)
     check_ascending(message.path, t, np.array(numbers))
     return DensityErrors(uncertainty, t, np.array(sensitivities))
-
-
-def _covariance_frame(message: ccsds.Message, frame: str) -> str:
-    """Return the frame of a covariance: that of its line COV_REF_FRAME, without this line `frame`."""
-    if not message.peek().startswith("COV_REF_FRAME"):
-        return frame
-    return message.pair()[2].upper().removesuffix("_INERTIAL")
 
 
 def _covariance(message: ccsds.Message) -> np.ndarray:

@@ -157,12 +157,10 @@ def _segment_lines(
     for time, values in zip(times, rows[list(names.values())].to_numpy().tolist(), strict=True):
         for kind, value in zip(names, values, strict=True):
             if not math.isnan(value):
-                yield f"{kind} = {time} {_text(kind, value)}"
+                is_length = kind in _DISTANCES
+                text = ccsds.number_text(value, -_KILO) if is_length else ccsds.degrees_text(value)
+                yield f"{kind} = {time} {text}"
     yield "DATA_STOP"
-
-
-def _text(kind: str, value: float) -> str:
-    return ccsds.number_text(value, -_KILO) if kind in _DISTANCES else ccsds.degrees_text(value)
 
 
 def _has(rows: pd.DataFrame, name: str) -> bool:

@@ -71,7 +71,9 @@ def truth(files: OrbitFiles, *, step: float, limit: float = LIMIT) -> tuple[pd.D
     }
     _log_facts(facts)
     _check_steps(arcs, facts["seams"], files.epoch)
-    _check_error(arcs, facts["interpolation_error_m"], limit)
+    if (rms := facts["interpolation_error_m"]["rms"]) is not None and rms > limit:
+        expected = f"nodes that predict each other to {limit:g} m"
+        raise InputError(f"{arcs[0].path}: expected {expected}, got {rms:.3g} m: noisy, or too sparse")
     columns = dict(zip(STATE, states[known].T, strict=True))
     return pd.DataFrame({"t": grid[known], **columns}), facts
 
@@ -177,11 +179,3 @@ def _check_steps(arcs: Sequence[Arc], seams: Sequence[dict[str, float]], epoch: 
             raise InputError(
                 f"{path}: expected one orbit, got a step of {seam['step_m'] / 1e3:.0f} km at {time}"
             )
-
-
-def _check_error(arcs: Sequence[Arc], error: dict[str, float | None], limit: float) -> None:
-    if error["rms"] is not None and error["rms"] > limit:
-        expected = f"nodes that predict each other to {limit:g} m"
-        raise InputError(
-            f"{arcs[0].path}: expected {expected}, got {error['rms']:.3g} m: noisy, or too sparse"
-        )

@@ -334,7 +334,8 @@ def _object_propagators(
         degree=settings.force_model.degree,
     )
     issues = Issues(source=weather, epoch=times.epoch, issue_hours=hours, max_days=max_days)
-    expected, futures = known_weather.outlooks_and_futures(issues, t, members=settings.futures)
+    expected = known_weather.outlooks(issues, t)
+    futures = known_weather.tabulate_futures(issues, t, members=settings.futures)
     three_hourly = issues.model_copy(update={"issue_hours": known_weather.FIT_HOURS, "max_days": _HISTORY})
     still, flattened = (build(environment, one) for one in (settings.force_model, weather_spread.FLATTENED))
     fitting = with_outlooks(still, known_weather.outlooks(three_hourly, t))

@@ -58,11 +58,11 @@ def straight(pair):
 
 def bent(pair):
     """The probability in two dimensions about where both most likely collide."""
-    found = pair.collisions()
-    assert found.is_straight
-    covariance = found.cloud.covariance[:3, :3]
-    encounter = Encounter(found.cloud.mean[:3], found.velocity, covariance, float(pair.radius))
-    return chance(encounter).probability
+    cloud, velocity, is_straight = pair.collisions()
+    assert is_straight
+    return chance(
+        Encounter(cloud.mean[:3], velocity, cloud.covariance[:3, :3], float(pair.radius))
+    ).probability
 
 
 class Errors:
@@ -214,7 +214,6 @@ def test_objects_side_by_side_and_known_ones_are_no_fault():
     beside = UncertainPairs(
         np.array([state, state]), np.array([covariance, np.zeros((6, 6))]), np.array(10.0)
     )
-    found = beside.collisions()
-    assert np.isfinite(found.cloud.mean).all()
-    known = UncertainPairs(pairs().states, np.zeros((2, 6, 6)), np.array(10.0)).collisions()
-    np.testing.assert_allclose(known.velocity, pairs().states[1, 3:] - pairs().states[0, 3:], rtol=1e-2)
+    assert np.isfinite(beside.collisions()[0].mean).all()
+    _, velocity, _ = UncertainPairs(pairs().states, np.zeros((2, 6, 6)), np.array(10.0)).collisions()
+    np.testing.assert_allclose(velocity, pairs().states[1, 3:] - pairs().states[0, 3:], rtol=1e-2)

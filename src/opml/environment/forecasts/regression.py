@@ -30,31 +30,22 @@ _LEAST_DAYS = 5 * LAGS  # of history, beside those of a future
 _ROWS = 1024  # of a sum that stay in a processor's cache: all at once take three times as long
 
 
-@dataclass(frozen=True, eq=False)
-class _Ridge:
-    """Linear regression of many targets on standardized variables."""
+_Law = Callable[[np.ndarray], np.ndarray]
+"""Returns the targets of one row of variables."""
 
-    mean: np.ndarray
-    scale: np.ndarray
-    level: np.ndarray
-    slopes: np.ndarray
 
-    @classmethod
-    def fit(cls, x: np.ndarray, y: np.ndarray) -> "_Ridge":
-        """Fit the regression to rows x (n, variables) and y (n, targets)."""
-        mean, scale, level = x.mean(axis=0), x.std(axis=0) + 1e-12, y.mean(axis=0)
-        normal, products = RIDGE * np.eye(x.shape[1]), np.zeros((x.shape[1], y.shape[1]))
-        with threadpool_limits(limits=1, user_api="blas"):  # sums in one order, whatever the machine
-            for begin in range(0, len(x), _ROWS):
-                rows = slice(begin, begin + _ROWS)
-                z = (x[rows] - mean) / scale
-                normal += z.T @ z
-                products += z.T @ (y[rows] - level)
-            return cls(mean, scale, level, np.linalg.solve(normal, products))
-
-    def predict(self, x: np.ndarray) -> np.ndarray:
-        """Return the targets of one row of variables."""
-        return np.asarray(self.level + ((x - self.mean) / self.scale) @ self.slopes)
+def _ridge(x: np.ndarray, y: np.ndarray) -> _Law:
+    """Return the linear law of targets y (n, targets) by standardized variables x (n, variables)."""
+    mean, scale, level = x.mean(axis=0), x.std(axis=0) + 1e-12, y.mean(axis=0)
+    normal, products = RIDGE * np.eye(x.shape[1]), np.zeros((x.shape[1], y.shape[1]))
+    with threadpool_limits(limits=1, user_api="blas"):  # sums in one order, whatever the machine
+        for begin in range(0, len(x), _ROWS):
+            rows = slice(begin, begin + _ROWS)
+            z = (x[rows] - mean) / scale
+            normal += z.T @ z
+            products += z.T @ (y[rows] - level)
+        slopes = np.linalg.solve(normal, products)
+    return lambda row: np.asarray(level + ((row - mean) / scale) @ slopes)
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,22 +54,22 @@ class Forecast:
 
     history: Weather
     days: int  # of each future
-    flux: _Ridge
-    kp: _Ridge
+    flux: _Law
+    kp: _Law
 
     @classmethod
     def fit(cls, history: Weather, *, days: int) -> "Forecast":
         """Return the forecast, learned from the history. Raises InputError where that is too short."""
         check_history(history, days=days)
-        flux = _Ridge.fit(*_training_rows(remove_bursts(history.flux), LAGS, days, _flux_variables))
-        kp = _Ridge.fit(*_training_rows(history.kp, INTERVALS * LAGS, INTERVALS * days, _kp_variables))
+        flux = _ridge(*_training_rows(remove_bursts(history.flux), LAGS, days, _flux_variables))
+        kp = _ridge(*_training_rows(history.kp, INTERVALS * LAGS, INTERVALS * days, _kp_variables))
         return cls(history, days, flux, kp)
 
     def future(self, past: Weather) -> Future:
         """Return what is expected after the weather that is known."""
         daily = _flux_variables(remove_bursts(past.flux[-2 * LAGS :]), LAGS)[-1]
         three_hourly = _kp_variables(past.kp[-INTERVALS * LAGS :], INTERVALS * LAGS)[-1]
-        return Future(self.flux.predict(daily), np.clip(self.kp.predict(three_hourly), 0.0, HIGHEST_KP))
+        return Future(self.flux(daily), np.clip(self.kp(three_hourly), 0.0, HIGHEST_KP))
 
     def futures(self, past: Weather, members: int) -> list[Future]:
         """Return what may come: a future of each of the days most like the last known one, nearest first.
@@ -88,8 +79,10 @@ class Forecast:
         _check_length(self.history, similar_days.PAST + 4 * similar_days.APART * members + self.days)
         today, history, futures = self.future(past), self.history, []
         for day in self._similar_days.nearest(past, members):
-            possible = self.future(history.keep_known(history.first + day + 1.0))
-            futures.append(_shift(today, self._similar_days.sequel(day), possible))
+            expected = self.future(history.keep_known(history.first + day + 1.0))
+            true = self._similar_days.sequel(day)
+            kp = np.clip(today.kp + true.kp - expected.kp, 0.0, HIGHEST_KP)
+            futures.append(Future(today.flux * true.flux / expected.flux, kp))
         return futures
 
     @cached_property
@@ -106,12 +99,6 @@ def _check_length(history: Weather, least: int) -> None:
     if len(history.flux) < least:
         expected = f"{least} days of packaged weather before the epoch to learn from"
         raise InputError(f"forecast: expected {expected}, got {len(history.flux)}")
-
-
-def _shift(today: Future, true: Future, forecast: Future) -> Future:
-    """Return today's forecast shifted by the error of an earlier forecast, whose truth is known."""
-    kp = np.clip(today.kp + true.kp - forecast.kp, 0.0, HIGHEST_KP)
-    return Future(today.flux * true.flux / forecast.flux, kp)
 
 
 def _training_rows(

@@ -33,8 +33,8 @@ class SimilarDays:
         before = max(*FLUX_LAGS, *KP_LAGS, past_days) + 1
         last = min(len(self._flux), len(self._kp) // INTERVALS) - days - 1
         self.days = np.arange(before, max(before, last))
-        self._scale = np.ones(1)
-        courses = self._courses(self.days)
+        means = trailing_mean(self._kp, INTERVALS)
+        courses = _course(np.log(self._flux), means, self.days, INTERVALS * self.days)  # Kp of whole days
         self._scale = courses.std(axis=0) + 1e-12
         self._scale[0] /= _LEVEL
         self._known = courses / self._scale
@@ -58,11 +58,6 @@ class SimilarDays:
         begin = INTERVALS * (day + 1)
         flux = self._flux[day + 1 : day + 1 + self._ahead]
         return Future(flux, self._kp[begin : begin + INTERVALS * self._ahead])
-
-    def _courses(self, days: np.ndarray) -> np.ndarray:
-        """Return the courses (days, n) up to days of the history; Kp counts up to the end of each day."""
-        means = trailing_mean(self._kp, INTERVALS)
-        return _course(np.log(self._flux), means, days, INTERVALS * days)
 
 
 def _course(log_flux: np.ndarray, kp_means: np.ndarray, day: np.ndarray, interval: np.ndarray) -> np.ndarray:

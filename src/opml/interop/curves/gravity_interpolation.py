@@ -129,18 +129,13 @@ def bridge(t: np.ndarray, positions: np.ndarray, attraction: Attraction, *, want
     """
     index = np.flatnonzero(wanted)
     width = np.diff(t)
-    points = _points(width[index].max(initial=0.0))
+    points = min(16, 5 + math.ceil(width[index].max(initial=0.0) / 40.0))  # an ISS errs by 1 mm over 600 s
     coefficients = np.full((len(width), points + 2, 3), np.nan)
     for start in range(0, len(index), _BLOCK):
         part = index[start : start + _BLOCK]
         ends = positions[part], positions[part + 1]
         coefficients[part] = _solve(t[part], width[part], ends, attraction, points)
     return Bridges(t, coefficients)
-
-
-def _points(width: float) -> int:
-    """Return the number of points for intervals of a width [s]; an ISS then errs by 1 mm over 600 s."""
-    return min(16, 5 + math.ceil(width / 40.0))
 
 
 def _solve(

@@ -256,7 +256,7 @@ def read_json(path: FilePath, text: str) -> Iterator[Record]:
 
     Raises InputError, naming the line, for what is no JSON.
     """
-    decoder = json.JSONDecoder(object_pairs_hook=_Members, parse_int=str, parse_float=str, parse_constant=str)
+    decoder = json.JSONDecoder(object_pairs_hook=tuple, parse_int=str, parse_float=str, parse_constant=str)
     try:
         json.loads(text)
     except (RecursionError, ValueError) as reason:
@@ -276,18 +276,17 @@ def _after_separators(text: str, start: int) -> int:
     return match.start() if match else len(text)
 
 
-class _Members(list[tuple[str, Any]]):
-    """The members of a JSON object, those of the same key among them."""
-
-
 def _wrapped(value: Any) -> list[Any]:
-    """Return the sets that Space-Track wraps together with metadata of the request; else the value alone."""
-    data = dict(value).get("data") if isinstance(value, _Members) else None
-    return data if isinstance(data, list) and not isinstance(data, _Members) else [value]
+    """Return the sets that Space-Track wraps together with metadata of the request; else the value alone.
+
+    An object is a tuple of its members, those of the same key among them.
+    """
+    data = dict(value).get("data") if isinstance(value, tuple) else None
+    return data if isinstance(data, list) else [value]
 
 
 def _pairs(line: int, value: Any) -> list[Pair]:
-    if not isinstance(value, _Members):
+    if not isinstance(value, tuple):
         return [Pair(line, None, str(value))]
     return [Pair(line, key, "" if member is None else _in_one_line(str(member))) for key, member in value]
 
