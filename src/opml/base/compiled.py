@@ -6,6 +6,7 @@ All clones and environments with the same source share the folder.
 """
 
 import hashlib
+import importlib
 import os
 from collections.abc import Callable
 from pathlib import Path
@@ -15,6 +16,7 @@ import numba
 import platformdirs
 from numba.core.caching import UserProvidedCacheLocator
 from numba.extending import register_jitable
+from numba.np import linalg
 
 from opml.base.errors import InputError
 from opml.base.linked_kernels import LinkedKernels
@@ -22,6 +24,12 @@ from opml.base.provenance import script_digest
 
 Decorator = Callable[[Callable[..., Any]], Any]
 """A decorator of kernels; Numba infers their types at each use."""
+
+
+# Numba looks for SciPy's BLAS, a quarter of a second, before any kernel multiplies matrices, and again then.
+_ensure_blas, linalg.ensure_blas = linalg.ensure_blas, lambda: None
+importlib.import_module("numba.np.arraymath")
+linalg.ensure_blas = _ensure_blas
 
 
 def decorators(**options: Any) -> tuple[Decorator, Decorator]:
