@@ -332,7 +332,7 @@ def _add_fetch(parser: argparse.ArgumentParser) -> None:
         "--since",
         metavar="DATE",
         type=date.fromisoformat,
-        help="Space-Track's history of numbers from a day on, with your account (extra spacetrack)",
+        help="Space-Track's history of these from a day on, with your account (extra spacetrack)",
     )
 
 
@@ -340,12 +340,11 @@ def _fetch(options: argparse.Namespace) -> None:
     from opml.fetch import public_data, space_track
     from opml.fetch.public_data import Query
 
-    if options.since:
-        if strange := [text for text in [*options.group, *options.objects] if not text.isdigit()]:
-            raise InputError(f"--since: expected objects' numbers, got {strange[0]}")
-        space_track.renew(options.objects, options.since, say=print)
     asked = [*map(Query.of, options.objects), *(Query("group", name) for name in options.group)]
-    public_data.renew(asked or public_data.queries(), say=print)
+    asked = asked or public_data.queries()
+    public_data.renew(asked, say=print)
+    if options.since:
+        space_track.renew(asked, options.since, say=print)
 
 
 def _add_train(parser: argparse.ArgumentParser) -> None:

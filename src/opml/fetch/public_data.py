@@ -8,6 +8,7 @@ time of its arrival: these files are the history. The weather is that of five ye
 before, so that its 60 years are requested at most once.
 """
 
+import csv
 import io
 import os
 from collections.abc import Callable, Iterable, Sequence
@@ -94,6 +95,14 @@ def queries() -> list[Query]:
     """Return all queries of element sets that there were so far."""
     names = (name.removesuffix(".csv").partition("-") for name in _downloads().requests())
     return [Query(kind, unquote(value)) for kind, _, value in names if kind in _KINDS]
+
+
+def numbers_of(query: Query) -> list[str]:
+    """Return the numbers of a query's objects: its own, or those in its last download."""
+    if query.kind == "number":
+        return [query.value]
+    rows = csv.DictReader(_lines(_downloads().path(query.download.name)))
+    return sorted({row["NORAD_CAT_ID"] for row in rows}, key=int)
 
 
 def sets_of(query: Query) -> list[Path]:

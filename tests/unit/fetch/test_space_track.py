@@ -1,14 +1,16 @@
 """Space-Track's histories: its own account, each day once, nothing of the account anywhere."""
 
 import json
+from contextlib import suppress
 from datetime import UTC, datetime, timedelta
 
 import pytest
 import sinking_histories
-from data_server import as_omms, serving
+from data_server import as_csv, as_omms, serving
 
 from opml import cli
-from opml.fetch import space_track
+from opml.fetch import public_data, space_track
+from opml.fetch.downloads import NoAnswerError
 from opml.fetch.public_data import Query
 from opml.interop.element_sets import known_sets
 
@@ -18,9 +20,9 @@ FIELDS = ("NORAD_CAT_ID", "CREATION_DATE")
 ARGUMENTS = ["fetch", "101", "--since"]
 
 
-def history(first, last):
-    """The path of a query of the object 101."""
-    asked = f"norad_cat_id/101/creation_date/{first}--{last}/orderby/creation_date/format/json"
+def history(first, last, numbers="101"):
+    """The path of a query of the object 101, or of others."""
+    asked = f"norad_cat_id/{numbers}/creation_date/{first}--{last}/orderby/creation_date/format/json"
     return f"/basicspacedata/query/class/gp_history/{asked}"
 
 
@@ -70,6 +72,26 @@ def test_a_history_grows_and_no_day_is_asked_for_twice(server, capsys, tmp_path)
     assert PASSWORD not in written + told.out + told.err
 
 
+def test_objects_of_a_group_that_lack_the_same_days_are_asked_for_together(server, capsys, monkeypatch):
+    monkeypatch.setattr(space_track, "_TOGETHER", 2)
+    rows = as_csv([line for number in (101, 102, 103) for line in sinking_histories.sets_of(number, 1)])
+    known = [one | {"CREATION_DATE": "2026-01-02T03:04:05"} for one in as_omms(LINES)]
+    days = ("2026-01-01", "2026-01-04")
+    server.sets("GROUP=few", rows)
+    with suppress(NoAnswerError):  # of the weather
+        public_data.renew_object_data([Query("group", "few")], say=str)
+    server.answers[history(*days)] = server.answers[history(*days, "102%2C103")] = (
+        200,
+        json.dumps(known).encode(),
+    )
+    assert cli.main([*ARGUMENTS, days[0]]) == 0
+    assert cli.main(["fetch", "--group", "few", "--since", days[0]]) == 0
+    assert asked(server) == [history(*days), history(*days, "102%2C103")]
+    assert "few: 5 sets of 2 objects, published from 2026-01-01 to" in capsys.readouterr().out
+    (folder,) = public_data.sets_of(Query.of("102"))
+    assert [path.suffix for path in sorted(folder.iterdir())] == [".json", ".csv"]
+
+
 ERRORS = {
     "login": ("/ajaxauth/login", 200, '{"Login":"Failed"}', "got a login that failed"),
     "too fast": (history("2026-01-01", "2026-01-04"), 429, "slow down", "429 Too Many Requests"),
@@ -107,8 +129,6 @@ def test_what_is_lacking_is_named(server, capsys, monkeypatch, tmp_path):
     (tmp_path / "netrc").write_text("")
     assert cli.main([*ARGUMENTS, "2026-01-01"]) == 1
     assert "SPACETRACK_USER and SPACETRACK_PASSWORD set, or 127.0.0.1 in ~/.netrc" in capsys.readouterr().err
-    assert cli.main(["fetch", "--group", "active", "--since", "2026-01-01"]) == 1
-    assert "expected objects' numbers, got active" in capsys.readouterr().err
     monkeypatch.setitem(__import__("sys").modules, "spacetrack", None)
     assert cli.main([*ARGUMENTS, "2026-01-01"]) == 1
     assert "pip install 'opml-orbits[spacetrack]'" in capsys.readouterr().err
