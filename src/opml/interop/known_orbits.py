@@ -6,7 +6,6 @@
 Files are of any format of orbits, tables of opml with states, or mean elements, which SGP4 propagates.
 """
 
-import logging
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
@@ -34,9 +33,6 @@ from opml.interop.predicted_orbit import PredictedOrbit
 from opml.tables import STATE, read_kind, read_metadata, read_table
 
 _SAME = 1e-5  # [s]
-_OTHER_UNIT = 0.5  # of most chords between positions by which velocities are off
-
-_log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -192,7 +188,7 @@ def of(orbit: KnownOrbit | PredictedOrbit) -> KnownOrbit:
 
 
 def _of_files(files: OrbitFiles) -> States:
-    arcs = [_in_one_unit(arc) for arc in arcs_of_files(files)]
+    arcs = arcs_of_files(files)
     by_file = [replace(_in_gcrf(arc, EPOCH), name=str(arc.path)) for arc in arcs]
     parts = [one for segment in by_file for one in parts_of(segment)]
     return States(str(files.paths[0]), parts, identity=arcs[0].identity)
@@ -208,19 +204,6 @@ def _of_tables(paths: Sequence[FilePath]) -> States:
         for one in oem.segments_of(read_table(path, kind), kind, identity):
             parts += parts_of(one.shifted(since))
     return States(str(paths[0]), parts, identity=identity)
-
-
-def _in_one_unit(arc: Arc) -> Arc:
-    """Return an arc, without its velocities where their unit is another, as in SP3 files of CNES."""
-    steps = np.diff(arc.t)
-    near = steps <= LONGEST_STEP
-    moved = np.diff(arc.positions, axis=0)[near]
-    by_velocity = (0.5 * steps[:, None] * (arc.velocities[1:] + arc.velocities[:-1]))[near]
-    chords, errors = (np.linalg.norm(one, axis=1) for one in (moved, moved - by_velocity))
-    if np.count_nonzero(errors > _OTHER_UNIT * chords) <= len(chords) / 2:
-        return arc
-    _log.warning("%s: velocities are not those of its positions: passed over", arc.path)
-    return arc.without_velocities()
 
 
 def parts_of(ephemeris: Ephemeris) -> list[Ephemeris]:

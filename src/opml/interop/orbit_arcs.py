@@ -62,10 +62,6 @@ class Arc:
         columns = {name: getattr(self, name)[rows] for name in names}
         return replace(self, **columns)
 
-    def without_velocities(self) -> Self:
-        """Return the arc of the positions alone."""
-        return replace(self, velocities=np.full_like(self.velocities, np.nan))
-
 
 class NoSuchTime(ValueError):
     """A calendar time that does not exist."""
