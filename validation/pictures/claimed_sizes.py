@@ -1,4 +1,4 @@
-"""What the catalogue claims of its own orbits, and what public sets err by, in docs/conjunctions.md.
+"""Along-track sigmas of NASA's messages and of public sets, in docs/conjunctions.md.
 
     python -m validation.pictures.claimed_sizes CDM...
 
@@ -83,16 +83,16 @@ def claimed_sizes(objects: pd.DataFrame) -> Figure:
         look = {"color": style.RESIDUAL, "ms": 5.0, "markerfacecolor": "none"}
         axes.plot(rows["days"], rows["usual"], "D", label="typical of a public set", **look)
         look = {"color": style.TRUE_COLOR, "ms": 2.5}
-        axes.plot(rows["days"], rows["claimed"], "o", label="claimed by the catalogue", **look)
+        axes.plot(rows["days"], rows["claimed"], "o", label="stated in the message", **look)
         axes.set(yscale="log", xlabel="from the message to the approach [d]")
         axes.set_title(f"{title}: {len(rows)} objects", loc="left", fontsize=style.NOTE_SIZE)
         axes.yaxis.set_major_formatter(FuncFormatter(metres))
     panels[0].set_ylabel("one sigma along the track")
     panels[1].legend(loc="lower right")
-    note = f"{len(known)} objects in conjunctions of NASA's CARA, 2021 to 2023; lines join both of an object"
+    note = f"{len(known)} objects in conjunctions of NASA's CARA, 2021 to 2023; a line joins an object's two sigmas"
     style.add_head(
         figure,
-        "After four days, public sets are little worse than what the catalogue claims for its own orbits",
+        "After four days the typical sigma of public sets is hardly larger than that of NASA's messages",
         note,
     )
     return figure

@@ -189,8 +189,9 @@ def _answers(
 
 
 def _corrected(catalogue: ElementCatalogue, newest: pd.DataFrame, now: pd.DataFrame) -> dict[int, Satrec]:
-    """Return the newest sets with better numbers, by object."""
-    better = improve.numbers(newest, now[np.isfinite(now["correction"])])
+    """Return the newest sets with better numbers, by object; without drag they stay, as `opml improve`'s."""
+    has_drag = now["number"].map(newest["bstar"]).gt(0.0)
+    better = improve.numbers(newest, now[np.isfinite(now["correction"]) & has_drag])
     last = catalogue.table.groupby("number").tail(1)
     return {
         int(number): changed(catalogue.satellites[row], *map(float, better.loc[number]))
