@@ -89,7 +89,7 @@ def claimed_sizes(objects: pd.DataFrame) -> Figure:
         axes.yaxis.set_major_formatter(FuncFormatter(metres))
     panels[0].set_ylabel("one sigma along the track")
     panels[1].legend(loc="lower right")
-    note = f"{len(known)} objects in conjunctions of NASA's CARA, 2021 to 2023; a line joins an object's two sigmas"
+    note = f"{len(known)} objects in conjunctions of NASA's CARA, 2021 to 2023; lines join an object's sigmas"
     style.add_head(
         figure,
         "After four days the typical sigma of public sets is hardly larger than that of NASA's messages",
