@@ -38,12 +38,12 @@ if PLAN.watched:
             outlooks=ENVIRONMENT.predictions.get("outlooks", []),
             futures=ENVIRONMENT.futures(config["uncertainty"]["futures"]),
         output:
-            **{suffix: DAY.file(suffix) for suffix in PLAN.files_of_day},
+            **{suffix: DAY.file(suffix) for suffix in ("md", "tsv", "html", "json")},
         log:
             DAY.log,
         benchmark:
             DAY.benchmark
         params:
-            **drawing(PLAN.page_of_day, PARAMS.page_of_day),
+            **drawing("day", PARAMS.page_of_day),
         message:
             "The page of {wildcards.date}"

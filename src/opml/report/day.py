@@ -29,6 +29,9 @@ TO_DO = {
 SHAPES = {FAILED: "!", DO_NOT_USE: "\u2715", WIDE: "\u25d0", UNPROVEN: "\u25cb", GOOD: "\u25cf"}
 """Signs of verdicts in the row of the last mornings."""
 
+CARDS = 200
+"""Cards of a page at most, for the objects to look at first."""
+
 LEADS = (1, 3, 7)  # days of duration whose errors the page states
 
 
@@ -36,12 +39,18 @@ def document(outcomes: Sequence[Outcome], weather: Weather, *, date: str) -> lis
     """Return the page of a date; outcomes: of all objects."""
     return [
         f"# {date}: {summary(outcomes)}",
-        [card(outcome) for outcome in worst_first(outcomes)],
+        *_cards(outcomes),
         *texts.blocks("day.legend", shapes=", ".join(f"{SHAPES[word]} {word}" for word in SHAPES)),
         *in_figures(outcomes),
         *_past(outcomes),
         *space_weather(weather),
     ]
+
+
+def _cards(outcomes: Sequence[Outcome]) -> Iterator[Block]:
+    if len(outcomes) > CARDS:
+        yield f"The {CARDS} to look at first have a card, [all](#in-figures) a line of the table."
+    yield [card(outcome) for outcome in worst_first(outcomes)[:CARDS]]
 
 
 def summary(outcomes: Sequence[Outcome]) -> str:

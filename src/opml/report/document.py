@@ -93,17 +93,15 @@ def write(
     path_md: FilePath,
     path_tsv: FilePath,
     path_html: FilePath,
-    *,
-    table: Table | None = None,
 ) -> None:
-    """Write a document as Markdown and HTML, and a table as tab-separated text: its first, or another.
+    """Write a document as Markdown and HTML, and its first table as tab-separated text.
 
     The pages end with a line on tables as CSV.
     No file is left half written.
     """
     pages = [*blocks, HOW_TO_CSV]
     title = next(block for block in blocks if isinstance(block, str)).removeprefix("# ")
-    table = table or next(block for block in blocks if isinstance(block, Table))
+    table = next(block for block in blocks if isinstance(block, Table))
     for path, text in (
         (path_md, markdown(pages)),
         (path_html, html_page(pages, title=title)),

@@ -237,9 +237,7 @@ class Params:
 
     def page_of_day(self, wildcards: Wildcards) -> dict[str, Any]:
         """Return the params of the page of the wildcard `date`."""
-        day = self.plan.settings.day
-        watched = {"watched": day.messages or []} if self.plan.page_of_day == "day_of_many" else {}
-        return {"epoch": self.run.epoch, "hour": day.hour, "date": wildcards.date, **watched}
+        return {"epoch": self.run.epoch, "hour": self.plan.settings.day.hour, "date": wildcards.date}
 
     def _watched(self, rso: str) -> dict[str, Any]:
         settings = self.plan.settings

@@ -12,7 +12,6 @@ from typing import Any, NoReturn
 from opml import naming, tables
 from opml.catalog import kinds
 from opml.environment.solar_activity import OBSERVED
-from opml.report.catalogue_pages.day_of_many import MOST
 from opml.report.settings_tables import weather
 from opml.study import truth_groups
 from opml.study.beyond import Beyond
@@ -103,16 +102,6 @@ class Plan:
         enough = min(_JOBS, math.ceil(len(rsos) / _FEW))
         jobs = max(enough, math.ceil(len(rsos) / self.settings.day.together))
         return {str(k): rsos[k * len(rsos) // jobs : (k + 1) * len(rsos) // jobs] for k in range(jobs)}
-
-    @property
-    def page_of_day(self) -> str:
-        """The script that writes the page of a day."""
-        return "day" if len(self.settings.measured) <= MOST else "day_of_many"
-
-    @property
-    def files_of_day(self) -> list[str]:
-        """The suffixes of the page of a day."""
-        return ["md", "tsv", "html", "json", *(["png"] if self.page_of_day == "day_of_many" else [])]
 
     @cached_property
     def environment(self) -> EnvironmentFiles:

@@ -6,7 +6,7 @@ import pytest
 
 from opml.mornings import days
 from opml.report import day
-from opml.report.document import html_page, markdown
+from opml.report.document import Table, html_page, markdown
 
 SCORE = {"day": 1, "predictions": 5, "along_track_m": 40.0, "along_track_95_m": 90.0, "inside": 0.8}
 
@@ -128,3 +128,13 @@ def test_a_damaged_file_marks_nothing_up():
 )
 def test_links_lead_to_places_alone(text, link):
     assert f"<p>{link}</p>" in html_page([text], title="")
+
+
+def test_only_the_worst_of_many_objects_have_a_card():
+    many = [outcome(f"o{number}", "good") for number in range(day.CARDS)] + [outcome("bad", "failed")]
+    page = day.document(many, [], date="2016-10-05")
+    cards = next(block for block in page if isinstance(block, list))
+    assert len(cards) == day.CARDS
+    assert cards[0].title == "bad"
+    assert "The 200 to look at first have a card" in markdown(page)
+    assert len(next(block for block in page if isinstance(block, Table)).rows) == len(many)
