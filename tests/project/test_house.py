@@ -73,11 +73,11 @@ def test_what_is_taken_from_a_facade_is_its_own(facade):
 
 
 MOST = {
-    "lines of the package": 45_160,
-    "lines of tests": 34_740,
-    "classes": 333,
+    "lines of the package": 44_730,
+    "lines of tests": 32_940,
+    "classes": 328,
     "docstrings that begin with what, which, how, where, of": 42,
-    "variables called found, one, made, told": 53,
+    "variables called found, one, made, told": 52,
 }
 """Limits of the house. A change that adds pays in the same change; a change that removes lowers them."""
 
