@@ -19,12 +19,14 @@ from opml.interop.element_sets.element_set import LOW, decay, mean_height
 from opml.interop.predicted_orbit import LEADS
 from opml.orbits.state_polynomials import StatePolynomials
 
-OWN_PART = {1: 0.4, 3: 0.3, 5: 0.4, 7: 0.5}
+OWN_PART = {1: 0.2, 3: 0.1, 5: 0.1, 7: 0.2}
 """Part of its own position along the track that the orbit inside keeps against the learned one, by lead [d].
 
-Chosen on 150 objects below 600 km in spring 2026, with a corrector trained on others; that of a day by orbits
-inside later sets. Spring would have taken 0.6 to 1 from three days on: summer 0.2 to 0.4 (hindsight).
+Chosen on eight mornings of spring 2026, with a corrector trained before them on other objects and years.
 """
+
+FORECAST = 3.0
+"""Lead from which the forecast of the density decides along the track, wherever drag is felt [d]."""
 
 
 NEAR = 0.75  # days by which an error of the past may be off a lead
@@ -128,8 +130,10 @@ def _shift(now: InsideNow, corrections: pd.DataFrame) -> np.ndarray:
     own = np.hypot(inside_sizes.rms(now, leads)["s"].to_numpy(), inside_sizes.FLOOR["s"])
     sigma = np.append(own[0], corrections["sigma"])
     part = own**2 / (own**2 + sigma**2)
-    if decay(now.orbit.beginning.satellite) >= inside_now.LITTLE_DRAG:
-        part = 1.0 - np.interp(leads, [*OWN_PART], [*OWN_PART.values()])
+    sinking = decay(now.orbit.beginning.satellite)
+    if sinking >= inside_now.STEADY:
+        is_chosen = (leads >= FORECAST) | (sinking >= inside_now.LITTLE_DRAG)
+        part = np.where(is_chosen, 1.0 - np.interp(leads, [*OWN_PART], [*OWN_PART.values()]), part)
     part[0] = 0.0
     ahead = now.ahead_of_sgp4(leads) - np.append(0.0, corrections["correction"])
     return np.column_stack([leads, part * ahead, np.minimum(own, sigma)])
