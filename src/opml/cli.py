@@ -287,8 +287,10 @@ def _predict(options: argparse.Namespace) -> None:
         prediction_files.write_passes(options.passes, over)
     print(f"{made.identity} from {made.date} UTC: {made.way} ({made.reason})")
     expected = made.expected().dropna(axis="columns", how="all").replace({"utc": r"\.0+$"}, "", regex=True)
+    if "along_track" in expected:
+        print("expected errors by lead [d], one sigma [m]:")
     print(expected.to_string(index=False, float_format="{:.0f}".format))
-    print(f"{'one sigma [m]; ' * ('along_track' in expected)}{UNKNOWABLE}")
+    print(UNKNOWABLE)
     if line := made.past_in_words:
         print(line)
     if over:

@@ -24,6 +24,7 @@ JulianDate = tuple[np.ndarray, np.ndarray]  # whole days and their fractions; th
 MJD_ZERO = 2400000.5  # Julian date at which the modified Julian days begin
 
 _DAY_TEXT = re.compile(r"[\d-]{10}", re.ASCII)
+_HOUR_TEXT = re.compile(r"[\d-]{10}T\d\d", re.ASCII)
 _MINUTE_TEXT = re.compile(r"[\d-]{10}T\d\d:\d\d", re.ASCII)
 _UTC_TEXT = re.compile(r"(\d{4})-(\d\d)-(\d\d)T(\d\d):(\d\d):(\d\d(?:\.\d+)?)", re.ASCII)
 
@@ -124,6 +125,8 @@ def instant(time: Time) -> str:
     text = text.strip().removesuffix("Z").replace(" ", "T")
     if _DAY_TEXT.fullmatch(text):
         return f"{text}T00:00:00"
+    if _HOUR_TEXT.fullmatch(text):
+        return f"{text}:00:00"
     return f"{text}:00" if _MINUTE_TEXT.fullmatch(text) else text
 
 

@@ -12,7 +12,7 @@ _COLUMNS = [
     *("tca", "first", "second", "miss_m", "r_m", "s_m", "w_m"),
     *("speed_mps", "radius_m", "probability", "stated", "correlated", "method", "largest", "remark"),
 ]
-NONE = "no conjunction"
+NONE = "no approach within the distance of --within (5 km by default)"
 _MORE = 1.5  # times the probability of an encounter that its revolution has to hold to be shown
 
 

@@ -168,7 +168,7 @@ def improve(known: PublicData, model: CatalogueModel, *, progress: Progress = _l
     progress(f"{counted(sets['number'].nunique(), 'object')}, {counted(len(sets), 'set')}")
     today = modified_julian_day(known.date)
     rows = replayed(known, model, np.arange(-PAST, 1) + today)
-    progress(f"{counted(len(rows), 'prediction')} on the last {PAST + 1} mornings")
+    progress(f"{counted(len(rows), 'prediction')} replayed, of the last {PAST + 1} mornings")
     jump = corrector.jumps(rows)
     tried = weighting.candidates(rows, model.correctors, jump)
     # What correctors alone look at is more than half of the rows' memory.
@@ -187,7 +187,7 @@ def improve(known: PublicData, model: CatalogueModel, *, progress: Progress = _l
         Better(one.file, one.place, one.line, one.motion, one.bstar) for one in table.itertuples(index=False)
     ]
     counts = table["applied"].value_counts().items()
-    progress("best option: " + ", ".join(f"{name} for {counted(count, 'set')}" for name, count in counts))
+    progress("along the track: " + ", ".join(f"{name} for {counted(count, 'set')}" for name, count in counts))
     judged = rows.loc[np.isfinite(rows["error"]), ["morning", "error"]].join(combined, how="inner")
     past = judged.assign(left=judged["error"] - judged["correction"])[_PAST_COLUMNS].reset_index(drop=True)
     corrections = now[["number", "lead", "correction", "sigma"]].dropna().reset_index(drop=True)

@@ -31,11 +31,11 @@ def _counts(table: pd.DataFrame) -> str:
     stays = table.loc[table["applied"] == UNCHANGED, "why"].replace("", "no gain on its last mornings")
     why = [f"{reason}: {count}" for reason, count in stays.value_counts().items()]
     reasons = f"; reasons: {', '.join(why)}" if why else ""
-    return f"{counted(len(table), 'object')}: {', '.join(applied)}{reasons}"
+    return f"{counted(len(table), 'object')}, corrected along the track: {', '.join(applied)}{reasons}"
 
 
 def _lines(medians: pd.DataFrame) -> list[str]:
     if medians.empty:
         return []
     shown = medians.reset_index().to_string(index=False, float_format="{:.0f}".format)
-    return ["medians of one sigma along the track [m]:", shown]
+    return ["expected errors along the track, one sigma [m], medians over objects:", shown]

@@ -21,6 +21,7 @@ import pandas as pd
 
 from opml.base.errors import InputError
 from opml.base.files import FilePath, data_folder, replacing
+from opml.base.progress import counted
 from opml.environment import earth_orientation, solar_activity, space_weather
 from opml.fetch.downloads import Download, Downloads, NoAnswerError, now
 from opml.interop import formats
@@ -88,7 +89,7 @@ def renew_object_data(queries: Iterable[Query], *, say: Say) -> None:
     """Fetch element sets and the weather, as `renew`."""
     for query in queries:
         say(f"{query.value}: {_renew_sets(query)}")
-    say(f"weather: {_state(_renew_weather())}: {solar_activity.fetched_weather()}")
+    say(f"space weather: {_state(_renew_weather())}: {solar_activity.fetched_weather()}")
 
 
 def queries() -> list[Query]:
@@ -164,7 +165,7 @@ def _renew_sets(query: Query) -> str:
     if new:
         with replacing(query.folder / f"{now():%Y-%m-%dT%H%M%S}.csv") as temporary:
             temporary.write_text("\n".join([header, *new]) + "\n", encoding="utf-8")
-    return f"{len(rows)} sets, {len(new)} new: {query.folder}"
+    return f"{counted(len(rows), 'set')}, {len(new)} new: {query.folder}"
 
 
 def _lines(path: Path) -> list[str]:

@@ -80,7 +80,8 @@ def summary(table: pd.DataFrame) -> str:
     rows = np.sqrt((table[columns] ** 2).groupby(begins).mean())
     rows.insert(0, "times", table.groupby(begins).size())
     rows = rows.dropna(axis="columns", how="all").rename(columns={name: f"{name}_m" for name in columns})
-    lines = [f"root mean square differences from {table['utc'].iloc[0][:19]} UTC on", _aligned(rows)]
+    begin = f"root mean square differences from {table['utc'].iloc[0][:19]} UTC on"
+    lines = [f"{begin}: radial (r), along the track (s), across it (w)", _aligned(rows)]
     inside = table["ellipsoid"].dropna()
     if len(inside):
         shares = ", ".join(

@@ -48,6 +48,7 @@ TIMES = {
     "a text": "2016-09-28T12:00:00",
     "a text with Z": "2016-09-28T12:00:00Z",
     "a blank": "2016-09-28 12:00",
+    "an hour": "2016-09-28T12",
     "a datetime": datetime(2016, 9, 28, 12),
     "one of another zone": datetime(2016, 9, 28, 14, tzinfo=timezone(timedelta(hours=2))),
     "numpy's": np.datetime64("2016-09-28T12:00:00"),

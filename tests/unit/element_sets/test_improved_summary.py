@@ -20,7 +20,10 @@ def test_objects_are_counted_and_their_errors_told_by_height():
     rows += [(36e3, "unchanged", "deep space", np.nan)] * 2
     counts, _, heads, low, high = improved_summary.text(table(rows)).splitlines()
     reasons = "deep space: 2, no gain on its last mornings: 1"
-    assert counts == f"7 objects: 3 learned, 3 unchanged, 1 density; reasons: {reasons}"
+    assert (
+        counts
+        == f"7 objects, corrected along the track: 3 learned, 3 unchanged, 1 density; reasons: {reasons}"
+    )
     assert heads.split("  ")[0] == "height [km]"
     assert low.split() == ["300-400", "3", "300", "150", "2100", "1050"]
     assert high.split() == ["600-700", "2", "30", "15", "210", "105"]
@@ -28,4 +31,5 @@ def test_objects_are_counted_and_their_errors_told_by_height():
 
 def test_without_errors_there_are_counts_alone():
     rows = [(36e3, "unchanged", "deep space", np.nan)]
-    assert improved_summary.text(table(rows)) == "1 object: 1 unchanged; reasons: deep space: 1"
+    counts = "1 object, corrected along the track: 1 unchanged; reasons: deep space: 1"
+    assert improved_summary.text(table(rows)) == counts

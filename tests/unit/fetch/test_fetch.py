@@ -74,7 +74,7 @@ def test_a_file_is_asked_for_once_in_its_hours(server, clock):
     renew()
     assert len(server.requests) == 3
     clock.pass_by(0.2)
-    assert "1 sets, 0 new" in renew()[0]
+    assert "1 set, 0 new" in renew()[0]
     path, headers = server.requests[-1]
     assert (path, headers["If-Modified-Since"]) == (GP, MODIFIED)
     assert headers["User-Agent"].startswith("opml-orbits/")
@@ -192,7 +192,7 @@ def test_sets_of_a_group_serve_its_objects(server, capsys, tmp_path):
     assert cli.main(["improve", "-o", str(better), "--date", "2026-01-03T06:00:00"]) == 0
     assert len(better.read_text().splitlines()) == 3
     server.requests.clear()
-    assert "2 objects: " in capsys.readouterr().out
+    assert "2 objects, corrected along the track: " in capsys.readouterr().out
     assert cli.main(["fetch"]) == 0
     assert capsys.readouterr().out.startswith("stations: 90 sets, 0 new: ")
 
