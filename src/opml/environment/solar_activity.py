@@ -7,7 +7,6 @@ OBSERVED: measured activity, see `space_weather`. NEWEST: that which `opml fetch
 
 import re
 import zlib
-from collections.abc import Callable
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -34,9 +33,10 @@ _COLUMNS = [f"{index}_{percentile}" for index in ("f107", "ap") for percentile i
 _MONTHS = ("JAN", "FEB", "MAR", "APR", "MAY", "JUN", "JUL", "AUG", "SEP", "OCT", "NOV", "DEC")
 _BULLETIN_TITLE = "13-MONTH SMOOTH SOLAR ACTIVITY"
 _FIGURES = 6 * r"\s+(\d+(?:\.\d+)?)"
-_BULLETIN_YEAR = re.compile(r"\d{4}\.", re.ASCII)
-_BULLETIN_ROW = re.compile(r"(\d{4})\.\d+\s+([A-Z]{3})" + _FIGURES, re.ASCII)
-_PACKAGED_ROW = re.compile(r"(\d{4}-(?:0[1-9]|1[0-2]))" + _FIGURES, re.ASCII)
+_PACKAGED_TITLE = "\t".join(["month", *_COLUMNS])
+_YEAR = re.compile(r"\d{4}[.-]", re.ASCII)
+_MONTH = rf"(?:-(0[1-9]|1[0-2])|\.\d+\s+({'|'.join(_MONTHS)}))"
+_ROW = re.compile(rf"(\d{{4}}){_MONTH}{_FIGURES}", re.ASCII)
 
 
 def tabulate(source: str | Path, epoch: str, t: np.ndarray, percentile: int) -> pd.DataFrame:
@@ -55,7 +55,7 @@ def tabulate(source: str | Path, epoch: str, t: np.ndarray, percentile: int) -> 
     text = read_text(path)
     if space_weather.is_space_weather(text):
         return space_weather.tabulate(path, text, epoch, t)
-    months = _reader(path, text)(path, text.splitlines())
+    months = _read_months(path, text)
     t = np.asarray(t, dtype=float)
     begin, end = (_month_start(epoch, month) for month in months.index[[0, -1]])
     if t.min() < begin or t.max() > end:
@@ -115,8 +115,7 @@ def read(path: str | Path) -> pd.DataFrame:
     Index: consecutive months 'YYYY-MM'. Columns: f107_95, f107_50, f107_5 [sfu], ap_95, ap_50, ap_5.
     Raises InputError for an unknown format, a malformed line, and a month that is missing or out of order.
     """
-    text = read_text(path)
-    return _reader(path, text)(path, text.splitlines())
+    return _read_months(path, read_text(path))
 
 
 def read_text(path: str | Path) -> str:
@@ -131,38 +130,20 @@ def read_text(path: str | Path) -> str:
         raise InputError(f"{path}: expected a table of solar activity, got {got}") from None
 
 
-def _reader(path: str | Path, text: str) -> Callable[[str | Path, list[str]], pd.DataFrame]:
-    if _BULLETIN_TITLE in text:
-        return _read_bulletin
-    if "\t".join(["month", *_COLUMNS]) in text.splitlines():
-        return _read_packaged
-    raise InputError(f"{path}: expected an MSAFE bulletin or CSSI space weather, got an unknown format")
-
-
-def _read_bulletin(path: str | Path, lines: list[str]) -> pd.DataFrame:
-    """Read an MSAFE bulletin: title lines, then 'year.fraction MONTH' and six figures per row."""
-    texts = [(number, line.strip()) for number, line in enumerate(lines, start=1) if line.strip()]
-    first = next((k for k, (_, text) in enumerate(texts) if _BULLETIN_YEAR.match(text)), len(texts))
+def _read_months(path: str | Path, text: str) -> pd.DataFrame:
+    """Return the months of a bulletin, or of the package's table: six figures each, below the title lines."""
+    if _BULLETIN_TITLE not in text and _PACKAGED_TITLE not in text.splitlines():
+        raise InputError(f"{path}: expected an MSAFE bulletin or CSSI space weather, got an unknown format")
+    texts = [(number, line.strip()) for number, line in enumerate(text.splitlines(), start=1) if line.strip()]
+    first = next((k for k, (_, line) in enumerate(texts) if _YEAR.match(line)), len(texts))
     rows = []
-    for number, text in texts[first:]:
-        match = _BULLETIN_ROW.fullmatch(text)
-        if match is None or match[2] not in _MONTHS:
-            raise InputError(f"{path}: line {number}: expected year, month and six figures, got {text!r}")
-        year, name, *figures = match.groups()
-        rows.append((f"{year}-{_MONTHS.index(name) + 1:02d}", *map(float, figures)))
-    return _months(path, rows)
-
-
-def _read_packaged(path: str | Path, lines: list[str]) -> pd.DataFrame:
-    """Read the package's own table: comments (#), a heading, then month and six figures per row, by tabs."""
-    texts = [(number, line) for number, line in enumerate(lines, start=1) if line and line[0] != "#"]
-    rows = []
-    for number, text in texts[1:]:
-        match = _PACKAGED_ROW.fullmatch(text)
+    for number, line in texts[first:]:
+        match = _ROW.fullmatch(line)
         if match is None:
-            raise InputError(f"{path}: line {number}: expected month and six figures, got {text!r}")
-        month, *figures = match.groups()
-        rows.append((month, *map(float, figures)))
+            raise InputError(f"{path}: line {number}: expected year, month and six figures, got {line!r}")
+        year, month, name, *figures = match.groups()
+        month = month or f"{_MONTHS.index(name) + 1:02d}"
+        rows.append((f"{year}-{month}", *map(float, figures)))
     return _months(path, rows)
 
 

@@ -6,9 +6,10 @@ Cells are read as text, so that no name turns into a number.
 import csv
 import math
 import re
-from collections.abc import Callable, Container, Iterable, Mapping
+from collections.abc import Callable, Collection, Container, Iterable, Mapping
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 from opml import naming
@@ -150,19 +151,12 @@ _ELEMENTS = ("a_km", "e", "i_deg", "argp_deg", "raan_deg", "mean_anomaly_deg")
 
 def read_stations(path: str | Path) -> dict[str, Station]:
     """Read the sheet of stations, in its order. Raises InputError, naming file, row and column."""
-    rows = _rows(path, _STATION_FIELDS, _OPTIONAL_FIELDS)
-    stations = {name: Station(name=name, **row) for name, row in rows.items()}
-    for station in stations.values():
-        _check_station(station, f"{path}: {station.name}: ")
-    return stations
+    return stations_from_rows(_rows(path, _STATION_FIELDS, _OPTIONAL_FIELDS), sheet=path)
 
 
 def read_rsos(path: str | Path) -> dict[str, Rso]:
     """Read the sheet of RSOs, in its order. Raises InputError, naming file, row and column."""
-    rsos = {name: Rso(name=name, **row) for name, row in _rows(path, _RSO_FIELDS).items()}
-    for rso in rsos.values():
-        _check_perigee(rso, f"{path}: {rso.name}: a_km")
-    return rsos
+    return rsos_from_rows(_rows(path, _RSO_FIELDS), sheet=path)
 
 
 def parse_stations(text: str, sheet: Mapping[str, Station]) -> list[Station]:
@@ -217,34 +211,30 @@ def _check_perigee(rso: Rso, where: str) -> None:
 
 
 def _rows(
-    path: str | Path, fields: Mapping[str, _Field], optional: Mapping[str, _Field] | None = None
-) -> dict[str, dict[str, float]]:
+    path: str | Path, fields: Iterable[str], optional: Collection[str] = ()
+) -> dict[str, dict[str, str]]:
     """Read a tab-separated sheet with a column `name`; lines that start with # are comments.
 
     optional: columns that may be missing, and cells that may hold nothing
     """
     (_, header), *lines = _lines(path)
-    expected, optional = ["name", *fields], optional or {}
+    expected = ["name", *fields]
     odd = _odd(header, expected, optional) or sorted(name for name in header if header.count(name) > 1)
     if odd:
         raise InputError(
             f"{path}: header: expected the columns {', '.join(expected)} between tabs; "
             f"look at {', '.join(name or 'the one without a name' for name in odd)}"
         )
-    rows: dict[str, dict[str, float]] = {}
+    rows: dict[str, dict[str, str]] = {}
     numbers: dict[str, int] = {}
     for number, cells in lines:
         if len(cells) != len(header):
             raise InputError(f"{path}: {cells[0]}: expected {len(header)} cells, got {len(cells)}")
         row = dict(zip(header, cells, strict=True))
-        name = row["name"]
+        name = row.pop("name")
         _check_name(f"{path}: line {number}: name", name, numbers)
         numbers[name] = number
-        rows[name] = {
-            field.attribute: field.parse(row[key], f"{path}: {name}: {key}")
-            for key, field in {**fields, **optional}.items()
-            if key in row and not (key in optional and row[key] == _NOTHING)
-        }
+        rows[name] = {key: cell for key, cell in row.items() if not (key in optional and cell == _NOTHING)}
     if not rows:
         raise InputError(f"{path}: expected at least one row, got none")
     return rows
@@ -288,32 +278,35 @@ def _cells(where: str, line: str) -> list[str]:
         raise InputError(f"{where}: expected cells between tabs ({error})") from None
 
 
-def stations_from_rows(rows: Mapping[str, Mapping[str, object]]) -> dict[str, Station]:
-    """Return stations from mappings of the sheet's columns. Raises InputError, naming the column."""
-    parsed = _parse_rows(rows, _STATION_FIELDS, _OPTIONAL_FIELDS)
-    stations = {name: Station(name=name, **row) for name, row in parsed.items()}
-    for station in stations.values():
-        _check_station(station, "")
+def stations_from_rows(
+    rows: Mapping[str, Mapping[str, object]], *, sheet: str | Path = ""
+) -> dict[str, Station]:
+    """Return stations from mappings of the columns of a sheet. Raises InputError, naming the column."""
+    stations = {}
+    for name, row in rows.items():
+        where = f"{sheet}: {name}: " if sheet else ""
+        stations[name] = Station(name=name, **_parsed(row, where, _STATION_FIELDS, _OPTIONAL_FIELDS))
+        _check_station(stations[name], where)
     return stations
 
 
 def rsos_from_rows(
-    rows: Mapping[str, Mapping[str, object]], *, from_files: Container[str] = ()
+    rows: Mapping[str, Mapping[str, object]], *, from_files: Container[str] = (), sheet: str | Path = ""
 ) -> dict[str, Rso]:
-    """Return RSOs from mappings of the sheet's columns. Raises InputError, naming the column.
+    """Return RSOs from mappings of the columns of a sheet. Raises InputError, naming the column.
 
     rows: values by column, by the RSO's name
     from_files: names of RSOs whose orbit is in a file; their rows may lack the elements, which are NaN then
     """
     rsos = {}
     for name, row in rows.items():
-        fields = _RSO_FIELDS
+        fields, where = _RSO_FIELDS, f"{sheet}: {name}: " if sheet else ""
         if name in from_files and not set(row) & set(_ELEMENTS):
             fields = {key: field for key, field in _RSO_FIELDS.items() if key not in _ELEMENTS}
         elements = dict.fromkeys((field.attribute for field in _RSO_FIELDS.values()), math.nan)
-        rsos[name] = Rso(name=name, **(elements | _parse_rows({name: row}, fields)[name]))
+        rsos[name] = Rso(name=name, **(elements | _parsed(row, where, fields)))
         if fields is _RSO_FIELDS:
-            _check_perigee(rsos[name], "a_km")
+            _check_perigee(rsos[name], f"{where}a_km")
     return rsos
 
 
@@ -323,17 +316,17 @@ def check_body(name: str, body: Mapping[str, object]) -> None:
     rsos_from_rows({name: body}, from_files=(name,))
 
 
-def _parse_rows(
-    rows: Mapping[str, Mapping[str, object]],
+def _parsed(
+    row: Mapping[str, object],
+    where: str,
     fields: Mapping[str, _Field],
-    optional: Mapping[str, _Field] | None = None,
-) -> dict[str, dict[str, float]]:
-    """Return mappings of a sheet's columns in SI units, by name; those in `optional` may be missing."""
-    parsed, every = {}, {**fields, **(optional or {})}
-    for name, row in rows.items():
-        if odd := _odd(row, fields, optional or {}):
-            raise InputError(f"expected the keys {', '.join(fields)}; look at {', '.join(odd)}")
-        parsed[name] = {
-            field.attribute: field.parse(str(row[key]), key) for key, field in every.items() if key in row
-        }
-    return parsed
+    optional: Mapping[str, _Field] = MappingProxyType({}),
+) -> dict[str, float]:
+    """Return a row of a sheet's columns in SI units; those in `optional` may be missing."""
+    if odd := _odd(row, fields, optional):
+        raise InputError(f"{where}expected the keys {', '.join(fields)}; look at {', '.join(odd)}")
+    return {
+        field.attribute: field.parse(str(row[key]), f"{where}{key}")
+        for key, field in {**fields, **optional}.items()
+        if key in row
+    }

@@ -112,7 +112,7 @@ def test_a_malformed_row_of_the_packaged_table_is_refused(tmp_path):
     text = solar_activity.resolve("MSAFE").read_text()
     path = tmp_path / "own.tsv"
     path.write_text(text.replace("2016-10\t84.7", "2016-10\t"))
-    assert "own.tsv: line 222: expected month and six figures" in refusal(solar_activity.read, path)
+    assert "own.tsv: line 222: expected year, month and six figures" in refusal(solar_activity.read, path)
 
 
 def test_a_missing_file_is_refused(tmp_path):
