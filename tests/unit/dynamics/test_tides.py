@@ -101,18 +101,6 @@ def test_fields_of_another_tide_system_are_refused(tide_system):
         nodes(HOUR * np.arange(6.0), tide_system)
 
 
-def test_corrections_of_a_frequency_have_the_amplitudes_of_the_table():
-    t = HOUR * np.arange(0.0, 365.25 * 24, 12.0)
-    zonal, diurnal, semidiurnal = solid_tides._corrections(EPOCH, t)
-    # K1, 470.9e-12 in phase and -30.2e-12 out of phase, does not move among the stars; its neighbour of
-    # 68.1e-12 goes around it in 18.6 years, P1 (43.4e-12) in half a year.
-    assert np.abs(diurnal.mean()) == pytest.approx(np.hypot(470.9, 30.2) * 1e-12, abs=70e-12)
-    assert np.abs(diurnal).max() < (470.9 + 30.2 + 68.1 + 43.4 + 40.0) * 1e-12
-    assert np.abs(semidiurnal).max() == pytest.approx(1.5e-12, rel=0.01)
-    assert np.isrealobj(zonal)
-    assert 20e-12 < np.abs(zonal).max() < 45e-12
-
-
 def departures(names):
     starts = np.array([initial_state(rsos()[name], FIELD["gm"]) for name in names])
     count = len(names)
