@@ -179,7 +179,7 @@ def _median_size(errors: pd.DataFrame) -> pd.Series:
 def _p_ml(rows: pd.DataFrame) -> str:
     """Return P_ML [%] of rows with an error and what is left of it, with its interval."""
     if rows.empty:
-        return "-"
+        return "n/a"
     error, left = rows["error"].abs().to_numpy(), rows["left"].abs().to_numpy()
     draws = [100.0 * (left @ w) / (error @ w) for w in drawn_weights(rows, derive(SEED, "weeks and objects"))]
     low, high = np.percentile(draws, _INTERVAL)

@@ -64,7 +64,7 @@ def test_errors_of_element_sets_are_those_of_the_catalogue():
 def test_errors_of_points_and_ranges_are_those_of_their_page():
     text = " ".join(page("tracks").split())
     day, week = row("inputs", "positions (GPS")[2:5:2]
-    assert re.search(rf"`running24m3` has {day}/\d+/\d+/{week} m", text)
+    assert re.search(rf"`running24m3` after 1, 2, 4 and 7 days is {day}, \d+, \d+ and {week} m", text)
     day, week = row("inputs", "laser ranges")[2:5:2]
     assert f"0.14, {day}, 1.1, 3.1, {week} from later fits after 0.4, 1, 2, 4, 7 days" in text
 

@@ -143,5 +143,5 @@ def test_what_is_a_mean_or_a_wave_is_learned_from_half_of_the_objects(monkeypatc
     assert shares["trees"] < 5.0
     assert shares["SVR"] < 10.0
     assert 15.0 < shares["median"] < 40.0
-    assert lines[0]["random split"] == "-"
+    assert lines[0]["random split"] == "n/a"
     assert sum(int(counts[name]) for name in ("later weeks", "other objects, later")) == 19 * 20

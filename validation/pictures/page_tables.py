@@ -54,7 +54,7 @@ def catalogue() -> dict[tuple[str, str], list[list[int]]]:
     table: dict[tuple[str, str], list[list[int]]] = {}
     for line in lines:
         for name, cell in line.items():
-            if name.endswith("[%]") and cell != "-":
+            if name.endswith("[%]") and cell != "n/a":
                 numbers = [int(number) for number in re.findall(r"\d+", cell)]
                 table.setdefault((line["season"], name.removesuffix(" [%]")), []).append(numbers)
     return table
