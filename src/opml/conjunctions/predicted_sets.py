@@ -27,7 +27,7 @@ _log = logging.getLogger(__name__)
 class PredictedSets:
     """The sets in files, predicted from a time on.
 
-    paths: of the files; begin: when predictions begin, rounded up to a second [s since EPOCH]; end: of the
+    paths: of the files; begin: when predictions begin, a whole second [s since EPOCH]; end: of the
     span that is asked for; weather: OBSERVED, the packaged one, or a CSSI file
     """
 
@@ -54,12 +54,8 @@ class PredictedSets:
         return replace(trajectory, remark=f"as opml predict states it: {prediction.way}")
 
     @property
-    def _start(self) -> float:
-        return float(np.ceil(self.begin - 1e-6))
-
-    @property
     def _days(self) -> float:
-        return (self.end - self._start) / DAY
+        return (self.end - self.begin) / DAY
 
     @cached_property
     def _histories(self) -> dict[int, list[ElementSet]]:
@@ -68,7 +64,7 @@ class PredictedSets:
     @cached_property
     def _morning(self) -> PublicMorning | None:
         """What was public when predictions begin; None where the log says what is missing."""
-        (date,) = ccsds.utc_texts(EPOCH, np.array([self._start]))
+        (date,) = ccsds.utc_texts(EPOCH, np.array([self.begin]))
         try:
             morning = PublicMorning.read(
                 self.paths, date=date.partition(".")[0], weather=self.weather, latency=0.0

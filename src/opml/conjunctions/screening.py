@@ -110,7 +110,7 @@ def read(
     own = [] if ours else read_elements([first], span)
     known_from = max([span[0], *(one.time_known for one in own[:1])])
     files = [*([] if ours else [first]), *elements]
-    predicted = PredictedSets(files, known_from, span[1], weather)
+    predicted = PredictedSets(files, float(np.ceil(known_from - 1e-6)), span[1], weather)
     ours = ours or _of_elements(own, predicted)
     if len(ours) > 1:
         raise InputError(f"{first}: expected one object, ours, got {ours[0].identity}, {ours[1].identity}")
