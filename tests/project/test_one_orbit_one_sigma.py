@@ -55,13 +55,13 @@ def written(path, number):
 @pytest.fixture(scope="module", autouse=True)
 def sought_once():
     """Orbits inside sets under a coarse field; those of the same sets and date are sought once."""
-    find, kept = inside_now.find, {}
+    find, remembered_orbits = inside_now.find, {}
 
-    def remembered(public, *, date, forces):
+    def remembered(public, *, date, forces, kept=None):
         sets = tuple((one.t, one.made, one.satellite.bstar, one.satellite.mo) for one in public)
-        if (sets, date[:19]) not in kept:
-            kept[sets, date[:19]] = find(public, date=date, forces=forces)
-        return kept[sets, date[:19]]
+        if (sets, date[:19]) not in remembered_orbits:
+            remembered_orbits[sets, date[:19]] = find(public, date=date, forces=forces)
+        return remembered_orbits[sets, date[:19]]
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(inside_forces, "read", partial(inside_forces.read, degree=8))

@@ -8,8 +8,8 @@ It is the orbit inside its sets, under full forces; where they have none, the im
 """
 
 import os
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable, Iterator, MutableMapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 
 import numpy as np
@@ -27,6 +27,7 @@ from opml.element_sets.improve import Improved, PublicData
 from opml.element_sets.inside import inside_now, orbit_prediction
 from opml.element_sets.inside.inside_forces import ON_ALL_CORES, Forces
 from opml.element_sets.inside.orbit_prediction import OrbitInside
+from opml.element_sets.inside.past_orbits import Calibration
 from opml.interop import ccsds
 from opml.interop.element_sets import known_sets, mean_elements, rewriting, sgp4_errors
 from opml.interop.element_sets.burns_in_sets import KnownSet, burns_among
@@ -37,7 +38,7 @@ from opml.orbits.manoeuvres import Manoeuvre
 
 BURNED = 20.0  # days before the date whose burns count: those of the mornings that tell sizes of errors
 
-_SIDE_BY_SIDE = 64  # objects: their arcs fill blocks, and a hundred megabytes
+_SIDE_BY_SIDE = 128  # objects: their arcs fill blocks, and a hundred megabytes
 _DAY = len("2016-09-28")
 
 
@@ -214,7 +215,8 @@ class PublicMorning:
     """All sets that were public on a date, improved: what its objects are predicted from.
 
     weather: OBSERVED, the packaged weather, or a CSSI file; latency: days from epoch to publication of sets
-    that do not say when they were made; propagator: as of `Forces`
+    that do not say when they were made; propagator: as of `Forces`; kept: calibrations of orbits inside sets,
+    as `inside_now.find` takes and leaves them: with those of the morning before the next takes a third
     """
 
     known: PublicData
@@ -222,6 +224,7 @@ class PublicMorning:
     weather: FilePath
     latency: float
     propagator: Callable[..., Arcs] = ON_ALL_CORES
+    kept: MutableMapping[str, Calibration] = field(default_factory=dict)
 
     @classmethod
     def read(
@@ -286,7 +289,7 @@ class PublicMorning:
         begin = max((one.counts_from for one in manoeuvres), default=-np.inf)
         counted = [one for one in public if one.t >= begin] or public[-1:]
         inside = orbit_prediction.predict(
-            counted, newest.number, self.better, days=days, forces=lambda: self._forces
+            counted, newest.number, self.better, days=days, forces=lambda: self._forces, kept=self.kept
         )
         if isinstance(inside, OrbitInside):
             sizes, past, basis = inside.sizes(improved.table, storm), inside.past, inside.basis

@@ -29,6 +29,7 @@ from opml.dynamics.settings import ForceModelSettings, Integrator
 from opml.dynamics.shared_blocks import SharedBlocks
 from opml.element_sets import station_passes
 from opml.element_sets.catalogue import modified_julian_day
+from opml.element_sets.inside import kept_calibrations
 from opml.interop.element_sets import known_sets
 from opml.interop.element_sets.element_set import ElementSet
 from opml.learning.models.learners import JobLearner
@@ -87,6 +88,11 @@ class BatchSettings(JobSettings):
     def shared(self) -> dict[str, Any]:
         """What all mornings of a run are made with."""
         return self.model_dump(include=_SHARED)
+
+    @property
+    def calibrations(self) -> Path:
+        """The file of what the sets of past weeks told, which the next morning takes up."""
+        return self.days / f"calibrations_{self.batch}.npz"
 
     @property
     def calendar(self) -> Calendar:
@@ -197,6 +203,8 @@ def run(files: Any, settings: BatchSettings, *, metadata: Mapping[str, Any]) -> 
             together=attempts.together,
             metadata={**metadata, "settings": shared},
         )
+        if surroundings.sets:
+            kept_calibrations.write(settings.calibrations, surroundings.sets.kept)
         places = store.places(settings.date)
         return [attempts.failed.get(name) or places[name].outcomes[name] for name in settings.objects]
 
@@ -236,7 +244,10 @@ def _run_sets(settings: BatchSettings, since: float, propagate: Callable[..., Ar
     if not settings.element_files:
         return None
     first = modified_julian_day(settings.epoch) + (since / DAY if np.isfinite(since) else 0.0)
-    return RunSets.read(settings.element_files, settings.weather, since=first, propagator=propagate)
+    kept = kept_calibrations.read(settings.calibrations)
+    return RunSets.read(
+        settings.element_files, settings.weather, since=first, propagator=propagate, kept=kept
+    )
 
 
 def _futures(path: FilePath, *, since: float) -> pd.DataFrame:

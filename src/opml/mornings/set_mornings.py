@@ -24,6 +24,7 @@ from opml.element_sets.catalogue import ElementCatalogue
 from opml.element_sets.inside import inside_sizes
 from opml.element_sets.inside.inside_forces import ON_ALL_CORES
 from opml.element_sets.inside.orbit_prediction import OrbitInside
+from opml.element_sets.inside.past_orbits import Calibration
 from opml.element_sets.prediction import Prediction, PublicMorning
 from opml.element_sets.set_errors import OLDEST
 from opml.element_sets.trained_model import CatalogueModel
@@ -53,13 +54,17 @@ _SIZES = SIGMA_STATE[:3]  # standard deviations of positions
 
 @dataclass(frozen=True, eq=False)
 class RunSets:
-    """The public sets of all objects of a run and the weather, on the mornings of a job."""
+    """The public sets of all objects of a run and the weather, on the mornings of a job.
+
+    kept: calibrations of orbits inside sets of its mornings and of earlier ones, as of `PublicMorning`
+    """
 
     catalogue: ElementCatalogue
     weather: Weather
     source: str
     model: CatalogueModel
     propagator: Callable[..., Arcs] = ON_ALL_CORES
+    kept: dict[str, Calibration] = field(default_factory=dict)
     _mornings: dict[str, PublicMorning] = field(default_factory=dict)
 
     @classmethod
@@ -70,6 +75,7 @@ class RunSets:
         *,
         since: float,
         propagator: Callable[..., Arcs] = ON_ALL_CORES,
+        kept: dict[str, Calibration] | None = None,
     ) -> "RunSets":
         """Read them; weather: OBSERVED, the packaged one, or a CSSI file; since: modified Julian day (UTC).
 
@@ -78,7 +84,7 @@ class RunSets:
         sets = catalogues.read(paths, leave_out_damaged=True)
         rows = np.flatnonzero(sets.table["t"].to_numpy() >= since - REACH)
         measured, model = known_weather.read(weather), trained_model.read()
-        return cls(sets.take(rows), measured, weather, model, propagator)
+        return cls(sets.take(rows), measured, weather, model, propagator, {} if kept is None else kept)
 
     def on(self, date: str) -> PublicMorning:
         """Return what was public on a date (UTC text), improved. Raises InputError as `improve.read`."""
@@ -87,7 +93,7 @@ class RunSets:
             known = improve.public_on(date, lambda: self.catalogue, self.weather, source=self.source)
             better = improve.improve(known, self.model, progress=lambda line: None)
             self._mornings[date] = PublicMorning(
-                known, better, self.source, known_sets.LATENCY, self.propagator
+                known, better, self.source, known_sets.LATENCY, self.propagator, self.kept
             )
         return self._mornings[date]
 

@@ -3,6 +3,7 @@
 A publisher's forces are not known in detail; these agree with what theirs make of an orbit to some metres.
 """
 
+import hashlib
 import os
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -26,6 +27,9 @@ DEGREE = 48
 """Degree of gravity. At 400 km a field of 36 moves an orbit by 25 m across the track in a week; one of 70
 takes twice the time and differs by 5 m."""
 
+HIGH = {1200e3: 24, 850e3: 36}
+"""Degrees that serve from heights of the perigee on [m]; the highest ones first."""
+
 ISSUE_HOURS = 24
 AHEAD = (
     12.0  # longest arc after an issue [d]: seven days from a date on, the age of the set and of the weather
@@ -48,18 +52,44 @@ _BEFORE = 9.0  # days before the first set that its span reaches
 class Forces:
     """A force model whose times count from `epoch` (UTC text), with daily outlooks of the weather.
 
-    propagator: `ensemble.propagate`, or one like it
+    propagator: `ensemble.propagate`, or one like it; smooth: the model of `smoothed`, None: of this one
     """
 
     model: ForceModel
     epoch: str
     propagator: Callable[..., Arcs]
     steps: Integrator = STEPS
+    smooth: ForceModel | None = None
 
     @cached_property
     def smoothed(self) -> "Forces":
         """Those with gravity of degree SMOOTH; one model, as arcs under the same one share blocks."""
-        return replace(self, model=self.model.truncated(SMOOTH), steps=_SMOOTH_STEPS)
+        return replace(self, model=self.smooth or self.model.truncated(SMOOTH), steps=_SMOOTH_STEPS)
+
+    def above(self, height: float) -> "Forces":
+        """Return those that act on orbits above a height [m]: less of the field is felt farther up."""
+        return next((part for least, part in self._parts.items() if height >= least), self)
+
+    @cached_property
+    def _parts(self) -> dict[float, "Forces"]:
+        smooth = self.smoothed.model
+        return {
+            least: replace(self, model=self.model.truncated(degree), smooth=smooth)
+            for least, degree in HIGH.items()
+        }
+
+    def digest(self, known: float, until: float) -> bytes:
+        """Return a digest of what acts on arcs that are propagated under the weather of a time, until another
+        [s].
+        """
+        model, digest = self.model, hashlib.sha256(repr((self.epoch, self.steps, self.model.degree)).encode())
+        newest = int(model.newest_outlook(np.array(known)))
+        nodes = int((until - model.first) / model.step) + 4
+        measured = model.activity[0, : model.known[newest] if newest >= 0 else nodes]
+        turning, pulling = (table[:nodes] for table in (model.orientation, model.bodies))
+        for table in (measured, model.outlooks[: newest + 1], turning, pulling, model.weights):
+            digest.update(np.ascontiguousarray(table).tobytes())
+        return digest.digest()
 
     def propagate(self, epochs: np.ndarray, departures: Departures) -> Arcs:
         """Propagate arcs as `ensemble.propagate`."""

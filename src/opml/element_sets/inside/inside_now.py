@@ -5,15 +5,16 @@ before.
     now = inside_now.find(public, date="2018-12-25T06:00:00", forces=forces)
     now.span, now.agreement, now.errors, now.predict(days=7.0)
 
-Each set of a day of the last weeks has its orbit, under the weather as it was known. They tell the span, how
-well sets agree over it and what errors the newest orbit will have; that has its own set and those shortly
-before it.
+Each set of a day of the last weeks has its orbit, under the weather as it was known. They calibrate:
+they tell the span, how well sets agree over it and what errors the newest orbit will have; that has its own
+set and those shortly before it. A calibration holds for some days, and is kept.
 """
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+import hashlib
+from collections.abc import Callable, MutableMapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -21,7 +22,9 @@ from sgp4.api import Satrec
 
 from opml.base import epochs
 from opml.base.constants import DAY, HOUR, WGS84_A
+from opml.base.provenance import code_digest
 from opml.dynamics.ensemble import Arcs
+from opml.element_sets.catalogue import modified_julian_day
 from opml.element_sets.inside import inside_forces, past_orbits
 from opml.element_sets.inside.inside_forces import ON_ALL_CORES, Forces
 from opml.element_sets.inside.orbit_inside import (
@@ -42,15 +45,28 @@ from opml.element_sets.inside.orbit_inside import (
     solve,
     usual_half_span,
 )
-from opml.element_sets.inside.past_orbits import LONGEST, SPANS, Agreement, FitSpan, PastOrbits, centred
+from opml.element_sets.inside.past_orbits import (
+    LONGEST,
+    SPANS,
+    Agreement,
+    Calibration,
+    FitSpan,
+    PastOrbits,
+    centred,
+)
 from opml.element_sets.inside.set_orbits import gauged
 from opml.element_sets.set_errors import OLDEST
 from opml.interop.element_sets.burns_in_sets import KnownSet
-from opml.interop.element_sets.element_set import DEEP_SPACE, decay, semi_major_axis
+from opml.interop.element_sets.element_set import DEEP_SPACE, decay, seconds_since, semi_major_axis
 
 LOWEST = 180e3  # height of the perigee below which an orbit ends before its span does [m]
 PAST = 21.0  # days before the newest set whose sets tell the span and the errors
 MOST = 12  # sets of these, at least a day from each other
+
+CALIBRATED_EVERY = 4
+"""Days between the calibrations of an object: on a morning a quarter of a catalogue has new ones."""
+
+_FORCES_EVERY = 32.0  # days between the epochs of forces: those of a calibration are the same for some days
 
 BEFORE = 4.0
 """Days before the newest set whose sets count with it, where drag is hardly felt."""
@@ -182,31 +198,34 @@ def doubt(agreement: Agreement | None, errors: pd.DataFrame, newest: Satrec, dat
     return ""
 
 
-class DailyOrbits(NamedTuple):
-    """Orbits near the sets of some weeks, a set a day at most, and what makes them the ones inside.
+def daily_orbits(
+    daily: Sequence[KnownSet], forces: Forces, others: Sequence[KnownSet] = ()
+) -> tuple[PastOrbits, Calibration, list[NearbyOrbit]]:
+    """Return the orbits near sets, by epoch, one of a day, and what they tell; and those near other sets.
 
-    span: by their agreement, or the usual one where that is None; numbers: changes (n, 8) over it
-    """
-
-    past: PastOrbits
-    agreement: Agreement | None
-    span: FitSpan
-    numbers: np.ndarray
-
-
-def daily_orbits(daily: Sequence[KnownSet], forces: Forces, now: float) -> DailyOrbits:
-    """Return the orbits inside sets, by epoch, one of a day.
-
-    now: the time from which those of the sets count [s since the epoch of the forces]
+    Times of sets are since the epoch of the forces. Raises NoOrbitError where they have none.
     """
     newest = daily[-1].satellite
-    little = decay(newest) < LITTLE_DRAG
-    longest = LONGEST if little else _SHORT
-    past = _past(daily, forces, now, longest=longest, is_lit=little)
+    longest = _longest(newest)
+    orbits = _orbits(forces, [[one] for one in others] + [daily], longest, is_lit=_is_lit(newest))
+    beside, own = orbits[: len(others)], orbits[len(others) :]
+    equations = [_equations(orbit, one) for one, orbit in zip(daily, own, strict=True)]
+    past = PastOrbits(np.array([one.t for one in daily]), own, equations)
     spans = [one for one in SPANS if max(one.before, one.after) <= longest]
     told = past_orbits.agreement(past, spans, axes=("r", "w") if decay(newest) < STEADY else ("w",))
     span = told.span if told else centred(usual_half_span(newest))
-    return DailyOrbits(past, told, span, past.numbers(span, past.sunlight(span) if little else 0.0))
+    sunlight = past.sunlight(span) if _is_lit(newest) else 0.0
+    return past, Calibration(span, told, sunlight, past.errors(past.numbers(span, sunlight))), beside
+
+
+def _is_lit(satellite: Satrec) -> bool:
+    """Return whether sets with such a decay tell the pressure of light."""
+    return decay(satellite) < LITTLE_DRAG
+
+
+def _longest(satellite: Satrec) -> float:
+    """Return half of the longest span that is tried with such a decay [s]."""
+    return LONGEST if _is_lit(satellite) else _SHORT
 
 
 def forces_on(date: str, weather: str | Path, *, propagator: Callable[..., Arcs] = ON_ALL_CORES) -> Forces:
@@ -214,37 +233,93 @@ def forces_on(date: str, weather: str | Path, *, propagator: Callable[..., Arcs]
 
     Raises InputError for weather that does not reach.
     """
-    today = float(np.sum(epochs.utc(date, 0.0)) - epochs.MJD_ZERO)
-    first = today - PAST - OLDEST
+    today = modified_julian_day(date)
+    first = today - PAST - OLDEST - CALIBRATED_EVERY
+    first = _FORCES_EVERY * np.floor(first / _FORCES_EVERY)
     return inside_forces.read(weather, first=first, last=today, propagator=propagator)
 
 
-def find(public: Sequence[KnownSet], *, date: str, forces: Forces) -> InsideNow:
+def find(
+    public: Sequence[KnownSet],
+    *,
+    date: str,
+    forces: Forces,
+    kept: MutableMapping[str, Calibration] | None = None,
+) -> InsideNow:
     """Return the orbit inside the newest of an object's sets.
 
     public: sets that were known on the date (UTC text), none from before its last burn, by epoch; times since
     the date; the newest at most OLDEST days old
     forces: of `forces_on` that date
+    kept: calibrations of this morning and earlier ones; takes that of the object, if it holds for some days
     """
-    newest = public[-1]
-    daily = _thinned([one for one in last_of_days(public) if one.t >= newest.t - DAY * PAST])
     now = forces.time(date)
-    past, told, span, numbers = daily_orbits(daily, forces, now)
-    errors, begin = past.errors(numbers), past.orbits[-1].begin_again(numbers[-1])
-    del past  # seven megabytes, while other objects' arcs are propagated
+    t = seconds_since(forces.epoch, [one.satellite for one in public])
+    sets = [replace(one, t=own, made=now + one.made) for one, own in zip(public, t.tolist(), strict=True)]
+    newest = sets[-1]
+    forces = forces.above(perigee(newest.satellite))
+    calibration, orbit = _calibrated(sets, date, forces, {} if kept is None else kept)
+    span = calibration.span
+    parts = [_equations(orbit, newest).over(newest.t - span.before, newest.t + span.after)]
+    begin = orbit.begin_again(solve(orbit, parts, sunlight=calibration.sunlight))
     before = BEFORE if decay(newest.satellite) < STEADY else 0.0
-    counted = [one for one in public if newest.t - one.t <= DAY * before]
+    counted = [one for one in sets if newest.t - one.t <= DAY * before]
     [orbit] = orbits_beside(
         forces,
         [begin],
         back=np.array([span.before + newest.t - counted[0].t + EVERY]),
-        ahead=np.array([max(past_orbits.REACH - newest.t, span.after + EVERY)]),
+        ahead=np.array([max(past_orbits.REACH + now - newest.t, span.after + EVERY)]),
     )
-    equations = [_equations(orbit, one, now) for one in counted]
-    parts = [one.over(t - span.before, t + span.after) for t, one in equations]
+    parts = [_equations(orbit, one).over(one.t - span.before, one.t + span.after) for one in counted]
     ages = np.array([(newest.t - one.t) / DAY for one in counted])
     final = solve(orbit, parts[_first_of_one_size(orbit, parts, ages) :])
-    return InsideNow(forces, date, -newest.t / DAY, span, told, errors, orbit, final)
+    age = (now - newest.t) / DAY
+    return InsideNow(forces, date, age, span, calibration.agreement, calibration.errors, orbit, final)
+
+
+def _calibrated(
+    sets: Sequence[KnownSet], date: str, forces: Forces, kept: MutableMapping[str, Calibration]
+) -> tuple[Calibration, NearbyOrbit]:
+    """Return what the sets of the weeks before a day tell, and the orbit near the newest.
+
+    The day is one in CALIBRATED_EVERY, by the object's number; that of the date while few sets were known.
+    """
+    newest, day = sets[-1], int(modified_julian_day(date))
+    day -= (day - newest.satellite.satnum) % CALIBRATED_EVERY
+    utc = epochs.calendar(day)
+    daily = _of_weeks([one for one in sets if one.made <= forces.time(f"{utc}T00:00:00")])
+    if len(daily) < MOST // 2:
+        _, calibration, [orbit] = daily_orbits(_of_weeks(sets), forces, [newest])
+        return calibration, orbit
+    key = f"{utc} {_digest(daily, forces)}"
+    if key not in kept:
+        _, kept[key], [orbit] = daily_orbits(daily, forces, [newest])
+        return kept[key], orbit
+    last = daily[-1].satellite
+    [orbit] = _orbits(forces, [[newest]], _longest(last), is_lit=_is_lit(last))
+    return kept[key], orbit
+
+
+def _of_weeks(sets: Sequence[KnownSet]) -> list[KnownSet]:
+    """Return the sets of the last PAST days, one of a day and MOST at most."""
+    return _thinned(last_of_days([one for one in sets if one.t >= sets[-1].t - DAY * PAST]))
+
+
+def _digest(daily: Sequence[KnownSet], forces: Forces) -> str:
+    """Return a digest of all that makes a calibration: sets, forces under the weather then, and the code."""
+    digest = hashlib.sha256(_code().encode())
+    for one in daily:
+        own = one.satellite
+        elements = own.no_kozai, own.ecco, own.inclo, own.nodeo, own.argpo, own.mo, own.bstar, own.ndot
+        digest.update(np.array([own.satnum, one.t, np.round(one.made), *elements]).tobytes())
+    known = max(one.made for one in daily)
+    digest.update(forces.digest(known, daily[-1].t + past_orbits.REACH + DAY))
+    return digest.hexdigest()
+
+
+@cache
+def _code() -> str:
+    return code_digest(__name__)
 
 
 def _first_of_one_size(
@@ -271,31 +346,34 @@ def least_burn(sinking: float, days: np.ndarray | float) -> np.ndarray | float:
     return LEAST_BURN + _DRAG_ERROR * max(sinking, 0.0) * days
 
 
-def _past(
-    daily: Sequence[KnownSet], forces: Forces, now: float, *, longest: float, is_lit: bool
-) -> PastOrbits:
-    """Return the orbits near sets, which reach half the longest span before and REACH after their
-    epochs.
+def _orbits(
+    forces: Forces, groups: Sequence[Sequence[KnownSet]], longest: float, *, is_lit: bool
+) -> list[NearbyOrbit]:
+    """Return the orbits near the sets of groups, each with the drag that the last of its group tells.
+
+    They reach half the longest span [s] before and REACH after their epochs.
     """
-    ballistic = _gauge(daily[-1], forces, now)
-    count = len(daily)
-    orbits = orbits_beside(
-        forces,
-        [_begin(one, forces, now, ballistic) for one in daily],
-        back=np.full(count, longest),
-        ahead=np.full(count, max(longest, past_orbits.REACH) + EVERY),
-        is_lit=is_lit,
+    drag = _gauges([group[-1] for group in groups], forces)
+    begins = [
+        _begin(one, forces, ballistic) for group, ballistic in zip(groups, drag, strict=True) for one in group
+    ]
+    count = len(begins)
+    ahead = max(longest, past_orbits.REACH) + EVERY
+    return orbits_beside(
+        forces, begins, back=np.full(count, longest), ahead=np.full(count, ahead), is_lit=is_lit
     )
-    equations = [_equations(orbit, one, now)[1] for one, orbit in zip(daily, orbits, strict=True)]
-    return PastOrbits(np.array([now + one.t for one in daily]), orbits, equations)
+
+
+def perigee(satellite: Satrec) -> float:
+    """Return the height of the perigee of a set [m]."""
+    return semi_major_axis(satellite.no_kozai) * (1.0 - satellite.ecco) - WGS84_A
 
 
 def unsuited(satellite: Satrec) -> str:
     """Return why no orbit is sought inside a set, '' where one is."""
-    perigee = semi_major_axis(satellite.no_kozai) * (1.0 - satellite.ecco) - WGS84_A
     if satellite.no_kozai < DEEP_SPACE:
         return "deep space"
-    return "" if perigee > LOWEST else f"perigee below {LOWEST / 1e3:g} km"
+    return "" if perigee(satellite) > LOWEST else f"perigee below {LOWEST / 1e3:g} km"
 
 
 def last_of_days(sets: Sequence[KnownSet]) -> list[KnownSet]:
@@ -309,26 +387,26 @@ def _thinned(sets: Sequence[KnownSet]) -> list[KnownSet]:
     return [sets[k] for k in places]
 
 
-def _begin(one: KnownSet, forces: Forces, now: float, ballistic: float) -> Beginning:
+def _begin(one: KnownSet, forces: Forces, ballistic: float) -> Beginning:
     return begin_at(
         one.satellite,
         forces.epoch,
-        set_epoch=now + one.t,
-        known=now + one.made,
+        set_epoch=one.t,
+        known=one.made,
         ballistic=ballistic,
         reflection=LIGHT,
     )
 
 
-def _gauge(newest: KnownSet, forces: Forces, now: float) -> float:
-    """Return Cd A/m [m2/kg] of the orbit inside a set over the usual span."""
-    half = usual_half_span(newest.satellite)
-    begin = _begin(newest, forces, now, float(first_drag(newest.satellite.bstar)))
-    [begin] = gauged(forces, [begin], np.array([now + newest.t]), np.array([[half, half]]))
-    if not np.isfinite(begin.ballistic):
+def _gauges(sets: Sequence[KnownSet], forces: Forces) -> list[float]:
+    """Return Cd A/m [m2/kg] of the orbits inside sets over the usual spans."""
+    spans = np.array([2 * [usual_half_span(one.satellite)] for one in sets])
+    begins = [_begin(one, forces, float(first_drag(one.satellite.bstar))) for one in sets]
+    drag = [one.ballistic for one in gauged(forces, begins, np.array([one.t for one in sets]), spans)]
+    if not np.isfinite(drag).all():
         raise NoOrbitError("no orbit under full forces fits its sets")
-    return begin.ballistic
+    return drag
 
 
-def _equations(orbit: NearbyOrbit, one: KnownSet, now: float) -> tuple[float, Equations]:
-    return now + one.t, orbit.equations(orbit.displacements(one.satellite))
+def _equations(orbit: NearbyOrbit, one: KnownSet) -> Equations:
+    return orbit.equations(orbit.displacements(one.satellite))

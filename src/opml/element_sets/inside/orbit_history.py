@@ -25,9 +25,9 @@ from opml.base.files import FilePath
 from opml.base.progress import Progress
 from opml.element_sets.inside import inside_forces, inside_now
 from opml.element_sets.inside.inside_forces import Forces
-from opml.element_sets.inside.inside_now import DailyOrbits
 from opml.element_sets.inside.inside_sizes import FLOOR
 from opml.element_sets.inside.orbit_inside import EVERY, NoOrbitError, paths
+from opml.element_sets.inside.past_orbits import PastOrbits
 from opml.interop import ccsds, oem
 from opml.interop.element_sets import known_sets, sgp4_errors
 from opml.interop.element_sets.burns_in_sets import KnownSet, burns_among
@@ -297,22 +297,25 @@ def _passages(daily: Sequence[KnownSet], epoch: str, weather: str | Path) -> lis
     first, last = (float(np.sum(epochs.utc(epoch, one.t)) - epochs.MJD_ZERO) for one in (daily[0], daily[-1]))
     forces = inside_forces.read(weather, first=first, last=last)
     now = forces.time(epoch)
-    orbits = inside_now.daily_orbits([replace(one, made=np.inf) for one in daily], forces, now)
-    errors = orbits.past.errors(orbits.numbers)
-    if doubt := inside_now.doubt(orbits.agreement, errors, newest, elements_epoch(newest)):
+    sets = [replace(one, t=now + one.t, made=np.inf) for one in daily]
+    past, calibration, _ = inside_now.daily_orbits(sets, forces)
+    if doubt := inside_now.doubt(calibration.agreement, calibration.errors, newest, elements_epoch(newest)):
         raise NoOrbitError(doubt)
     t = np.array([one.t for one in daily])
-    known = np.maximum(t, np.minimum(t + orbits.span.after, forces.model.issued[-1] - now))
-    flown = _paths(orbits, forces, now + t)
+    known = np.maximum(t, np.minimum(t + calibration.span.after, forces.model.issued[-1] - now))
+    flown = _paths(past, past.numbers(calibration.span, calibration.sunlight), forces)
     return [
         _Passage(own, at, StatePolynomials(times - now, states), decay(newest))
         for own, at, (times, states) in zip(t, known, flown, strict=True)
     ]
 
 
-def _paths(orbits: DailyOrbits, forces: Forces, t: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-    """Yield times (n,) [s] and states (n, 6) of orbits from before the epoch (sets,) to that of the next."""
-    begins = [orbit.begin_again(own) for orbit, own in zip(orbits.past.orbits, orbits.numbers, strict=True)]
+def _paths(past: PastOrbits, numbers: np.ndarray, forces: Forces) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """Yield times (n,) [s] and states (n, 6) of orbits from before the epoch of a set to that of the next.
+
+    numbers: (sets, 8) as of `PastOrbits.numbers`
+    """
+    t, begins = past.t, [orbit.begin_again(own) for orbit, own in zip(past.orbits, numbers, strict=True)]
     # The neighbours of the first and of the last may be those of other weeks.
     gaps = np.minimum(np.diff(t, prepend=t[0] - GAP, append=t[-1] + GAP), GAP) + EVERY
     ends = STEP * np.stack([np.floor((t - gaps[:-1]) / STEP), np.ceil((t + gaps[1:]) / STEP)])

@@ -1,6 +1,6 @@
 """The orbit inside an object's sets from a date on, its position along the track as the corrector learned."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, MutableMapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +13,7 @@ from opml.element_sets.inside.inside_forces import Forces
 from opml.element_sets.inside.inside_now import InsideNow
 from opml.element_sets.inside.inside_sizes import lower
 from opml.element_sets.inside.orbit_inside import NoOrbitError
+from opml.element_sets.inside.past_orbits import Calibration
 from opml.element_sets.set_errors import OLDEST
 from opml.interop.element_sets.burns_in_sets import KnownSet
 from opml.interop.element_sets.element_set import LOW, decay, mean_height
@@ -94,14 +95,20 @@ class OrbitInside:
 
 
 def predict(
-    public: Sequence[KnownSet], number: int, better: Improved, *, days: float, forces: Callable[[], Forces]
+    public: Sequence[KnownSet],
+    number: int,
+    better: Improved,
+    *,
+    days: float,
+    forces: Callable[[], Forces],
+    kept: MutableMapping[str, Calibration],
 ) -> OrbitInside | str:
     """Return the orbit inside the sets of an object, or why there is none, in words.
 
     public: sets of the object that were known on the date of `better`, none from before its last burn, by
         epoch; times since it
     number: of the object in `better`, whose corrections shift the orbit along its track
-    forces: returns those of `inside_now.forces_on` the date
+    forces: returns those of `inside_now.forces_on` the date; kept: as of `inside_now.find`
     """
     newest = public[-1]
     if newest.t < -DAY * OLDEST:
@@ -109,7 +116,7 @@ def predict(
     if reason := inside_now.unsuited(newest.satellite):
         return reason
     try:
-        now = inside_now.find(public, date=better.date, forces=forces())
+        now = inside_now.find(public, date=better.date, forces=forces(), kept=kept)
     except NoOrbitError as reason:
         return str(reason)
     if now.doubt:

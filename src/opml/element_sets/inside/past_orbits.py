@@ -9,6 +9,7 @@ same orbits give the error of each at later sets: the errors that its next one w
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -46,6 +47,12 @@ SPANS = (
 
 LONGEST = 192.0 * HOUR  # half of the longest span that is tried [s]
 REACH = 8.0 * DAY  # longest time between two sets that are compared [s]
+
+ERRORS = [
+    *("i", "j", "days", "r", "s", "w", "ahead"),
+    *("sgp4_r", "sgp4_s", "sgp4_w", "sgp4_ahead"),
+]
+"""Columns of `PastOrbits.errors`."""
 
 _APART = 4.0 * DAY  # least time between two sets that tell whether a span is right [s]
 _FEWEST = 3  # pairs of sets that tell a span
@@ -95,7 +102,7 @@ class PastOrbits:
             sizes = np.sqrt(pairs.means(errors**2))
             columns |= {f"{name}{axis}": sizes[:, k] for k, axis in enumerate("rsw")}
             columns[f"{name}ahead"] = pairs.means(errors)[:, 1]
-        return pd.DataFrame(columns, dtype=float)
+        return pd.DataFrame(columns, columns=ERRORS, dtype=float)
 
     def sunlight(self, span: FitSpan) -> float:
         """Return the step of Cr A/m over which orbits of a span agree best outwards: it shifts their
@@ -219,3 +226,14 @@ def agreement(
         return factor * float(sum(getattr(one, axis) ** 2 for axis in axes))
 
     return min(tried, key=square) if tried else None
+
+
+class Calibration(NamedTuple):
+    """What the orbits inside past sets tell: the span, the usual one where agreement is None, how the light
+    presses, as a step of Cr A/m, and the errors of orbits, as `PastOrbits.errors` has them.
+    """
+
+    span: FitSpan
+    agreement: Agreement | None
+    sunlight: float
+    errors: pd.DataFrame
