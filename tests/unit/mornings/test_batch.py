@@ -28,7 +28,7 @@ def outcomes(monkeypatch, reason):
     store = SimpleNamespace(
         done=lambda _: {name: [] for name in OBJECTS}, places=lambda _: {"second": second}
     )
-    monkeypatch.setattr(batch.Surroundings, "read", lambda *_, **__: None)
+    monkeypatch.setattr(batch.Surroundings, "read", lambda *_, **__: SimpleNamespace(sets=None))
     monkeypatch.setattr(batch, "Store", lambda *_: store)
     monkeypatch.setattr(batch, "_begin", met)
     monkeypatch.setattr(batch.days, "catch_up", lambda *_, **__: None)

@@ -229,8 +229,8 @@ def agreement(
 
 
 class Calibration(NamedTuple):
-    """What the orbits inside past sets tell: the span, the usual one where agreement is None, how the light
-    presses, as a step of Cr A/m, and the errors of orbits, as `PastOrbits.errors` has them.
+    """The span that the orbits inside past sets tell, the usual one where agreement is None, the step of
+    Cr A/m by which light presses, and the errors of orbits, as `PastOrbits.errors` has them.
     """
 
     span: FitSpan
