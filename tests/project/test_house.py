@@ -73,8 +73,8 @@ def test_what_is_taken_from_a_facade_is_its_own(facade):
 
 
 MOST = {
-    "lines of the package": 44_695,
-    "lines of tests": 32_905,
+    "lines of the package": 44_920,
+    "lines of tests": 32_993,
     "classes": 328,
     "docstrings that begin with what, which, how, where, of": 42,
     "variables called found, one, made, told": 52,
