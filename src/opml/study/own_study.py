@@ -229,13 +229,10 @@ class OwnStudy:
             files={name: f"{folder}/{name}.oem" for name in models},
             day=end,
             end=run.duration_days,
-            manoeuvres=self._manoeuvres(rso),
+            manoeuvres={
+                MEASURED: f"named in `manoeuvres`: {len(self.study.settings.manoeuvres(rso))}",
+                FILES: "those that the orbit's files mark are known",
+                SIMULATED: "",
+            }[MEASURED if self.study.is_measured(rso) else self.study.truth_of(rso)],
             figures={shows: f"figs/{name}.png" for shows, name in figures.items()},
         )
-
-    def _manoeuvres(self, rso: str) -> str:
-        return {
-            MEASURED: f"named in `manoeuvres`: {len(self.study.settings.manoeuvres(rso))}",
-            FILES: "those that the orbit's files mark are known",
-            SIMULATED: "",
-        }[MEASURED if self.study.is_measured(rso) else self.study.truth_of(rso)]

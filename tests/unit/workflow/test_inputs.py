@@ -208,10 +208,6 @@ def test_a_study_without_curves_and_grids_has_no_names_of_them():
         assert empty.keys() == constraints.keys()
 
 
-def test_the_runs_own_window_has_no_suffix():
-    assert [plan().window(hours) for hours in (12, 48)] == ["", "_w48"]
-
-
 def test_the_weather_is_a_line_of_a_figure():
     line = plan(environment={"knowledge": "forecast"}).weather
     assert "forecast every" in line
@@ -244,18 +240,11 @@ def test_stations_in_another_order_are_refused():
         params().stations(wildcards(stations="kaena-eglin"))
 
 
-@pytest.mark.parametrize(
-    ("window", "changed"),
-    [
-        ("", {}),
-        ("_w24", {"window_hours": 24.0}),
-    ],
-)
-def test_the_suffix_of_estimates_changes_the_fit(window, changed):
+def test_the_suffix_of_estimates_changes_the_fit():
     jobs = params()
-    bounds = jobs.plan.study.cleaning.cd_bounds
-    plain = jobs.plan.values["estimation"] | {"cd_bounds": list(bounds)}
-    assert jobs.estimation(wildcards(window=window)) == plain | changed
+    plain = jobs.plan.values["estimation"] | {"cd_bounds": list(jobs.plan.study.cleaning.cd_bounds)}
+    assert jobs.estimation(wildcards()) == plain
+    assert jobs.estimation(wildcards(window="_w24")) == plain | {"window_hours": 24.0}
 
 
 def test_a_study_without_bounds_on_cd_has_none():
@@ -486,10 +475,6 @@ def test_labels_are_judged_by_the_truth_of_the_rso_under_test():
     assert find(experiment(target="lares")) == []
 
 
-def test_labels_of_measured_tracks_have_no_true_errors():
-    assert user_inputs().true_errors(Pattern(DATASET))(wildcards(rso="mine", label="_later")) == []
-
-
 @pytest.mark.parametrize(
     ("learner", "files"),
     [
@@ -572,10 +557,7 @@ OF_TRACKS = ["fit48", "fit96", "running24m3", "running24", "running", "running96
     [
         ({"elements": {"mine": "sets.tle"}}, []),
         ({"tracks": {"mine": "mine.tdm"}}, OF_TRACKS),
-        (
-            {"tracks": {"mine": "mine.tdm"}, "elements": {"other": "sets.tle"}},
-            OF_TRACKS,
-        ),
+        ({"tracks": {"mine": "mine.tdm"}, "elements": {"other": "sets.tle"}}, OF_TRACKS),
         ({"elements": {"mine": "sets.tle"}, "day": {"models": ["fit48"]}}, ["fit48"]),
     ],
     ids=["sets", "tracks", "both", "named"],

@@ -45,7 +45,9 @@ def build(
     table = short.sensitivities.set_index(["i", "j"]).loc[pairs].assign(cd=cd)
     d_cd = table["cd"] - table["cd_mean"]
 
-    ends = _ends(long.estimates, bounds).reindex(predictions["i"])
+    fits = long.estimates
+    ends = fits.assign(mean=running_mean(fits, bounds), usable=usable(fits, bounds))
+    ends = ends.set_index("track").reindex(predictions["i"])
     predicted = predictions[STATE].to_numpy()
     arrived = long.predictions.set_index(["i", "j"])[STATE].reindex(pairs).to_numpy()
     gap = in_rsw(predicted - arrived, predicted)
@@ -60,9 +62,3 @@ def build(
         table[f"v_long_{axis}"] = np.where(is_known, answers[f"v_{axis}"], table[f"v_{axis}"])
     drift = drifts(short.estimates, predictions, resonances)
     return table.reset_index().join(drift.reset_index(drop=True))
-
-
-def _ends(estimates: pd.DataFrame, bounds: tuple[float, float] | None) -> pd.DataFrame:
-    """Return the estimates by track, with the running mean of their Cd and whether they are usable."""
-    ends = estimates.assign(mean=running_mean(estimates, bounds), usable=usable(estimates, bounds))
-    return ends.set_index("track")

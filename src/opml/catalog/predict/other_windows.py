@@ -120,21 +120,14 @@ def perturbed_predictions(
     departing = perturbed(started)
     neighbours = Neighbours.of_predictions(propagator, predictions, started)
     propagated = neighbours.propagate(departing[STATE].to_numpy(), departing["cd"].to_numpy())
-    return _propagated(predictions, propagated)
+    # Differences are taken of columns of tables, as sums of another layout in memory round differently.
+    return _of_pairs(predictions, dict(zip(STATE, propagated.T, strict=True)))
 
 
 def perturbed(estimates: pd.DataFrame) -> pd.DataFrame:
     """Return estimates with Cd larger by CD_NUDGE and the states that go with it."""
     moved = estimates[STATE].to_numpy() + CD_NUDGE * shift_with_cd(estimates)
     return estimates.assign(**dict(zip(STATE, moved.T, strict=True)), cd=estimates["cd"] + CD_NUDGE)
-
-
-def _propagated(predictions: pd.DataFrame, states: np.ndarray) -> pd.DataFrame:
-    """Return states (n, 6) at the pairs of predictions as a table.
-
-    Differences are taken of columns of tables, as sums of another layout in memory round differently.
-    """
-    return _of_pairs(predictions, dict(zip(STATE, states.T, strict=True)))
 
 
 def _of_pairs(predictions: pd.DataFrame, columns: Mapping[str, np.ndarray]) -> pd.DataFrame:
