@@ -42,7 +42,6 @@ from opml.learning.data import splits
 from opml.learning.data.cleaning import Cleaning
 from opml.learning.judge import metrics
 from opml.learning.judge.evaluation import evaluate
-from opml.learning.judge.standardised_by_test import as_tested
 from opml.learning.models import learners
 from opml.learning.models.contract import Model
 from opml.mornings.prediction import Request
@@ -476,7 +475,7 @@ def correct(
     source = dataset if learned is None else learned
     trained = None if train is None else splits.training_rows(source, train, span_days=span_days, seed=seed)
     chosen = splits.test_rows(dataset, test, span_days=span_days, trained=trained)
-    return evaluate(as_tested(model, test), dataset, chosen, component=component)
+    return evaluate(model, dataset, chosen, component=component)
 
 
 def p_ml(evaluation: pd.DataFrame) -> float:

@@ -118,7 +118,7 @@ PLANNED = [  # products and settings, and what has to run but for the tables of 
     ),
     (["replays/iss/eglin/days-0-30/svr.parquet"], dict.fromkeys([*CHAIN, "spread", "replay"], 1)),
     (
-        ["metrics/iss/eglin_w24/days-0-30/svr/e_y/iss_i50/days-30-40-zscore.parquet"],
+        ["metrics/iss/eglin_w24/days-0-30/svr/e_y/iss_i50/days-30-40-unfenced.parquet"],
         {**dict.fromkeys(CHAIN, 2), "truths": 1, "train": 1, "evaluate": 1},
     ),
     # Outlooks of every three hours for the fit, of every day for the prediction; the truth has neither.

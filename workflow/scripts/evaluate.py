@@ -6,7 +6,6 @@ from opml.learning.data import job_rows
 from opml.learning.data.job_rows import RowsSettings
 from opml.learning.judge import metrics
 from opml.learning.judge.evaluation import evaluate
-from opml.learning.judge.standardised_by_test import as_tested
 from opml.learning.models import learners
 from opml.tables import read_metadata, write_table
 from opml.workflow.jobs import job
@@ -20,7 +19,7 @@ with job(snakemake) as metadata:
     settings, files, output = Settings(**snakemake.params.settings), snakemake.input, snakemake.output
     experiment = settings.experiment
     table, rows, learned = job_rows.read(files, settings, others=files.others)
-    model = as_tested(learners.read(files.model), experiment["test"])
+    model = learners.read(files.model)
     corrected = evaluate(model, table, rows, component=experiment["component"])
     write_table(output.evaluation, corrected, "evaluation", metadata=metadata)
     summary = metrics.summary(

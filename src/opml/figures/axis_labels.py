@@ -20,7 +20,6 @@ VARIED = {
 DIRECTIONS = {"x": "radial", "y": "along-track", "z": "cross-track"}  # axes of RSW in words
 
 ASIDE = {"rest": "the rest", "seen": "the same rows"}
-STANDARDISED = {"own": "standardised alone", "together": "standardised with the training"}
 
 
 def axis(component: str) -> str:
@@ -70,8 +69,6 @@ def describe_test(name: str) -> str:
         words.append("new estimates only")
     if split.fence is not None:
         words.append("no fences" if math.isinf(split.fence) else "fences of its own")
-    if split.standardisation != "training":
-        words.append(STANDARDISED[split.standardisation])
     return ", ".join(words)
 
 

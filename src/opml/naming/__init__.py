@@ -5,7 +5,7 @@
 * Station set: the stations' names joined by '-' in the sheet's order, ``eglin-kaena``.
 * Split, the rows of a dataset for training or testing: ``random-80``, ``grouped-80``, ``days-0-30``,
   ``days-30-40-unseen``, ``rest``, ``seen``. A test's treatment of its rows follows: ``days-30-40-unfenced``,
-  ``days-30-40-fence3``, ``rest-zscore``.
+  ``days-30-40-fence3``.
 
 A suffix stands for one setting that differs from the run's; the run's own setting has no suffix. So no
 product has two names:

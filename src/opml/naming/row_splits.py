@@ -8,9 +8,6 @@ from dataclasses import dataclass, replace
 from opml.base.errors import InputError
 from opml.naming.spelling import NUMBER, POSITIVE, number
 
-STANDARDISATIONS = {"training": "", "own": "-zscore"}
-"""Suffix of a test for the rows whose mean and deviation standardise its variables."""
-
 _SHARE = rf"(random|grouped)-({NUMBER})"
 
 _DAYS = rf"days-({NUMBER})-({NUMBER})"
@@ -19,21 +16,17 @@ _TRAIN = re.compile(f"{_SHARE}|{_DAYS}")
 
 _FENCE = f"-(unfenced|fence{POSITIVE})"
 
-_ROWS = f"(?:(rest|seen)|{_DAYS}(-unseen)?(?:{_FENCE})?)"
+_TEST = re.compile(f"(rest|seen)|{_DAYS}(-unseen)?(?:{_FENCE})?")
 
-_TEST = re.compile(f"{_ROWS}({'|'.join(STANDARDISATIONS.values())})")
-
-TRAIN, TEST, TEST_BY_ROW = (
-    re.sub(r"\((?!\?)", "(?:", text) for text in (_TRAIN.pattern, _TEST.pattern, _ROWS)
-)
-"""Regular expressions of a training split, a test, and a test whose rows are corrected one by one."""
+TRAIN, TEST = (re.sub(r"\((?!\?)", "(?:", split.pattern) for split in (_TRAIN, _TEST))
+"""Regular expressions of a training split and a test."""
 
 
 @dataclass(frozen=True)
 class Split:
     """A choice of rows of a dataset: a share of rows or of estimates, a window of days, or the rest.
 
-    A test may replace or drop the dataset's fences, and standardise by its own rows.
+    A test may replace or drop the dataset's fences.
     """
 
     kind: str  # random, grouped, days, rest or seen
@@ -41,7 +34,6 @@ class Split:
     days: tuple[float, float] = (0.0, 0.0)  # window of t_j
     starts_inside: bool = False  # whether t_i lies in the window, too
     fence: float | None = None  # Tukey's, of the test's rows [IQR]; infinite: no fence, None: the dataset's
-    standardisation: str = "training"  # rows that standardise the variables: training or own
 
     def __str__(self) -> str:
         match self.kind:
@@ -50,12 +42,8 @@ class Split:
             case "days":
                 first, last = map(number, self.days)
                 suffix = "-unseen" if self.starts_inside else ""
-                return f"days-{first}-{last}{suffix}{fence_suffix(self.fence)}{self._standardisation_suffix}"
-        return self.kind + self._standardisation_suffix
-
-    @property
-    def _standardisation_suffix(self) -> str:
-        return STANDARDISATIONS[self.standardisation]
+                return f"days-{first}-{last}{suffix}{fence_suffix(self.fence)}"
+        return self.kind
 
 
 def fence_suffix(fence: float | None) -> str:
@@ -98,16 +86,14 @@ def parse_test(text: str) -> Split:
         raise InputError(
             f"test split '{text}': expected seen, rest, days-<first>-<last> or days-<first>-<last>-unseen"
         )
-    kind, first, last, starts_inside, fence, mark = match.groups()
-    standardisation = next(name for name, suffix in STANDARDISATIONS.items() if suffix == mark)
+    kind, first, last, starts_inside, fence = match.groups()
     if kind is not None:
-        return Split(kind, standardisation=standardisation)
+        return Split(kind)
     return Split(
         "days",
         days=_days(text, first, last),
         starts_inside=starts_inside is not None,
         fence=_fence(fence),
-        standardisation=standardisation,
     )
 
 
@@ -144,17 +130,10 @@ def unseen_test(test: str) -> str:
     return str(replace(split, starts_inside=True)) if split.kind == "days" else test
 
 
-def treat_test(test: str, *, fence: float | None = None, standardisation: str = "training") -> str:
-    """Return the name of a test with another fence and standardisation of its rows.
+def with_fence(test: str, fence: float | None) -> str:
+    """Return the name of a test with a fence [IQR] of its own; None keeps the test's.
 
-    fence: of a window of days [IQR]; None keeps the test's
-    standardisation: a key of STANDARDISATIONS; `training` keeps the test's
-
-    Rows of a random split keep the dataset's fences, as its training rows do.
+    Only windows of days have one: rows of a random split keep the dataset's, as its training rows do.
     """
     split = parse_test(test)
-    if fence is not None and split.kind == "days":
-        split = replace(split, fence=fence)
-    if standardisation != "training":
-        split = replace(split, standardisation=standardisation)
-    return str(split)
+    return test if fence is None or split.kind != "days" else str(replace(split, fence=fence))

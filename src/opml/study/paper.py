@@ -174,9 +174,7 @@ class Paper:
             read = replace(read, train=re.sub("^(random|grouped)-", f"{entry['split']}-", read.train))
         if entry.get("windows") == "unseen":
             read = replace(read, test=naming.unseen_test(read.test))
-        fence = fence_of(entry.get("fence", "dataset"))
-        standardisation = entry.get("standardisation", "training")
-        return replace(read, test=naming.treat_test(read.test, fence=fence, standardisation=standardisation))
+        return replace(read, test=naming.with_fence(read.test, fence_of(entry.get("fence", "dataset"))))
 
     @cached_property
     def drawn_experiments(self) -> dict[str, Experiment]:

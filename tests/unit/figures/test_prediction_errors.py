@@ -286,7 +286,7 @@ def test_the_context_says_what_was_trained_and_tested_and_which_rows_there_are(t
         (axis_labels.describe_training, "grouped-80", "80 % of the estimates"),
         (axis_labels.describe_training, "days-0-30", "days 0 to 30"),
         (axis_labels.describe_test, "rest", "the rest"),
-        (axis_labels.describe_test, "seen-zscore", "the same rows, standardised alone"),
+        (axis_labels.describe_test, "seen", "the same rows"),
         (axis_labels.describe_test, "days-30-40-unfenced", "days 30 to 40, no fences"),
         (axis_labels.describe_test, "days-30-40-fence3", "days 30 to 40, fences of its own"),
     ],

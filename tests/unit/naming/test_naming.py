@@ -193,14 +193,8 @@ TRAIN, TEST = (naming.parse_train, naming.TRAIN), (naming.parse_test, naming.TES
         (TEST, "seen", Split("seen")),
         (TEST, "days-30-40.5", Split("days", days=(30, 40.5))),
         (TEST, "days-30-40-unseen", Split("days", days=(30, 40), starts_inside=True)),
-        (TEST, "rest-zscore", Split("rest", standardisation="own")),
-        (TEST, "seen-zscore", Split("seen", standardisation="own")),
         (TEST, "days-30-40-unfenced", Split("days", days=(30, 40), fence=math.inf)),
-        (
-            TEST,
-            "days-3-4-unseen-fence1.5-zscore",
-            Split("days", 100, (3, 4), True, fence=1.5, standardisation="own"),
-        ),
+        (TEST, "days-3-4-unseen-fence1.5", Split("days", 100, (3, 4), True, fence=1.5)),
     ],
 )
 def test_a_split_and_back(grammar, text, split):
@@ -240,15 +234,10 @@ def test_windows_of_names():
         naming.check_split(naming.parse_test("days-8-13"), duration_days=12)
 
 
-def test_a_test_treated_otherwise():
-    unfenced = naming.treat_test("days-30-40", fence=math.inf, standardisation="own")
-    assert unfenced == "days-30-40-unfenced-zscore"
-    assert naming.treat_test(unfenced) == unfenced
-    assert naming.treat_test("seen", standardisation="own") == "seen-zscore"
-    assert naming.treat_test("days-30-40-unfenced") == "days-30-40-unfenced"
-    assert naming.treat_test("rest", fence=3.0) == "rest"  # its training rows have the dataset's fences
-    assert not re.fullmatch(naming.TEST_BY_ROW, "rest-zscore")
-    assert re.fullmatch(naming.TEST_BY_ROW, "days-30-40-unseen-unfenced")
+def test_a_window_of_days_may_have_another_fence():
+    assert naming.with_fence("days-30-40", math.inf) == "days-30-40-unfenced"
+    assert naming.with_fence("days-30-40-unfenced", None) == "days-30-40-unfenced"
+    assert naming.with_fence("rest", 3.0) == "rest"  # its training rows have the dataset's fences
 
 
 def test_an_experiment_knows_its_files():

@@ -187,7 +187,7 @@ def test_only_a_path_is_a_file_of_the_users(source, paths):
         ("reading", ["", "_track"], ["_kept"]),
         ("label", ["", "_later"], ["_early"]),
         ("train", ["random-80", "days-0-30_split43"], ["random-80_split42", "rest", "random--5"]),
-        ("test", ["rest", "days-30-40-unseen", "rest-zscore"], ["random-80", "rest-together"]),
+        ("test", ["rest", "days-30-40-unseen"], ["random-80", "rest-zscore"]),
         ("learner", ["svr", "mechanism"], ["svr_s2", "forest"]),
         ("component", ["e_y", "e_vz"], ["e_w"]),
         ("evaluation", ["svr_testing_1station"], ["mine"]),

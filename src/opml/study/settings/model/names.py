@@ -70,8 +70,6 @@ Component = Annotated[str, OneOf(COMPONENTS)]
 
 Label = Annotated[str, OneOf(tuple(naming.LABELS)), Expected("truth or later")]
 
-Standardisation = Annotated[str, OneOf(tuple(naming.STANDARDISATIONS))]
-
 Fence = Annotated[Literal["dataset", "none"] | Positive, Expected("dataset, none or a number above 0")]
 
 Holds = Annotated[

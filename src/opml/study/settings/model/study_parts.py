@@ -22,7 +22,6 @@ from opml.study.settings.model.names import (
     SeedList,
     SplitPair,
     Splits,
-    Standardisation,
     Test,
     Tests,
     Train,
@@ -146,9 +145,6 @@ class ReadingSettings(Section):
     windows: Absent[Literal["unseen"]] = absent("windows to test on count by t_i, too")
     split: Absent[Literal["random", "grouped"]] = absent("what random splits draw: rows or estimates")
     fence: Absent[Fence] = absent("fences of future tests: none, or of so many IQR from the rows tested")
-    standardisation: Absent[Standardisation] = absent(
-        "rows that standardise the variables: those of the `training`, or the test's `own`"
-    )
 
 
 class ReproductionSettings(Section):
