@@ -73,9 +73,9 @@ def test_what_is_taken_from_a_facade_is_its_own(facade):
 
 
 MOST = {
-    "lines of the package": 44_920,
-    "lines of tests": 32_993,
-    "classes": 328,
+    "lines of the package": 44_825,
+    "lines of tests": 32_910,
+    "classes": 327,
     "docstrings that begin with what, which, how, where, of": 42,
     "variables called found, one, made, told": 52,
 }
