@@ -25,6 +25,7 @@ def document(
     return [
         "# " + as_it_is(f"{prediction.identity}: {prediction.days:g} days from {_z(prediction.date)}"),
         *([_in_short(rows)] if "along_track" in rows else []),
+        *([f"So far: {prediction.past_in_words}."] if prediction.past_in_words else []),
         *_how(prediction),
         [*pictures],
         *(_expected(rows) if "along_track" in rows else []),
@@ -45,7 +46,8 @@ def _how(prediction: PredictedOrbit) -> Iterator[Block]:
         return texts.blocks("prediction_page.used", **used)
     how = dict(prediction.how)
     turns = {name: _TURNS * how.pop(name) for name in ("motion", "motion_before")}
-    return texts.blocks("prediction_page.improved", **used, **how | turns | {"height": how["height"] / 1e3})
+    part = "inside" if prediction.model == "inside" else "improved"
+    return texts.blocks(f"prediction_page.{part}", **used, **how | turns | {"height": how["height"] / 1e3})
 
 
 def _expected(rows: pd.DataFrame) -> Iterator[Block]:
