@@ -21,6 +21,8 @@ FLOOR = {"r": 5.0, "s": 30.0, "w": 15.0}
 _TYPICAL = 4.0  # errors of the typical size that count with an object's own
 _MINUTE = 60.0
 _FEWEST = 3  # errors that tell a size alone
+_GROSS = 4.0  # robust standard deviations that an error counts at most: single sets are wrong
+_ROBUST = 1.4826  # standard deviation of Gauss in medians of sizes
 _REACH = 0.75  # an error counts for a time that is at most so far from its own [d]
 _AT_EPOCH = 75.0, 0.4
 """Error along the track at the epoch: with a decay of a metre a day [m], and the power of the decay.
@@ -75,7 +77,7 @@ def rms(now: InsideNow, leads: np.ndarray) -> pd.DataFrame:
     usual = typical(decay(satellite), since, satellite.no_kozai / _MINUTE)
     measured = usual.copy()
     for day in since:
-        own = _near(now, day)[["r", "s", "w"]]
+        own = _bounded(_near(now, day)[["r", "s", "w"]], usual.loc[day])
         squares = (own**2).sum() + _TYPICAL * usual.loc[day] ** 2
         measured.loc[day] = np.sqrt(squares / (len(own) + _TYPICAL))
     return measured.cummax().set_axis(leads)
@@ -92,9 +94,15 @@ def sgp4_along(now: InsideNow, leads: np.ndarray) -> np.ndarray:
     """Return root mean squares (n,) [m] of what SGP4 was off along the track at leads [d]; NaN where too few
     tell.
     """
-    errors = [_near(now, lead + now.age)["sgp4_s"] for lead in leads]
+    errors = [_bounded(_near(now, lead + now.age)["sgp4_s"]) for lead in leads]
     sizes = [np.sqrt((one**2).mean()) if len(one) >= _FEWEST else np.nan for one in errors]
     return np.fmax.accumulate(np.array(sizes, float))
+
+
+def _bounded(errors: pd.DataFrame, least: pd.Series | float = 0.0) -> pd.DataFrame:
+    """Return errors without gross ones; least: standard deviations that are usual [m]."""
+    most = _GROSS * np.fmax(_ROBUST * errors.abs().median(), least)
+    return errors.clip(-most, most, axis=1 if errors.ndim > 1 else None)
 
 
 def _near(now: InsideNow, day: float) -> pd.DataFrame:
