@@ -21,7 +21,7 @@ FLOOR = {"r": 5.0, "s": 30.0, "w": 15.0}
 _TYPICAL = 4.0  # errors of the typical size that count with an object's own
 _MINUTE = 60.0
 _FEWEST = 3  # errors that tell a size alone
-_GROSS = 4.0  # robust standard deviations that an error counts at most: single sets are wrong
+_GROSS = 3.0  # robust standard deviations that an error counts at most: single sets are wrong
 _ROBUST = 1.4826  # standard deviation of Gauss in medians of sizes
 _REACH = 0.75  # an error counts for a time that is at most so far from its own [d]
 _AT_EPOCH = 75.0, 0.4
@@ -116,4 +116,4 @@ def lower(along: pd.Series, motion: float) -> np.ndarray:
     An orbit that is too low by x gains 3/2 of its rate times x.
     """
     gained = np.gradient(np.maximum.accumulate(along), along.index.to_numpy(float), edge_order=2) / DAY
-    return np.asarray(np.maximum(gained, 0.0) / (1.5 * motion / _MINUTE))
+    return np.asarray(np.maximum.accumulate(gained.clip(0.0)) / (1.5 * motion / _MINUTE))
