@@ -85,18 +85,24 @@ def rms(now: InsideNow, leads: np.ndarray) -> pd.DataFrame:
 
 def sizes(now: InsideNow, leads: np.ndarray) -> pd.DataFrame:
     """Return the standard deviations r, s, w [m] at leads (n,) [d] from the date on, which they index."""
-    independent = PAST / np.maximum(leads + now.age, 1.0) + _TYPICAL
-    wider = stdtrit(independent, _QUANTILE) / ndtri(_QUANTILE)
-    return np.hypot(rms(now, leads).mul(wider, axis=0), _common(now.orbit.beginning.satellite))
+    wider, common = _wider(now, leads), _common(now.orbit.beginning.satellite)
+    return np.hypot(rms(now, leads).mul(wider, axis=0), common)
 
 
 def sgp4_along(now: InsideNow, leads: np.ndarray) -> np.ndarray:
-    """Return root mean squares (n,) [m] of what SGP4 was off along the track at leads [d]; NaN where too few
+    """Return the standard deviations (n,) [m] of SGP4 along the track at leads [d]; NaN where too few errors
     tell.
     """
     errors = [_bounded(_near(now, lead + now.age)["sgp4_s"]) for lead in leads]
     sizes = [np.sqrt((one**2).mean()) if len(one) >= _FEWEST else np.nan for one in errors]
-    return np.fmax.accumulate(np.array(sizes, float))
+    _, common, _ = _common(now.orbit.beginning.satellite)
+    return np.hypot(np.fmax.accumulate(np.array(sizes, float)) * _wider(now, leads), common)
+
+
+def _wider(now: InsideNow, leads: np.ndarray) -> np.ndarray:
+    """Return by what intervals are wider (n,) as few independent errors tell them."""
+    independent = PAST / np.maximum(leads + now.age, 1.0) + _TYPICAL
+    return np.asarray(stdtrit(independent, _QUANTILE) / ndtri(_QUANTILE))
 
 
 def _bounded(errors: pd.DataFrame, least: pd.Series | float = 0.0) -> pd.DataFrame:
