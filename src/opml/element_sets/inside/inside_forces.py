@@ -31,9 +31,7 @@ HIGH = {1200e3: 24, 850e3: 36}
 """Degrees that serve from heights of the perigee on [m]; the highest ones first."""
 
 ISSUE_HOURS = 24
-AHEAD = (
-    12.0  # longest arc after an issue [d]: seven days from a date on, the age of the set and of the weather
-)
+AHEAD = 12.0  # longest arc after an issue [d]: a week from a date on, the age of the set and of the weather
 SMOOTH = 8
 """Degree of gravity under which the effects of drag and light are differenced: within 0.2 % of those under
 the whole field from 300 to 800 km, in a ninth of the time."""

@@ -33,10 +33,7 @@ _QUANTILE = 0.95  # at which intervals of Student's t and of Gauss are as wide
 _ROUND = {"r": 10.0, "w": 18.0}  # typical errors without drag [m]
 _ACROSS = 0.1, 30.0  # with it: a metre of decay a day makes so many across the track, and at most [m]
 _FREE = 25.0, 15.0  # typical error along the track without drag [m], and its growth [m/d]
-_DRAG = (
-    12.0,
-    1.65,
-)  # with it: a metre of decay a day makes so many metres of error in a day; power of the time
+_DRAG = 12.0, 1.65  # with it: errors of a day by a metre of decay a day [m]; power of the time
 
 
 def typical(sinking: float, days: np.ndarray, motion: float) -> pd.DataFrame:
