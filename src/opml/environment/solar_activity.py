@@ -134,7 +134,8 @@ def _read_months(path: str | Path, text: str) -> pd.DataFrame:
     """Return the months of a bulletin, or of the package's table: six figures each, below the title lines."""
     if _BULLETIN_TITLE not in text and _PACKAGED_TITLE not in text.splitlines():
         raise InputError(f"{path}: expected an MSAFE bulletin or CSSI space weather, got an unknown format")
-    texts = [(number, line.strip()) for number, line in enumerate(text.splitlines(), start=1) if line.strip()]
+    lines = enumerate(map(str.strip, text.splitlines()), start=1)
+    texts = [(number, line) for number, line in lines if line and line[0] != "#"]
     first = next((k for k, (_, line) in enumerate(texts) if _YEAR.match(line)), len(texts))
     rows = []
     for number, line in texts[first:]:

@@ -25,7 +25,6 @@ OWN_PART = {1: 0.2, 3: 0.1, 5: 0.1, 7: 0.2}
 
 Chosen on eight mornings of spring 2026, with a corrector trained before them on other objects and years.
 """
-
 FORECAST = 3.0  # lead from which the density of the days ahead decides, wherever drag is felt [d]
 NEAR = 0.75  # days by which an error of the past may be off a lead
 
