@@ -93,11 +93,11 @@ class SharedBlocks:
         threads: int = 1,
         progress: Callable[[float], None] | None = None,
     ) -> Arcs:
-        """Propagate arcs as `ensemble.propagate`; those on the grid together with other callers'."""
+        """Propagate arcs as `ensemble.propagate`; those on the grid, during `run`, with other callers'."""
         epochs = np.asarray(epochs, float)
         multiples = np.round(epochs / STEP)
         stand_still = np.array_equal(departures.first, departures.last)
-        if stand_still or not np.array_equal(STEP * multiples, epochs):
+        if not self._under_way or stand_still or not np.array_equal(STEP * multiples, epochs):
             return ensemble.propagate(
                 model, epochs, departures, integrator=integrator, threads=threads, progress=progress
             )

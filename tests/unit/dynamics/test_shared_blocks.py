@@ -66,6 +66,8 @@ def test_an_arc_is_the_same_whoever_flies_beside_it(assumed_model, span, longest
     np.testing.assert_array_equal(found.states, one.states)
     np.testing.assert_array_equal(found.start, one.start)
     np.testing.assert_array_equal(found.status, one.status)
+    afterwards = caller(beside, assumed_model, SPANS[span], 5, **flying)
+    np.testing.assert_array_equal(afterwards.states, one.states)
 
 
 @pytest.mark.parametrize("begin", [60, 61])
