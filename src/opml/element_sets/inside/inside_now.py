@@ -289,8 +289,8 @@ def _calibrated(
     utc = epochs.calendar(day)
     daily = _of_weeks([one for one in sets if one.made <= forces.time(f"{utc}T00:00:00")])
     if len(daily) < MOST // 2:
-        _, calibration, [orbit] = daily_orbits(_of_weeks(sets), forces, [newest])
-        return calibration, orbit
+        past, calibration, _ = daily_orbits(_of_weeks(sets), forces)
+        return calibration, past.orbits[-1]
     key = f"{utc} {_digest(daily, forces)}"
     if key not in kept:
         _, kept[key], [orbit] = daily_orbits(daily, forces, [newest])

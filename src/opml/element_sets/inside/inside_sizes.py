@@ -55,8 +55,8 @@ def typical(sinking: float, days: np.ndarray, motion: float) -> pd.DataFrame:
 
 def at_epoch(satellite: Satrec) -> np.ndarray:
     """Return the standard deviations (3,) in RSW [m] of the orbit inside a set at its epoch."""
-    usual = typical(decay(satellite), np.zeros(1), satellite.no_kozai / _MINUTE)
-    return np.hypot(usual[list(FLOOR)].to_numpy()[0] * [1.0, 0.0, 1.0], _common(satellite))
+    [usual] = typical(decay(satellite), np.zeros(1), satellite.no_kozai / _MINUTE).itertuples()
+    return np.hypot([usual.r, 0.0, usual.w], _common(satellite))
 
 
 def _common(satellite: Satrec) -> np.ndarray:
@@ -90,7 +90,7 @@ def sgp4_along(now: InsideNow, leads: np.ndarray) -> np.ndarray:
     """Return the standard deviations (n,) [m] of SGP4 along the track at leads [d]; NaN where too few errors
     tell.
     """
-    errors = [_bounded(_near(now, lead + now.age)["sgp4_s"]) for lead in leads]
+    errors = [_bounded(_near(now, lead + now.age)[["sgp4_s"]])["sgp4_s"] for lead in leads]
     sizes = [np.sqrt((one**2).mean()) if len(one) >= _FEWEST else np.nan for one in errors]
     _, common, _ = _common(now.orbit.beginning.satellite)
     return np.hypot(np.fmax.accumulate(np.array(sizes, float)) * _wider(now, leads), common)
@@ -105,7 +105,7 @@ def _wider(now: InsideNow, leads: np.ndarray) -> np.ndarray:
 def _bounded(errors: pd.DataFrame, least: pd.Series | float = 0.0) -> pd.DataFrame:
     """Return errors without gross ones; least: standard deviations that are usual [m]."""
     most = _GROSS * np.fmax(_ROBUST * errors.abs().median(), least)
-    return errors.clip(-most, most, axis=1 if errors.ndim > 1 else None)
+    return errors.clip(-most, most, axis=1)
 
 
 def _near(now: InsideNow, day: float) -> pd.DataFrame:
