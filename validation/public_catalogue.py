@@ -20,9 +20,9 @@ import pandas as pd
 from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.seeds import derive
+from opml.benchmark.scores import drawn_weights, weighted_median
 from opml.element_sets import catalogue as catalogues
 from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day
-from opml.element_sets.corrector_scores import drawn_weights, weighted_median
 from opml.element_sets.inside import inside_forces, inside_sizes, set_orbits
 from opml.element_sets.inside.orbit_inside import LIGHT
 from opml.element_sets.inside.orbit_prediction import OrbitInside

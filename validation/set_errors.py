@@ -17,7 +17,6 @@ from scipy.optimize import minimize
 
 from opml.base.seeds import derive
 from opml.element_sets import catalogue, corrector
-from opml.element_sets.corrector_scores import log_score
 from opml.interop.element_sets import sgp4_errors
 from opml.interop.element_sets.sgp4_errors import AXES, HEIGHTS
 from opml.orbits.elements import bent_rsw
@@ -32,6 +31,7 @@ MOST = 30_000
 LEVEL = 0.9
 SEED = 42
 CLIPPED = 3.0  # sigmas that count in a pair
+LARGEST = 5.0  # sigmas that an error counts at most in a log score
 _REACH = 7.6
 _COLUMNS = ["number", "day", "tau", "band", "drag", *AXES]
 _STARTS = ((4.0, 3.0, -2.0), (5.0, 4.0, -4.0))
@@ -109,11 +109,19 @@ def judge(table: pd.DataFrame, seen: pd.DataFrame, numbers: np.ndarray) -> None:
         rms = squares[axis].apply(lambda one: np.sqrt((one**2).mean())).rename("rms")
         beside = table.assign(**day).join(rms, on=["band", "day"])["rms"].to_numpy()
         own = table.assign(**day, inside=100.0 * (table[axis].abs() <= half_width(LEVEL) * size))
-        scores = [log_score(table[axis], pd.Series(one)) for one in (size, beside)]
+        scores = [log_score(table[axis].to_numpy(), one) for one in (size, beside)]
         print(f"{axis}: log score {scores[0]:.2f}, of a table {scores[1]:.2f}", file=sys.stderr)
         for key in ("season", "band"):
             shares = own.groupby([key, "day"])["inside"].mean().unstack()
             print(shares.round().to_string(), file=sys.stderr)
+
+
+def log_score(error: np.ndarray, sigma: np.ndarray) -> float:
+    """Return the mean of ln(sigma / 1 m) + (error / sigma)^2 / 2, the less the better (Good 1952).
+
+    No error counts more than LARGEST sigma: it is a burn.
+    """
+    return float(np.nanmean(np.log(sigma) + 0.5 * np.minimum((error / sigma) ** 2, LARGEST**2)))
 
 
 def common_share(table: pd.DataFrame, numbers: np.ndarray) -> pd.Series:

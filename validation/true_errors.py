@@ -22,10 +22,10 @@ import pandas as pd
 from opml.base import epochs
 from opml.base.constants import DAY
 from opml.base.seeds import derive
+from opml.benchmark.scores import drawn_weights
 from opml.element_sets import catalogue as catalogues
-from opml.element_sets import corrector_trial, density, features, set_errors
+from opml.element_sets import density, features, set_errors
 from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day
-from opml.element_sets.corrector_scores import drawn_weights
 from opml.element_sets.density import LearnedAir
 from opml.element_sets.features import FEATURES
 from opml.element_sets.inside import inside_forces
@@ -40,7 +40,7 @@ from opml.learning.models import boosting, svr
 from opml.learning.models.training_inputs import Training, subsample
 from opml.orbits.elements import bent_rsw
 from opml.tables import STATE, read_table
-from validation import public_catalogue
+from validation import catalogue_seasons, public_catalogue
 
 SEED = 42
 _EPOCH = "2000-01-01T12:00:00"  # from which times count
@@ -139,7 +139,7 @@ def scores(own: pd.DataFrame, by_orbits: np.ndarray, cut: float) -> Iterator[dic
     own: of `rows`; by_orbits: (n, 3) errors of orbits inside, NaN in rows that do not judge; cut: modified
     Julian day
     """
-    half = corrector_trial.half_of(own["number"].to_numpy(), seed=SEED)
+    half = catalogue_seasons.half_of(own["number"].to_numpy(), seed=SEED)
     is_drawn = derive(SEED, "random split").random(len(own)) < _TESTED
     is_early, is_later = (own["judged"] <= cut).to_numpy(), np.isfinite(by_orbits).all(axis=1)
     taught = is_early & (half == 0) & ~is_drawn

@@ -73,10 +73,10 @@ def test_what_is_taken_from_a_facade_is_its_own(facade):
 
 
 MOST = {
-    "lines of the package": 44_825,
-    "lines of tests": 32_910,
-    "classes": 327,
-    "docstrings that begin with what, which, how, where, of": 42,
+    "lines of the package": 44_079,
+    "lines of tests": 32_590,
+    "classes": 323,
+    "docstrings that begin with what, which, how, where, of": 41,
     "variables called found, one, made, told": 52,
 }
 """Limits of the house. A change that adds pays in the same change; a change that removes lowers them."""

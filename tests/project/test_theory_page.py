@@ -10,10 +10,11 @@ from support import REPOSITORY
 
 from opml.base.constants import DAY
 from opml.base.yaml_files import read_yaml
+from opml.benchmark import scores
 from opml.catalog.associate import innovations
 from opml.catalog.fit import apriori
 from opml.conjunctions import likeliest_collision, long_encounter, probability
-from opml.element_sets import corrector, corrector_scores, features, weighting
+from opml.element_sets import corrector, features, weighting
 from opml.learning.data import cleaning
 from opml.learning.judge import error_sizes, metrics, model_choice
 from opml.learning.models import kernel_scale, svr
@@ -62,7 +63,7 @@ def test_the_learning_variables_are_those_of_the_settings():
         f"at least $10^{{{math.log10(probability.LEAST_SIGMA):.0f}}} R$",
         f"(in 3D, ${long_encounter.LEAST_SIGMA}\\,R$)",
         f"known to {100.0 * likeliest_collision.STEADY:.0f} % and",
-        f"({corrector_scores.DRAWS} draws, 2.5 to 97.5 %",
+        f"({scores.DRAWS} draws, 2.5 to 97.5 %",
         f"\\frac{{S}}{{{corrector.NORMAL:.3f}}}",
     ],
 )

@@ -27,12 +27,8 @@ VALUES = {
     "memory": "_m30",
     "track": "352",
 }
-NEED_SETTINGS = (
-    "starts/",
-    "catalogue/",
-    "figs/catalogue/",
-)
-"""Products of objects whose files are in the settings, and of parts of a study or a catalogue."""
+NEED_SETTINGS = "starts/"
+"""Products of objects whose files are in the settings."""
 
 
 @pytest.fixture

@@ -1,8 +1,8 @@
 """The picture of docs/inputs.md with what public sets are off by, by height and year.
 
-    python -m validation.pictures.by_height results/catalogue/catalogue/residuals
+    python -m validation.pictures.by_height FOLDER/residuals
 
-The folder is of a run of `config/studies/catalogue.yaml`; its medians become docs/tables/heights.tsv.
+FOLDER is that of `python -m validation.catalogue_seasons`; its medians become docs/tables/heights.tsv.
 """
 
 import sys
@@ -21,7 +21,7 @@ from validation.pictures import shrunk
 from validation.pictures.page_tables import tsv, write_seasons
 
 SEASONS = {"rise": "2022-11 to 2023-02", "storms": "2025-07 to 2026-01", "summer": "2026-06 to 07"}
-"""Months by the test's name in the study."""
+"""Months by name in `validation.catalogue_seasons`."""
 
 LEADS = (1, 3, 7)
 FEWEST = 10
@@ -31,7 +31,7 @@ FEWEST = 10
 def heights(residuals: pd.DataFrame, months: str) -> list[dict[str, object]]:
     """Return a row per band and lead: its edges [km], how many objects, medians of SGP4 and improved [m].
 
-    residuals: `catalogue_residuals` of one test
+    residuals: of one season of `validation.catalogue_seasons`
     """
     rows = []
     for (band, lead), part in residuals.groupby(["band", "lead"]):

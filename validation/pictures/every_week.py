@@ -1,8 +1,8 @@
 """The picture of docs/learning.md with what improved sets leave in each week: the worst one is named.
 
-    python -m validation.pictures.every_week results/catalogue/catalogue/residuals
+    python -m validation.pictures.every_week FOLDER/residuals
 
-The folder is of a run of `config/studies/catalogue.yaml`; its weeks become docs/tables/weeks.tsv.
+FOLDER is that of `python -m validation.catalogue_seasons`; its weeks become docs/tables/weeks.tsv.
 """
 
 import sys
@@ -26,7 +26,7 @@ SEASONS = {
     "storms": "storms of 2025",
     "rise": "rise of 2022",
 }
-"""Seasons of docs/learning.md by the test's name in the study; not those with few weeks or objects."""
+"""Seasons of docs/learning.md; not those with few weeks or objects."""
 
 LEADS = (1, 3, 5, 7)
 FEWEST = 50
@@ -39,7 +39,7 @@ _TICKS = (25, 50, 75, 100, 150, 200, 300)
 def weeks(residuals: pd.DataFrame, season: str) -> list[dict[str, object]]:
     """Return a row per week: season, its first day, and the share of SGP4's median left at each lead [%].
 
-    residuals: `catalogue_residuals` of one test
+    residuals: of one season of `validation.catalogue_seasons`
     """
     sizes = residuals[["error", "improved"]].abs()
     week = (_WEEK * np.floor(residuals["morning"] / _WEEK)).rename("week")

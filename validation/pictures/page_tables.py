@@ -8,7 +8,6 @@ from typing import Any
 
 import pandas as pd
 
-from opml.tables import read_table
 from validation.case import ROOT
 
 
@@ -35,12 +34,12 @@ def write_seasons(
 ) -> None:
     """Write a table of docs/tables from the residuals of the trees in the seasons of a run.
 
-    folder: of residuals of `config/studies/catalogue.yaml`; seasons: words by the test's name
+    folder: `residuals` of `validation.catalogue_seasons`; seasons: words by name
     """
     parts = (
         row
         for test, words in seasons.items()
-        for row in rows_of(read_table(folder / test / "trees.parquet", "catalogue_residuals"), words)
+        for row in rows_of(pd.read_parquet(folder / test / "trees.parquet"), words)
     )
     pd.DataFrame(parts).to_csv(ROOT / "docs" / "tables" / f"{name}.tsv", sep="\t", index=False)
 

@@ -30,19 +30,6 @@ BEYOND_FILES = (
     if "beyond" in STUDY
     else []
 )
-CATALOGUE_FILES = (
-    [
-        *rules.catalogue_report.output,
-        *rules.catalogue_seasons.output,
-        *(
-            path_of(file, test=test)
-            for test in PLAN.settings.catalogue.tests
-            for file in rules.catalogue_shares.output
-        ),
-    ]
-    if PLAN.settings.catalogue
-    else []
-)
 STUDY_FILES = (
     [
         *rules.study_report.output,

@@ -1,8 +1,11 @@
 """Scores of answers to a task: errors in RSW of the truth, proper scores, coverage, by blocks.
 
 Log score and CRPS are those of normal distributions, axis by axis; smaller is better. Source: Gneiting &
-Raftery 2007, Strictly proper scoring rules, prediction, and estimation, J. Am. Stat. Assoc. 102. Intervals of
-95 % come from draws of weeks and objects, as in `opml.element_sets.corrector_scores`.
+Raftery 2007, Strictly proper scoring rules, prediction, and estimation, J. Am. Stat. Assoc. 102.
+
+Predictions of one week share its weather, and those of one object its drag. Intervals of 95 % therefore come
+from drawing whole weeks and whole objects, each with replacement and independently; a prediction counts as
+often as its week and its object were drawn together (Owen 2007, 'The pigeonhole bootstrap').
 """
 
 from collections.abc import Iterator
@@ -15,7 +18,7 @@ from opml.base.constants import WGS84_A
 from opml.base.seeds import derive
 from opml.benchmark.answers import Answers
 from opml.benchmark.tasks import SIGMAS, STATE, BenchmarkTask
-from opml.element_sets import corrector, corrector_scores
+from opml.element_sets import corrector
 from opml.element_sets.catalogue import modified_julian_day
 from opml.orbits.elements import bent_rsw
 from opml.orbits.rsw_covariance import half_width
@@ -25,8 +28,10 @@ AXES = {"s": "along_track", "r": "radial", "w": "cross_track"}
 
 LEVEL = corrector.LEVEL  # share of the errors that intervals are to hold
 STORM = 30  # daily Ap from which a day is a storm, NOAA's minor one
+DRAWS = 400  # draws of weeks and objects
 
 _SEED = 1
+_WEEK = 7
 _INTERVAL = (2.5, 97.5)
 
 
@@ -63,7 +68,7 @@ def log_score(error: pd.Series, sigma: pd.Series) -> float:
 
     Burns count whole: an answer says how sure it is of what it cannot know.
     """
-    return corrector_scores.log_score(error, sigma, largest=np.inf) + 0.5 * float(np.log(2.0 * np.pi))
+    return float((np.log(sigma) + 0.5 * (error / sigma) ** 2).mean()) + 0.5 * float(np.log(2.0 * np.pi))
 
 
 def scores(task: BenchmarkTask, table: pd.DataFrame) -> pd.DataFrame:
@@ -140,6 +145,37 @@ def _draws(part: pd.DataFrame, lead: int) -> Iterator[tuple[float, float]]:
     order = np.argsort(size, kind="stable")
     sure = np.isfinite(part["sigma_s"]).to_numpy()
     inside = sure & _inside(part["s"].to_numpy(), part["sigma_s"].to_numpy())
-    for weights in corrector_scores.drawn_weights(part, derive(_SEED, "weeks and objects", str(lead))):
-        median, counted = corrector_scores.weighted_median(size[order], weights[order]), weights @ sure
+    for weights in drawn_weights(part, derive(_SEED, "weeks and objects", str(lead))):
+        median, counted = weighted_median(size[order], weights[order]), weights @ sure
         yield median, 100.0 * (weights @ inside) / counted if counted else np.nan
+
+
+def drawn_weights(part: pd.DataFrame, rng: np.random.Generator) -> Iterator[np.ndarray]:
+    """Yield how often each row (n,) counts in draws of weeks and objects; one without any is passed over.
+
+    part: with columns number and morning (modified Julian day)
+    """
+    places = [np.unique(of, return_inverse=True)[1] for of in (weeks_of(part), part["number"].to_numpy())]
+    drawn = 0
+    while drawn < DRAWS:
+        weights = np.prod([_times_drawn(place, rng) for place in places], axis=0)
+        if weights.any():
+            drawn += 1
+            yield weights
+
+
+def weeks_of(table: pd.DataFrame) -> np.ndarray:
+    """Return the number of the week (n,) of each morning."""
+    return np.asarray(np.floor(table["morning"].to_numpy() / _WEEK).astype(int))
+
+
+def _times_drawn(place: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    """Return how often the member of each row (n,) is drawn, of as many draws as there are members."""
+    count = int(place.max()) + 1
+    return np.asarray(np.bincount(rng.integers(count, size=count), minlength=count)[place])
+
+
+def weighted_median(ascending: np.ndarray, weights: np.ndarray) -> float:
+    """Return the median of values that count by whole weights; the lower one of two in the middle."""
+    totals = np.cumsum(weights)
+    return float(ascending[np.searchsorted(totals, 0.5 * totals[-1])])

@@ -215,7 +215,7 @@ def _table(
     age: of the newest sets [d]
     rows: those of the date, with jumps and corrections, of the objects that have a set that is new enough
     """
-    way = weighting.main_candidates(weights)
+    way = weights.idxmax(axis=1)
     corrected = rows.dropna(subset="correction")
     improved = numbers(newest, corrected)
     table = pd.DataFrame(

@@ -91,27 +91,6 @@ def of_objects(weights: pd.DataFrame, rows: pd.DataFrame) -> pd.DataFrame:
     return weights.reindex(rows["number"]).set_axis(rows.index)
 
 
-def main_candidates(weights: pd.DataFrame) -> pd.Series:
-    """Return the candidate with the largest weight."""
-    return weights.idxmax(axis=1)
-
-
-def weights_of_rows(rows: pd.DataFrame, tried: Candidates) -> pd.DataFrame:
-    """Return the weights of each row, as `weights` has them on the row's morning of what was judged by then.
-
-    rows: of objects that can be corrected, on daily mornings
-    """
-    parts = []
-    for morning in np.unique(rows["morning"]):
-        past = rows[rows["morning"].between(morning - PAST, morning)]
-        known = past.assign(error=past["error"].where(past["judged"] <= morning))
-        weighted = weights(known, {name: one.loc[past.index] for name, one in tried.items()})
-        parts.append(of_objects(weighted, past[past["morning"] == morning]))
-    burned = rows.groupby(["number", "morning"])["missed"].transform("max") > BURN
-    of_row = pd.concat(parts).reindex(rows.index)
-    return replaced(of_row, sole(pd.Series(UNCHANGED, rows.index)), burned)
-
-
 def combined(rows: pd.DataFrame, tried: Candidates, weights: pd.DataFrame) -> pd.DataFrame:
     """Return rows that can be corrected with the means of correction and sigma of their candidates.
 
@@ -155,9 +134,3 @@ def changes(rows: pd.DataFrame, set_of_row: pd.Series, bstar: pd.Series) -> pd.D
     # The speed is fitted again to the drag that is allowed.
     drag = np.minimum(drag, _MOST_DRAG * bstar.reindex(drag.index))
     return pd.DataFrame({"speed": (s - drag * r) / n, "bstar": drag})
-
-
-def displacement(rows: pd.DataFrame, set_of_row: pd.Series, bstar: pd.Series) -> pd.Series:
-    """Return what the two numbers of `changes` take off SGP4's position along the track [m], row by row."""
-    of_row = changes(rows, set_of_row, bstar).reindex(set_of_row).set_axis(rows.index)
-    return of_row["speed"] * rows["tau"] + of_row["bstar"] * rows["response"]

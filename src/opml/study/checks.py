@@ -20,7 +20,7 @@ from opml.learning.data.dataset import MEASUREMENT
 from opml.learning.data.error_components import CORRECTED
 from opml.learning.models import learners
 from opml.orbits import sheets
-from opml.study import catalogue_checks, source_coverage
+from opml.study import source_coverage
 from opml.study.experiments import Study
 from opml.study.settings.merging import Settings, with_sheets
 from opml.study.settings.overlay import MISSING, Key, Source, mappings, value_at
@@ -50,7 +50,6 @@ def load_settings(source: Source) -> Settings:
     misfit = _misfit(source, settings)
     learners.check(run.learners, variables=run.learning.variables, resonances=run.mechanism.resonances)
     _check_day(source, settings)
-    catalogue_checks.check(source, settings)
     return replace(settings, misfit=misfit)
 
 
@@ -71,7 +70,6 @@ def check_data(source: Source, settings: Settings) -> None:
         for kind in KINDS:
             _check_measured(source, settings, kind)
     _check_starts(source, settings)
-    catalogue_checks.check_files(source, settings)
 
 
 def check_study(source: Source, settings: Settings, *, last_day: float | None = None) -> None:

@@ -67,17 +67,6 @@ def mechanism_schema(resonances: Sequence[tuple[int, int]]) -> Schema:
     return _schema("mechanism", _SHEET["catalogue"]["mechanism"], *drifts)
 
 
-def catalogue_densities_schema(heights: Sequence[str]) -> Schema:
-    """Return the schema of mean densities, by the names of the columns of the heights."""
-    meaning = "logarithm of the density of NRLMSIS at a height, mean over the globe"
-    return _varying("catalogue_densities", *(real(name, "ln kg/m3", meaning) for name in heights))
-
-
-def catalogue_rows_schema(features: Sequence[str]) -> Schema:
-    """Return the schema of rows to learn from, by the names of their features."""
-    return _varying("catalogue_rows", *(real(name, "1", "feature of the corrector") for name in features))
-
-
 def paths_schema(models: Sequence[str]) -> Schema:
     """Return the schema of the table `paths`: ephemerides of models from the newest estimate of a morning."""
     frame = "RSW of the predicted state at t_j"

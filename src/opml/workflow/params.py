@@ -16,7 +16,6 @@ from opml.learning.models import learners
 from opml.learning.models.contract import ResolvedSettings
 from opml.naming import Experiment
 from opml.orbits import sheets
-from opml.study.settings.model.catalogue import SeasonSettings
 from opml.study.settings.model.whole import RunSettings
 from opml.workflow.plan import Plan
 
@@ -285,50 +284,6 @@ class Params:
             **more,
         }
 
-    @property
-    def catalogue_weather(self) -> dict[str, Any]:
-        """Weather that a catalogue's objects are propagated under."""
-        catalogue = self.plan.values["catalogue"]
-        return {"epoch": self.run.epoch, "weather": catalogue["weather"]}
-
-    @property
-    def catalogue_seasons(self) -> dict[str, Any]:
-        """Dates of all of a catalogue's tests, the populations trained on, and what figures call them."""
-        catalogue = self.plan.settings.catalogue
-        tests = catalogue.tests if catalogue else {}
-        return {
-            "epoch": self.run.epoch,
-            "seasons_of_tests": {name: _seasons(test) for name, test in tests.items()},
-            "trained_on": {name: test.teachers for name, test in tests.items()},
-            "labels": {name: catalogue.words(name) for name in tests} if catalogue else {},
-        }
-
-    @property
-    def catalogue_panels(self) -> dict[str, Any]:
-        """What the figure of seasons calls its tests: those of late sets repeat a season."""
-        catalogue = self.plan.settings.catalogue
-        tests = catalogue.tests if catalogue else {}
-        on_time = [name for name, test in tests.items() if test.latency_hours is None]
-        return {
-            "epoch": self.run.epoch,
-            "labels": {name: catalogue.words(name) for name in on_time} if catalogue else {},
-        }
-
-    def catalogue_season(self, wildcards: Wildcards) -> dict[str, Any]:
-        """Return the dates of the wildcard `test` of a catalogue."""
-        seasons = _seasons(self.plan.catalogue_test(wildcards.test))
-        return {"epoch": self.run.epoch, "seasons": seasons}
-
-    def catalogue_rows(self, wildcards: Wildcards) -> dict[str, Any]:
-        """Return the params of the predictions of a catalogue's population in the seasons of a test."""
-        latency = {"latency_hours": self.plan.catalogue_latency(wildcards.test)}
-        return self.catalogue_weather | self.catalogue_season(wildcards) | latency
-
-    def catalogue_residuals(self, wildcards: Wildcards) -> dict[str, Any]:
-        """Return the params of a trial of the wildcard `learner` on the wildcard `test`."""
-        own = {"learner": wildcards.learner, "seed": self.plan.seeds.split}
-        return self.catalogue_season(wildcards) | own
-
     def mornings(self, wildcards: Wildcards) -> dict[str, Any]:
         """Return the params of a figure of a study's replayed mornings."""
         study = self.plan.own_study
@@ -343,7 +298,3 @@ class Params:
 
 def _given(section: Section) -> dict[str, Any]:
     return section.model_dump(exclude_unset=True, by_alias=True)
-
-
-def _seasons(test: SeasonSettings) -> dict[str, list[str]]:
-    return {"train": list(test.train), "test": list(test.test)}

@@ -11,7 +11,6 @@ from typing import Any, NoReturn
 
 from opml import naming, tables
 from opml.catalog import kinds
-from opml.environment.solar_activity import OBSERVED
 from opml.report.settings_tables import weather
 from opml.study import truth_groups
 from opml.study.beyond import Beyond
@@ -19,7 +18,6 @@ from opml.study.experiments import Study
 from opml.study.own_study import OwnStudy
 from opml.study.paper import Paper
 from opml.study.settings.merging import Settings
-from opml.study.settings.model.catalogue import SeasonSettings
 from opml.study.settings.model.run import RandomSeeds
 from opml.workflow.environment_files import EnvironmentFiles
 from opml.workflow.product_paths import Product
@@ -62,33 +60,6 @@ class Plan:
     def own_study(self) -> OwnStudy:
         """The experiments of a study of any RSO."""
         return OwnStudy(self.study)
-
-    @property
-    def catalogue_weather_files(self) -> list[str]:
-        """The user's own file of the catalogue's weather; none where it is the packaged one."""
-        weather = self.settings.catalogue.weather if self.settings.catalogue else OBSERVED
-        return [] if weather == OBSERVED else [weather]
-
-    def catalogue_test(self, name: str) -> SeasonSettings:
-        """Return a test of the catalogue, of a run that has one."""
-        assert self.settings.catalogue is not None
-        return self.settings.catalogue.tests[name]
-
-    def catalogue_latency(self, test: str) -> float:
-        """Return the hours from epoch to publication of sets in a test."""
-        assert self.settings.catalogue is not None
-        own = self.catalogue_test(test).latency_hours
-        return self.settings.catalogue.latency_hours if own is None else own
-
-    @property
-    def catalogue_trials(self) -> list[list[str]]:
-        """Test and learner of all that is judged of a catalogue."""
-        catalogue = self.settings.catalogue
-        return (
-            [[test, learner] for test in catalogue.tests for learner in catalogue.learners]
-            if catalogue
-            else []
-        )
 
     @cached_property
     def watched(self) -> dict[str, list[str]]:

@@ -11,9 +11,11 @@ import numpy as np
 import pandas as pd
 import pytest
 from project import HUNG
+from support import refusal
 
 from opml.base import epochs
-from opml.element_sets import corrector, trained_model, training
+from opml.base.errors import InputError
+from opml.element_sets import corrector, density, trained_model, training
 from opml.element_sets.features import FEATURES
 
 OTHERWISE = {"OMP_NUM_THREADS": "2", "OPENBLAS_NUM_THREADS": "2", "NUMBA_CPU_NAME": "generic"}
@@ -36,6 +38,33 @@ def files(tmp_path_factory):
 def trained(files):
     """What one thread trains."""
     return training.train({"all": [files[0]]}, weather=files[1])
+
+
+def test_a_path_that_is_missing_is_told_before_minutes_of_densities(tmp_path):
+    told = []
+    missing = tmp_path / "nothing.tle"
+    said = refusal(training.train, {"all": [missing]}, weather="OBSERVED", progress=told.append)
+    assert said == f"{missing}: no such file"
+    assert told == []
+
+
+def test_nothing_that_became_known_after_a_date_is_learned_from(files, monkeypatch):
+    seen, (sets, weather) = {}, files
+
+    def air(known, *, first, end):
+        seen["weather"] = [end, density.end_of(known)]
+
+    def stop(sets, air):
+        seen["sets"] = sets.table["known"].max()
+        raise InputError("enough was seen")
+
+    monkeypatch.setattr(density, "learned_air", air)
+    monkeypatch.setattr(training, "mornings_of", stop)
+    refusal(training.train, {"all": [sets]}, weather=weather, date="2016-02-01T00:00:00")
+    assert 57418.0 < seen["sets"] <= 57419.0
+    assert seen["weather"] == pytest.approx([57419.0, 57419.0], abs=0.5)
+    refusal(training.train, {"all": [sets]}, weather=weather)
+    assert seen["sets"] > 57430.0
 
 
 def test_an_object_alone_in_its_band_has_nothing_to_teach():

@@ -32,7 +32,6 @@ from opml.study.settings import editor_schema
 from opml.study.settings.json_schema import json_schema
 from opml.study.settings.merging import merged, with_sheets
 from opml.study.settings.model import study_parts
-from opml.study.settings.model.catalogue import CatalogueSettings
 from opml.study.settings.model.whole import RunSettings
 from opml.study.settings.overlay import COMMAND_LINE, Layer, Source, laid_over, with_numbers
 
@@ -493,11 +492,3 @@ def test_a_sheet_that_the_project_lost_is_told(tmp_path, monkeypatch):
     line = "config/config.yaml: sheets.stations: config/stations.tsv: no such file"
     assert refused(merged(["config/config.yaml"])) == line
     checks.load_settings(merged([PACKAGED]))  # settings of the package have its sheets
-
-
-def test_a_figure_names_when_a_catalogue_judges_and_whom():
-    asked = read_yaml(REPOSITORY / "config" / "studies" / "catalogue.yaml")["catalogue"]
-    catalogue = CatalogueSettings.model_validate(asked)
-    assert catalogue.words("fragments") == "2026-07-25 to 2026-08-09\nfragments"
-    assert catalogue.words("may2024") == "2024-04-15 to 2024-06-30\npayloads, sets once a week"
-    assert catalogue.words("summer12h") == "2026-05-31 to 2026-07-31\npayloads, sets 12 h late"

@@ -23,7 +23,6 @@ from opml.orbits.sheets import (
     rsos_from_rows,
     stations_from_rows,
 )
-from opml.study.settings.model.catalogue import CatalogueSettings
 from opml.study.settings.model.run import (
     MORNING_MODELS,
     DaySettings,
@@ -93,25 +92,6 @@ class Settings:
             return self.day.models
         is_fitted = any(map(self.files_of, of_fits()))
         return list(MORNING_MODELS) if is_fitted else []
-
-    @property
-    def catalogue(self) -> CatalogueSettings | None:
-        """Settings of a catalogue; None for none."""
-        return self.run.catalogue
-
-    @property
-    def catalogue_files(self) -> dict[str, list[str]]:
-        """Files of element sets, by population of the catalogue."""
-        folder, catalogue = self.values.get("data", ""), self.catalogue
-        known = catalogue.populations if catalogue else {}
-        return {name: _files(population.files, folder) for name, population in known.items()}
-
-    @property
-    def catalogue_orbits(self) -> dict[str, list[str]]:
-        """Table of orbits inside sets, or none, by population of the catalogue."""
-        folder, catalogue = self.values.get("data", ""), self.catalogue
-        known = catalogue.populations if catalogue else {}
-        return {name: _files(one.orbits or [], folder) for name, one in known.items()}
 
     def are_radars(self, stations: str) -> bool:
         """Return whether all of a station set are radars; what stands in their place is none."""

@@ -12,7 +12,6 @@ from opml.dynamics.settings import ForceModels, Integrator
 from opml.environment.settings import EnvironmentSettings
 from opml.interop.points_from_files import FixSettings
 from opml.learning.models.learners import AnyLearner
-from opml.study.settings.model.catalogue import CatalogueSettings
 from opml.study.settings.model.names import (
     Epoch,
     Folder,
@@ -182,7 +181,6 @@ class RunAlone(Section):
     ephemeris: EphemerisSettings = setting("corrected ephemerides")
     uncertainty: Uncertainty = setting("how far corrected orbits may be off")
     day: Absent[DaySettings] = absent("every morning", see="day.md")
-    catalogue: Absent[CatalogueSettings] = absent("a study of a catalogue")
     sheets: Sheets = setting("the sheets")
     stations: dict[Name, dict[str, float]] = setting(
         "a station in addition to the sheet: the columns of a sheet's row as keys",

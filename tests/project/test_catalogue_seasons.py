@@ -1,67 +1,39 @@
-"""A trial of a corrector: who is learned from, what was known when, and that nothing later counts."""
+"""The seasons of docs/learning.md: who is learned from, what was known when, and shares by hand."""
 
-import catalogue_files
 import numpy as np
 import pandas as pd
 import pytest
-from support import refusal
+from catalogue_files import FIRST_DAY, write_sets, write_weather
 
-from opml.base.errors import InputError
-from opml.element_sets import catalogue, corrector, corrector_trial, density, training
-from opml.element_sets.corrector_trial import Seasons
+from opml.element_sets import catalogue, corrector, density
+from opml.environment import known_weather
 from opml.interop.element_sets import mean_elements
 from opml.interop.element_sets.element_set import elements_epoch
 from opml.tables import SCHEMAS, STATE
+from validation import catalogue_seasons
+from validation.catalogue_seasons import ALL, Season, residuals, scores
 
-DATES = (["2016-01-15", "2016-01-25"], ["2016-02-01", "2016-02-05"])
-LATER = (DATES[0], ["2016-02-20", "2016-02-24"])
-
-
-@pytest.fixture(scope="module")
-def weather(tmp_path_factory):
-    path = tmp_path_factory.mktemp("weather") / "weather.csv"
-    begin = catalogue_files.FIRST_DAY
-    return catalogue_files.write_weather(path, first=begin - 600, last=begin + 70)
+DATES = ("2016-01-15", "2016-01-25", "2016-02-01", "2016-02-05")
+SEASON = Season.of("payloads", *DATES)
 
 
 @pytest.fixture(scope="module")
 def sets(tmp_path_factory):
-    return catalogue_files.write_sets(tmp_path_factory.mktemp("sets") / "sets.tle", objects=6, days=70)
-
-
-@pytest.fixture(scope="module")
-def densities(weather):
-    return corrector_trial.densities(weather)
-
-
-def made(sets, densities, weather):
-    seasons, orbits = Seasons.of_dates(*LATER), SCHEMAS["set_states"].empty()
-    return corrector_trial.rows([sets], densities, seasons, orbits=orbits, weather=weather, latency=0.25)
+    path = write_sets(tmp_path_factory.mktemp("sets") / "sets.tle", objects=6, days=70)
+    return catalogue.read([path]).daily()
 
 
 @pytest.mark.slow
-def test_rows_are_of_the_mornings_of_both_seasons(sets, densities, weather):
-    rows = made(sets, densities, weather)
-    assert list(rows) == corrector_trial.ROWS.names
-    mornings = rows["morning"].unique()
-    assert set(np.floor(mornings)) == {*range(57398, 57443)}  # forty before the season that judges
+def test_rows_are_of_the_mornings_of_both_spans(sets, tmp_path):
+    weather = write_weather(tmp_path / "weather.csv", first=FIRST_DAY - 600, last=FIRST_DAY + 70)
+    known = density.clean(known_weather.read(weather))
+    season = Season.of("payloads", *DATES[:2], "2016-02-20", "2016-02-24")
+    measured = catalogue_seasons.densities(known)
+    rows = catalogue_seasons.rows(sets, season, known, measured, SCHEMAS["set_states"].empty())
+    assert set(np.floor(rows["morning"])) == {*range(57398, 57443)}  # forty before those that judge
     assert sorted(rows["number"].unique()) == [1, 2, 3, 4, 5, 6]
     assert rows.pop("later").isna().all()
-    assert np.isfinite(rows.to_numpy()).all()
-
-
-@pytest.mark.slow
-def test_weather_that_ends_too_early_is_told(sets, densities, tmp_path):
-    early = catalogue_files.write_weather(tmp_path / "early.csv", first=56788, last=57410)
-    expected = f"{early}: expected measured weather up to 2016-02-24, got it up to 2016-01-24"
-    with pytest.raises(InputError, match=expected):
-        made(sets, densities, early)
-
-
-@pytest.mark.slow
-def test_sets_of_other_years_are_told(densities, weather, tmp_path):
-    early = catalogue_files.write_sets(tmp_path / "early.tle", objects=2, days=3)
-    assert "element sets: expected sets of the seasons" in refusal(made, early, densities, weather)
+    assert np.isfinite(rows.to_numpy(float)).all()
 
 
 class _Recorder:
@@ -103,7 +75,7 @@ def recorder(monkeypatch):
 def test_half_teaches_in_time_and_the_other_half_judges(recorder):
     numbers = np.arange(1, 41)
     rows = predicted(numbers, np.arange(57399.25, 57424.0))
-    found = corrector_trial.residuals(rows, rows, Seasons.of_dates(*DATES), "trees", seed=42)
+    found = residuals(rows, rows, SEASON, "trees")
     taught, judged = set(recorder.rows["number"]), set(found["number"])
     assert taught | judged == set(numbers)
     assert not taught & judged
@@ -120,11 +92,10 @@ def test_half_teaches_in_time_and_the_other_half_judges(recorder):
 def test_the_orbit_inside_a_later_set_judges_where_it_is_known_and_chooses_nothing(recorder):
     """It is 100 m behind the set: all errors grow by that, and no weight changes."""
     rows = predicted(np.arange(1, 41), np.arange(57399.25, 57424.0))
-    seasons = Seasons.of_dates(*DATES)
-    by_sets = corrector_trial.residuals(rows, rows, seasons, "trees", seed=42)
+    by_sets = residuals(rows, rows, SEASON, "trees")
     known = rows["lead"] == 7
     by_orbits = rows.assign(later=rows["later"].mask(known, 100.0))
-    judged = corrector_trial.residuals(by_orbits, by_orbits, seasons, "trees", seed=42)
+    judged = residuals(by_orbits, by_orbits, SEASON, "trees")
     for name in ("error", "scaled", "learned", "improved"):
         shift = (judged[name] - by_sets[name]).to_numpy()
         assert shift == pytest.approx(np.where(judged["lead"] == 7, 100.0, 0.0))
@@ -134,7 +105,7 @@ def test_the_orbit_inside_a_later_set_judges_where_it_is_known_and_chooses_nothi
 
 
 def test_sets_are_ahead_of_the_orbits_inside_them_by_what_a_table_says(sets):
-    known = catalogue.read([sets]).take(np.arange(3))
+    known = sets.take(np.arange(3))
     epochs = [elements_epoch(one) for one in known.satellites]
     states = np.array(
         [
@@ -144,14 +115,14 @@ def test_sets_are_ahead_of_the_orbits_inside_them_by_what_a_table_says(sets):
     )
     states[:, :3] -= 50.0 * states[:, 3:] / np.linalg.norm(states[:, 3:], axis=1, keepdims=True)
     table = known.table[["number"]].assign(utc=epochs, **dict(zip(STATE, states.T, strict=True)))
-    ahead = corrector_trial.ahead_of_orbits(known, table[1:])
+    ahead = catalogue_seasons.ahead_of_orbits(known, table[1:])
     assert np.isnan(ahead[0])
     assert ahead[1:] == pytest.approx(50.0, abs=0.1)
 
 
 def test_a_set_is_improved_by_each_way_as_likely_as_its_own_past_makes_it(recorder):
     rows = predicted(np.arange(1, 41), np.arange(57379.25, 57424.0))
-    found = corrector_trial.residuals(rows, rows, Seasons.of_dates(*DATES), "trees", seed=42)
+    found = residuals(rows, rows, SEASON, "trees")
     assert set(found["applied"]) == {"density"}  # 3 m are left by it, 4 m by what was learned
     known, objects = found["number"] != found["number"].max(), found["number"].nunique()
     own, borrowed, gross = 68, 30, 4.0  # predictions; one object has none that learned, which is a gross miss
@@ -171,7 +142,7 @@ def test_a_set_is_improved_by_each_way_as_likely_as_its_own_past_makes_it(record
 def test_a_set_that_shows_a_burn_stays(recorder):
     rows = predicted(np.arange(1, 41), np.arange(57399.25, 57424.0))
     rows.loc[rows["morning"].eq(57421.25) & rows["lead"].eq(5), "missed"] = 30.0
-    found = corrector_trial.residuals(rows, rows, Seasons.of_dates(*DATES), "trees", seed=42)
+    found = residuals(rows, rows, SEASON, "trees")
     stays = found["morning"] == 57421.25
     assert set(found.loc[stays, "applied"]) == {"unchanged"}
     assert set(found.loc[~stays, "applied"]) == {"density"}
@@ -184,7 +155,7 @@ def test_no_error_judged_later_chooses(recorder):
 
     def first_morning(errors):
         table = rows.assign(error=errors)
-        found = corrector_trial.residuals(table, table, Seasons.of_dates(*DATES), "trees", seed=42)
+        found = residuals(table, table, SEASON, "trees")
         return found[found["morning"] == 57419.25]["applied"].tolist()
 
     unlike = -90.0  # makes the published set the best
@@ -194,9 +165,9 @@ def test_no_error_judged_later_chooses(recorder):
 
 def test_others_teach_in_a_later_season(recorder):
     """All objects judge but those that taught; what judges after the season that judges may teach."""
-    seasons = Seasons.of_dates(*DATES[::-1])
-    own, others = (predicted(numbers, seasons.mornings) for numbers in (np.arange(1, 9), np.arange(5, 45)))
-    found = corrector_trial.residuals(own, others, seasons, "trees", seed=42)
+    season = Season.of("payloads", *DATES[2:], *DATES[:2])
+    own, others = (predicted(numbers, season.mornings) for numbers in (np.arange(1, 9), np.arange(5, 45)))
+    found = residuals(own, others, season, "trees")
     taught = set(recorder.rows["number"])
     assert set(found["number"]) == set(range(1, 9)) - taught
     assert {1, 2, 3, 4} < set(found["number"])
@@ -206,35 +177,51 @@ def test_others_teach_in_a_later_season(recorder):
 
 def test_the_half_of_an_object_does_not_depend_on_the_others():
     numbers = np.array([5, 25544, 5, 900])
-    half = corrector_trial.half_of(numbers, seed=42)
+    half = catalogue_seasons.half_of(numbers, seed=42)
     assert half[0] == half[2]
-    assert [int(corrector_trial.half_of(np.array([one]), seed=42)[0]) for one in numbers] == half.tolist()
-    many = corrector_trial.half_of(np.arange(1000), seed=42)
+    assert [int(catalogue_seasons.half_of(np.array([one]), seed=42)[0]) for one in numbers] == half.tolist()
+    many = catalogue_seasons.half_of(np.arange(1000), seed=42)
     assert 450 < many.sum() < 550
 
 
-def test_a_path_that_is_missing_is_told_before_minutes_of_densities(tmp_path):
-    told = []
-    missing = tmp_path / "nothing.tle"
-    said = refusal(training.train, {"all": [missing]}, weather="OBSERVED", progress=told.append)
-    assert said == f"{missing}: no such file"
-    assert told == []
+def left(error, scaled, learned, **columns):
+    """Residuals of one band and lead: each prediction of an object and a week of its own."""
+    count = len(error)
+    own = {"number": np.arange(count), "morning": 7.0 * np.arange(count), "lead": 1, "band": 2}
+    errors = {"error": error, "scaled": scaled, "learned": learned, "improved": learned}
+    others = {"sigma": np.nan, "improved_sigma": np.nan, "applied": "learned", "judge": "set"}
+    return pd.DataFrame(own | errors | others | columns)
 
 
-def test_nothing_that_became_known_after_a_date_is_learned_from(sets, weather, monkeypatch):
-    seen = {}
+def test_numbers_of_a_band_are_shares_of_sgp4():
+    applied, judge = ["unchanged", "learned", "density"], ["orbit", "set", "set"]
+    table = left([-10.0, 20.0, 40.0], [5.0, -10.0, 30.0], [4.0, 5.0, -16.0], applied=applied, judge=judge)
+    every, band = scores(table).to_dict("records")
+    assert (every["band"], band["band"]) == (ALL, 2)
+    assert every["learned_p95"] == band["learned_p95"] == pytest.approx(100.0 * 14.9 / 38.0)
+    assert (band["predictions"], band["objects"], band["weeks"]) == (3, 3, 3)
+    assert (band["by_orbits"], band["unchanged"]) == pytest.approx((100.0 / 3.0, 100.0 / 3.0))
+    assert (band["sgp4_median"], band["sgp4_p95"]) == pytest.approx((20.0, 38.0))
+    assert (band["scaled_median"], band["learned_median"]) == (50.0, 25.0)
+    assert (band["scaled_p_ml"], band["learned_p_ml"]) == pytest.approx((4500.0 / 70.0, 2500.0 / 70.0))
 
-    def air(known, *, first, end):
-        seen["weather"] = [end, density.end_of(known)]
 
-    def stop(sets, air):
-        seen["sets"] = sets.table["known"].max()
-        raise InputError("enough was seen")
+def test_the_worst_week_has_the_least_inside():
+    off, sigma = [1.0, 1.0, 9.0, 1.0, 9.0, 9.0], np.ones(6)
+    table = left(off, off, off, improved_sigma=sigma, morning=[0.0, 1.0, 2.0, 7.0, 8.0, 9.0])
+    _, band = scores(table).to_dict("records")
+    assert (band["improved_coverage"], band["worst_week"]) == pytest.approx((50.0, 100.0 / 3.0))
+    assert np.isnan(band["coverage"])
 
-    monkeypatch.setattr(density, "learned_air", air)
-    monkeypatch.setattr(training, "mornings_of", stop)
-    refusal(training.train, {"all": [sets]}, weather=weather, date="2016-02-01T00:00:00")
-    assert 57418.0 < seen["sets"] <= 57419.0
-    assert seen["weather"] == pytest.approx([57419.0, 57419.0], abs=0.5)
-    refusal(training.train, {"all": [sets]}, weather=weather)
-    assert seen["sets"] > 57430.0
+
+def test_predictions_of_an_object_do_not_narrow_an_interval():
+    rng = np.random.default_rng(3)
+    error = rng.normal(size=40) * 100.0
+    table = left(error, error * rng.uniform(0.2, 1.0, 40), error * rng.uniform(0.1, 0.9, 40))
+    many = pd.concat([table] * 5)
+    one, five = (catalogue_seasons.intervals(part, np.random.default_rng(5)) for part in (table, many))
+    assert five == pytest.approx(one, rel=0.2)
+    median = scores(many, seed=5)["learned_median"].iloc[0]
+    assert five["learned_low"] < median < five["learned_high"]
+    pd.testing.assert_frame_equal(scores(table), scores(table.iloc[::-1]))
+    assert not scores(table).equals(scores(table, seed=10))

@@ -1,1 +1,0 @@
-"""Pages of catalogues: scores of what was learned, and a day of many objects."""
