@@ -26,14 +26,14 @@ SEEDS = (42, 43, 44)
 MOMENTS = 200
 FAULTS_IN_A_RUN = 10
 
-STEM = "mine/eglin-clear-kaena"
+OF_FIT24 = "mine/eglin-clear-kaena_later/days-0-2/fit24/e_y/mine/days-2-3"
 RUNS = {
     "simulated": (
         ROOT / "config" / "ci.yaml",
         ["results/ci/figs/partition_curve.pdf", "results/ci/figs/error_distribution_position.pdf"],
     ),
     "orbit": (HERE / "orbit.yaml", ["study"]),
-    "tracks": (HERE / "tracks.yaml", [f"results/tracks/corrected/{STEM}_later/days-0-2/fit24.oem"]),
+    "tracks": (HERE / "tracks.yaml", [f"results/tracks/evaluation/{OF_FIT24}.parquet"]),
 }
 """Settings and targets of the runs that are disturbed: each kind of study in a small case."""
 

@@ -35,8 +35,8 @@ def row(name, start):
 @pytest.mark.parametrize(
     ("start", "source"),
     [
-        ("radar tracks (TDM): [operations](operations.md) | Swarm A", "Swarm A, 25"),
-        ("radar tracks (TDM): [operations](operations.md) | Larets", "Larets, 58"),
+        ("radar tracks (TDM): [every morning](day.md) | Swarm A", "Swarm A, 25"),
+        ("radar tracks (TDM): [every morning](day.md) | Larets", "Larets, 58"),
     ],
     ids=["Swarm A", "Larets"],
 )
@@ -64,21 +64,20 @@ def test_errors_of_element_sets_are_those_of_the_catalogue():
 def test_errors_of_points_and_ranges_are_those_of_their_page():
     text = " ".join(page("tracks").split())
     day, week = row("inputs", "positions (GPS")[2:5:2]
-    assert re.search(rf"`running24m3` after 1, 2, 4 and 7 days is {day}, \d+, \d+ and {week} m", text)
+    assert re.search(rf"`running24m3` after 1, 2, 4 and 7 days was {day}, \d+, \d+ and {week} m", text)
     day, week = row("inputs", "laser ranges")[2:5:2]
     assert f"0.14, {day}, 1.1, 3.1, {week} from later fits after 0.4, 1, 2, 4, 7 days" in text
 
 
-def test_coverage_in_the_first_sentence_is_that_of_the_table():
-    text = " ".join(page("uncertainty").split())
-    shares = {
-        case: [int(share) for share in re.findall(r"(\d+) %", line)]
-        for case, line in re.findall(r"^\| ([\w ,]+) \| selected each day \|(.*)$", page("uncertainty"), re.M)
-    }
-    storm = shares.pop("storm of March 2015")
-    others = [share for numbers in shares.values() for share in numbers]
-    assert f"contain {min(others)} to {max(others)} % of the position errors" in text
-    assert f"in the storm of March 2015 {min(storm)} to {max(storm)} %" in text
+def test_coverage_of_mornings_is_that_of_real_satellites():
+    table = page_tables.rows("docs/uncertainty")
+    for case in ("Swarm A", "Larets"):
+        (name, *cells), (_, mornings, *shares) = (
+            next(row for row in rows if row[0].startswith(case))
+            for rows in (page_tables.rows("docs/reality")[2:4], table)
+        )
+        assert name == f"{case}, {mornings}"
+        assert [cell.split(", ")[1] for cell in cells] == shares
 
 
 def cells(heading):

@@ -124,13 +124,6 @@ def test_what_a_coarser_field_costs_is_in_the_notes():
     assert f"errors of {day}, {four} and {week} m after 1, 4 and 7 days" in sentences("docs/reality")
 
 
-def test_the_storm_is_covered_as_long_as_the_table_has_it():
-    (storm,) = [cells for cells in rows("docs/uncertainty", "## Results") if cells[0].startswith("storm")]
-    shares = [int(cell.split(" %")[0]) for cell in storm[2:]]
-    assert min(shares[:3]) >= 85 > shares[3]
-    assert "In March 2015 coverage holds for five days" in sentences("docs/uncertainty")
-
-
 @pytest.fixture(scope="module")
 def noted():
     """Alarms / collisions flagged [%] at 1, 3, 5 and 7 days by the first three cells of the notes' rows."""

@@ -15,14 +15,14 @@ from opml.catalog.associate import innovations
 from opml.catalog.fit import apriori
 from opml.conjunctions import likeliest_collision, long_encounter, probability
 from opml.element_sets import corrector, features, weighting
-from opml.learning.data import cleaning
-from opml.learning.judge import error_sizes, metrics, model_choice
+from opml.learning.judge import error_sizes, metrics
 from opml.learning.models import kernel_scale, svr
 
 TEXT = (REPOSITORY / "docs" / "theory.md").read_text(encoding="utf-8")
 PLAIN = " ".join(TEXT.split())
 NAMES = sorted(set(re.findall(r"`(opml\.[\w.]+)`", TEXT)))
 SETTINGS = read_yaml(REPOSITORY / "config" / "config.yaml")
+CLEANING = read_yaml(REPOSITORY / "config" / "studies" / "paper.yaml")["study"]["cleaning"]
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -42,8 +42,8 @@ def test_the_learning_variables_are_those_of_the_settings():
 @pytest.mark.parametrize(
     "phrase",
     [
-        f"${cleaning.PAPER_BOUNDS[0]} \\le C_d \\le {cleaning.PAPER_BOUNDS[1]}$",
-        f"fences on $e_y$ with $k = {cleaning.PAPER_FENCE:g}$",
+        f"${CLEANING['cd_min']} \\le C_d \\le {CLEANING['cd_max']}$",
+        f"fences on $e_y$ with $k = {CLEANING['fence']:g}$",
         f"(q_3 - q_1) / {svr.NORMAL_IQR}",
         f"$C = {SETTINGS['learners']['svr']['c']:g}$ and "
         f"$\\varepsilon = {SETTINGS['learners']['svr']['epsilon']}$",
@@ -69,14 +69,6 @@ def test_the_learning_variables_are_those_of_the_settings():
 )
 def test_its_numbers_are_those_of_the_code(phrase):
     assert phrase in PLAIN
-
-
-def test_a_learned_model_has_to_be_better_with_the_confidence_that_is_told():
-    assert f"where the {100 * model_choice.CONFIDENCE:.0f} % quantile" in PLAIN
-    assert "block of three days" in PLAIN
-    assert model_choice.BLOCK_DAYS == 3.0
-    assert "at least four blocks" in PLAIN
-    assert model_choice.LEAST_BLOCKS == 4
 
 
 def test_the_running_mean_has_the_memory_of_the_settings():

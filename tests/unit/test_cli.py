@@ -117,7 +117,7 @@ sys.exit(main())
 
 def test_an_interrupt_of_a_command_is_told_in_one_line(monkeypatch, capsys):
     monkeypatch.setattr(manual, "page", lambda name: signal.raise_signal(signal.SIGINT))
-    monkeypatch.setattr(sys, "argv", ["opml", "docs", "operations"])
+    monkeypatch.setattr(sys, "argv", ["opml", "docs", "tracks"])
     before = signal.getsignal(signal.SIGINT)
     try:
         assert started.main() == started.INTERRUPTED
@@ -139,7 +139,7 @@ for word in ("twice", "twice", "once"):
 
 
 def test_a_page_that_is_not_there_is_told_in_one_line(capsys):
-    for name, near in (("operation", "operations"), ("Kp", "weather or physics")):
+    for name, near in (("track", "tracks"), ("Kp", "weather or physics")):
         assert cli.main(["docs", name]) == 1
         assert capsys.readouterr().err == f"opml: docs: expected a page such as {near}, got {name}\n"
 

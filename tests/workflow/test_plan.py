@@ -93,7 +93,6 @@ def test_trimmed_case_has_the_same_rules(project, papers_plan):
 
 
 OBSERVED = "environment={solar_activity: OBSERVED, knowledge: forecast}"
-CORRECTED = ["arcs", "cd_past", "spread", "replay", "corrected", "export_corrected"]
 PLANNED = [  # products and settings, and what has to run but for the tables of the environment
     (
         ["figs/partition_curve.pdf"],
@@ -116,7 +115,6 @@ PLANNED = [  # products and settings, and what has to run but for the tables of 
         ["metrics/iss/eglin_later/days-0-30/svr/e_y/iss/days-30-40.parquet"],
         {**dict.fromkeys([*CHAIN, *LABELLED], 1), "train": 1, "evaluate": 1},
     ),
-    (["replays/iss/eglin/days-0-30/svr.parquet"], dict.fromkeys([*CHAIN, "spread", "replay"], 1)),
     (
         ["metrics/iss/eglin_w24/days-0-30/svr/e_y/iss_i50/days-30-40-unfenced.parquet"],
         {**dict.fromkeys(CHAIN, 2), "truths": 1, "train": 1, "evaluate": 1},
@@ -127,8 +125,8 @@ PLANNED = [  # products and settings, and what has to run but for the tables of 
         dict.fromkeys(["hindcast", *CHAIN[:-1]], 1) | {"outlooks": 2},
     ),
     (
-        ["corrected/iss/eglin/days-0-20/running.oem"],
-        dict.fromkeys([*CHAIN, *CORRECTED], 1) | {"estimation": 2, "prediction": 2},
+        ["models/iss/eglin/days-0-20/running/e_y.parquet"],
+        dict.fromkeys([*CHAIN, "arcs", "cd_past", "train"], 1) | {"estimation": 2, "prediction": 2},
     ),
 ]
 
@@ -158,13 +156,10 @@ study:
 
 def test_a_study_of_ones_own_names_all_its_products(project):
     (project.folder / "mine.yaml").write_text(OWN)
-    # Another learner than the study's is replayed alone.
-    other = "results/mine/replays/mine/eglin-kaena/days-0-8/boosting.parquet"
-    plan = project.snakemake("-n", "study", other, "--configfile", "mine.yaml").stdout
+    plan = project.snakemake("-n", "study", "--configfile", "mine.yaml").stdout
     for name in ("study.md", "study.html", "figs/study/mine/models.pdf"):
         assert f"results/mine/{name}" in plan
-    assert "results/mine/figs/study/mine/eglin-kaena_drag.png" in plan
-    once = dict.fromkeys(["truth", "dataset", "study_report", "replays", "replay"], 1)
+    once = dict.fromkeys(["truth", "dataset", "study_report", "study_models"], 1)
     # Estimates have the windows of fit24, fit48 and fit96 beside the study's own.
     assert jobs(plan).items() >= (once | {"estimation": 4}).items()
     assert jobs(plan).keys() & {"svr", "partition", "reproduction", "beyond"} == set()
@@ -222,10 +217,10 @@ def test_laser_ranges_need_no_truth_and_bring_their_stations(project):
     ranges = f"ranges: {{mine: lageos.crd}}\nranging: {{mine: {RANGING}}}\nstarts: {{mine: mine.tle}}"
     (project.folder / "mine.yaml").write_text(TRACKED.replace("tracks: {mine: orekit.tdm}", ranges))
     (project.folder / "mine.tle").write_text(tle_text(history([1.0])))
-    targets = ["dataset/mine/ranges.parquet", "corrected/mine/ranges_later/days-0-20/fit48.oem"]
+    targets = ["dataset/mine/ranges.parquet", "models/mine/ranges_later/days-0-20/fit48/e_y.parquet"]
     names = [f"results/{target}" for target in targets]
     plan = jobs(project.snakemake("-n", *names, "--configfile", "mine.yaml").stdout)
-    once = ("ranges_from_files", "first_orbit", "labels", "dataset", "corrected")
+    once = ("ranges_from_files", "first_orbit", "labels", "dataset", "train")
     assert plan.items() >= dict.fromkeys(once, 1).items()
     assert not {"truth", "tracking"} & set(plan)
 

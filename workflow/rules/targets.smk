@@ -34,16 +34,6 @@ STUDY_FILES = (
     [
         *rules.study_report.output,
         *(path_of(file, rso=rso) for rso in STUDY.rsos for file in rules.study_models.output),
-        *(
-            path_of(file, rso=rso, stations=stations)
-            for rso, stations in OWN.datasets
-            for file in rules.study_drag.output
-        ),
-        *(
-            path_of(file, rso=rso, stations=stations)
-            for rso, stations in OWN.replayed_datasets
-            for file in rules.study_residuals.output
-        ),
     ]
     if OWN.is_asked
     else []

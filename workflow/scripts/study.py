@@ -16,9 +16,6 @@ with job(snakemake):
         datasets=read_by_key(study.datasets, files.datasets, "dataset"),
         estimates=read_by_key(study.datasets, files.estimates, "estimates"),
         noise=dict(zip(study.datasets, map(read_noise, files.estimates), strict=True)),
-        replays=read_by_key(study.replayed, files.replays, "replay"),
-        truths=read_by_key(study.datasets_with_truth, files.truths, "dataset"),
-        pictures=dict(zip(study.replayed_datasets, files.pictures, strict=True)),
     )
     blocks = own_study.document(study.report, tables)
     document.write(blocks, output.md[0], output.tsv[0], output.html[0])

@@ -1,1 +1,1 @@
-"""Corrected ephemerides, and the same replayed for past mornings."""
+"""Ephemerides of several models from one estimate, and how a correction along the track moves an orbit."""

@@ -1,23 +1,30 @@
 """Ephemerides of several models from one estimate, the table `paths`: a morning makes, judges, issues them.
 
-A morning of today, one that is replayed and the corrected ephemeris of a study are made here alike: arcs from
-the estimate to a grid of epochs, and the error along the track that each model expects there.
+They are arcs from the estimate to a grid of epochs, with the error along the track that each model expects.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
 
-from opml.ephemerides.along_track_shift import check_smooth, corrected, corrected_by_each, through
-from opml.ephemerides.ephemeris_task import ephemeris_table, reached
+from opml.base.errors import InputError
+from opml.ephemerides.along_track_shift import (
+    LEAST_EPOCHS,
+    check_smooth,
+    corrected,
+    corrected_by_each,
+    through,
+)
 from opml.ephemerides.task_part import TaskPart
 from opml.learning.judge.error_sizes import Sizes
-from opml.learning.models.daily_training import DailyLearner
+from opml.learning.models import learners
+from opml.learning.models.contract import ResolvedSettings
+from opml.learning.models.training_inputs import Training
 from opml.orbits.elements import in_rsw
 from opml.orbits.rsw_covariance import rates, rsw_covariances
-from opml.tables import COMPONENTS, SPREAD, STATE, state_rows
+from opml.tables import COMPONENTS, SPREAD, STATE, STATE_COVARIANCES, state_rows
 
 _ALONG = "e_y_"  # how the columns of corrections begin; the name of the model follows
 
@@ -90,34 +97,49 @@ class Paths:
         return ephemeris_table(rows, states, rsw_covariances(sizes.sigmas(rows), rows["rate"].to_numpy()))
 
 
-def paths(
-    part: TaskPart, models: Mapping[str, DailyLearner], *, made_at: Callable[[float], float]
-) -> Iterator[Paths]:
-    """Yield the ephemerides of a part's starts, each as far as all models reach.
+def paths(part: TaskPart, models: Mapping[str, ResolvedSettings], *, now: float) -> Paths:
+    """Return the ephemerides of a part, as far as all models reach.
 
-    models: by name, each trained on what was known when an ephemeris is made
-    made_at: returns when one from an estimate at a time is made [s]
+    models: settings of learners that learn nothing, by name
+    now: when they are made [s]
+
+    Raises InputError where they reach fewer than LEAST_EPOCHS.
     """
-    table = part.pairs()
-    morning = np.full(len(table), np.nan)
-    along = {name: np.full(len(table), np.nan) for name in models}
-    inputs = {name: _inputs(part, model) for name, model in models.items()}
-    for rows in table.groupby("i").indices.values():
-        now = made_at(float(table["t_i"].iloc[rows[0]]))
-        morning[rows] = now
-        for name, model in models.items():
-            known = rows[np.isfinite(inputs[name][rows]).all(axis=1)]
-            if len(known):
-                along[name][known] = model(now).predict(inputs[name][known, len(STATE) :])
-    table = table.assign(morning=morning, **{f"{_ALONG}{name}": values for name, values in along.items()})
-    yield from map(Paths, reached(table, [*STATE, *(f"{_ALONG}{name}" for name in models)]))
+    along = {f"{_ALONG}{name}": _expected(part, settings) for name, settings in models.items()}
+    table = part.pairs().assign(morning=now, **along)
+    lost = ~np.isfinite(table[[*STATE, *along]].to_numpy()).all(axis=1)
+    reached = table[np.cumsum(lost) == 0]
+    if len(reached) < LEAST_EPOCHS:
+        raise InputError(f"ephemeris: expected at least {LEAST_EPOCHS} epochs ahead, got {len(reached)}")
+    return Paths(reached)
 
 
-def _inputs(part: TaskPart, model: DailyLearner) -> np.ndarray:
-    """Return the states along a part's ephemerides and the variables of a model beside them."""
-    columns = part.variables(model.variables, arc=model.arc)
-    return np.column_stack(
-        [state_rows(part.pairs()), *(columns[name].to_numpy() for name in model.variables)]
+def _expected(part: TaskPart, settings: ResolvedSettings) -> np.ndarray:
+    """Return the e_y (n,) [m] that a model expects of a part's pairs, NaN where it lacks a variable."""
+    names = list(settings.variables)
+    columns = part.variables(names, arc=learners.arc_of(settings))
+    inputs = np.column_stack([columns[name] for name in names]) if names else np.empty((len(part.pairs()), 0))
+    model = learners.fit(Training(np.zeros((1, len(names))), np.zeros(1), tuple(names), seed=0), settings)
+    known, along = np.isfinite(inputs).all(axis=1), np.full(len(inputs), np.nan)
+    along[known] = model.predict(inputs[known])
+    return along
+
+
+def ephemeris_table(rows: pd.DataFrame, states: np.ndarray, covariances: np.ndarray) -> pd.DataFrame:
+    """Return the table of one ephemeris.
+
+    rows: `TaskPart.pairs` of one estimate
+    states: (n, 6) GCRF [m, m/s]
+    covariances: (n, 6, 6) in RSW
+    """
+    columns = {"i": rows["i"].to_numpy(), "t_i": rows["t_i"].to_numpy(), "t": rows["t_j"].to_numpy()}
+    predicted = {f"{name}_predicted": rows[name].to_numpy() for name in STATE}
+    triangle = covariances[:, *np.tril_indices(6)].T
+    return pd.DataFrame(
+        columns
+        | dict(zip(STATE, states.T, strict=True))
+        | predicted
+        | dict(zip(STATE_COVARIANCES, triangle, strict=True))
     )
 
 

@@ -13,11 +13,8 @@ import pandas as pd
 
 from opml.base.constants import DAY
 from opml.base.errors import InputError
-from opml.catalog.predict import mechanism, other_windows
-from opml.catalog.predict.mechanism import FittedArcs
+from opml.catalog.predict import other_windows
 from opml.catalog.predict.prediction import predict
-from opml.catalog.predict.resonance import Resonances
-from opml.catalog.predict.sensitivity import sensitivities
 from opml.catalog.propagator import Propagator, neighbour_paths
 from opml.ephemerides.known_tables import KnownTables
 from opml.learning.models.learners import needed_tables
@@ -88,15 +85,14 @@ class TaskPart:
         return values
 
     def _table(self, kind: str, arc: tuple[float, float] | None, variables: Sequence[str]) -> pd.DataFrame:
-        """Return the table of a kind; raise InputError for one of several RSOs."""
+        """Return the table of a kind; raise InputError for one that a morning does not make."""
         hours, memory_days = arc or (0.0, 0.0)
         makers: dict[str, Callable[[], pd.DataFrame]] = {
-            "mechanism": self.mechanism,
             "arcs": partial(self.arc_departures if set(variables) <= DEPARTURES else self.arcs, hours),
             "cd_past": partial(self.cd_past, hours, memory_days),
         }
         if kind not in makers:
-            raise InputError(f"ephemeris: expected a learner of one RSO alone, got the {kind}")
+            raise InputError(f"ephemeris: expected a model of fits alone, got one of the table {kind}")
         return makers[kind]()
 
     @_once
@@ -143,22 +139,6 @@ class TaskPart:
         """Return the fits over another window [h] of the tracks that ephemerides start from."""
         estimates = self.known.other(hours)
         return estimates[estimates["track"].isin(self.starts["track"])]
-
-    @_once
-    def mechanism(self) -> pd.DataFrame:
-        """Return the `mechanism` table."""
-        known, hours = self.known, self.known.long_window_hours
-        fits = ((known.estimates, self.pairs()), (known.other(hours), self.predictions(hours)))
-        short, long = (
-            FittedArcs(
-                estimates,
-                predictions,
-                sensitivities(self.propagator, estimates, predictions, bounds=known.bounds),
-            )
-            for estimates, predictions in fits
-        )
-        resonances = Resonances(known.resonances, hours, known.gm)
-        return mechanism.build(short, long, bounds=known.bounds, resonances=resonances)
 
     @_once
     def arcs(self, hours: float) -> pd.DataFrame:

@@ -165,12 +165,6 @@ def legend(figure: Figure, *, columns: int, note: str = "") -> Legend:
     return box
 
 
-def add_note(figure: Figure, note: str) -> None:
-    """Put a note in small type above the panels of a figure that has no legend."""
-    if note:
-        figure.suptitle(_wrap(figure, note), x=0.01, ha="left", fontsize=NOTE_SIZE, color=PUBLISHED)
-
-
 def add_head(figure: Figure, headline: str, note: str) -> None:
     """Put a sentence that says what a figure shows above its panels, and a note in small type under it."""
     wrapped = _wrap(figure, note)

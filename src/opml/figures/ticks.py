@@ -1,27 +1,6 @@
-"""Ticks of axes: days with their dates, and lengths in metres or kilometres."""
-
-from calendar import month_abbr
-from datetime import datetime, timedelta
-
-from matplotlib.axes import Axes
-from matplotlib.ticker import FuncFormatter
+"""Ticks of axes: lengths in metres or kilometres."""
 
 MINUS = "\N{MINUS SIGN}"  # as axes write it
-
-
-def mark_dates(axes: Axes, epoch: str, *, what: str = "time") -> None:
-    """Give an axis of days since the epoch their dates.
-
-    epoch: UTC, such as `2019-09-03T00:00:00`
-    """
-    start = datetime.fromisoformat(epoch)
-
-    def date(day: float, _: int) -> str:
-        there = start + timedelta(days=day)
-        return f"{day:g}\n{there.day} {month_abbr[there.month]}"
-
-    axes.xaxis.set_major_formatter(FuncFormatter(date))
-    axes.set_xlabel(f"{what} [d], since {start:%Y-%m-%d %H:%M} UTC")
 
 
 def metres(size: float, _: int = 0) -> str:

@@ -6,17 +6,14 @@ from functools import partial
 import pandas as pd
 
 from opml.base.constants import DAY
-from opml.base.errors import InputError
 from opml.catalog.predict import weather_spread
 from opml.catalog.predict.prediction import predict_pairs
-from opml.ephemerides.along_track_shift import LEAST_EPOCHS
 from opml.ephemerides.known_tables import KnownTables
 from opml.ephemerides.paths import Paths, paths
 from opml.ephemerides.task_part import Grid, TaskPart
 from opml.learning.data import dataset
 from opml.learning.data.cleaning import Cleaning
 from opml.learning.models import learners
-from opml.learning.models.daily_training import DailyLearner
 from opml.mornings.fits import Recent
 from opml.mornings.records import Records
 from opml.mornings.watched_object import Watched
@@ -83,9 +80,7 @@ def of_morning(
     part = TaskPart(watched.model.predictions, whole, starts, Grid(STEP, plan.max_days, plan.end))
     answering = [one for one in plan.models.values() if "v_arc_y" in one.variables]
     part.propagate_together(windows, learners.arc_windows(answering))
-    candidates = {name: DailyLearner(pd.DataFrame(), one, seed=0) for name, one in plan.models.items()}
-    if (path := next(paths(part, candidates, made_at=lambda _: now), None)) is None:
-        raise InputError(f"ephemeris: expected at least {LEAST_EPOCHS} epochs ahead, got fewer")
+    path = paths(part, plan.models, now=now)
     spreads = partial(
         weather_spread.build,
         watched.model.flattened,

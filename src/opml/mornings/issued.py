@@ -16,7 +16,7 @@ from opml.base.errors import InputError
 from opml.base.progress import counted
 from opml.learning.data.splits import are_over
 from opml.learning.judge.error_sizes import LEAST_ROWS, Sizes
-from opml.learning.judge.model_choice import choose
+from opml.learning.judge.model_choice import best_model
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import SIGMA_STATE, SIZES
 
@@ -29,7 +29,7 @@ class SelectedModel:
     """The model that is selected."""
 
     model: str
-    replay: pd.DataFrame  # how far its ephemerides of earlier mornings were off
+    past: pd.DataFrame  # rows of `judged` of its ephemerides of earlier mornings
     sizes: Sizes
 
 
@@ -46,11 +46,20 @@ def choose_model(judged: pd.DataFrame, models: Sequence[str], *, now: float) -> 
         judged_so_far = f"judged so far: {counted(most, 'prediction')}"
         raise InputError(f"{judged_so_far}, fewer than the {LEAST_ROWS} needed for sizes of errors")
     # A model that is new in the menu waits for a past of its own.
-    rows = judged["model"].to_numpy()
-    replays = {name: judged[rows == name] for name in models if over.get(name, 0) >= LEAST_ROWS}
-    model = choose(replays, [], now=now, seed=0).chosen
-    replay = replays[model].drop(columns="model")
-    return SelectedModel(model, replay, Sizes.learned(replay, now=now))
+    judged_often = [name for name in models if over.get(name, 0) >= LEAST_ROWS]
+    model = best_model(past, judged_often, now=now)
+    own = judged[judged["model"] == model].drop(columns="model")
+    return SelectedModel(model, own, Sizes.learned(own, now=now))
+
+
+def basis(past: pd.DataFrame, now: float) -> str:
+    """Return what covariances as of `now` [s] rest on, in words; past: rows of `judged`."""
+    past = past[are_over(past, now)]
+    mornings, longest = past["morning"].nunique(), past["duration"].max() / DAY
+    return (
+        f"covariances from {len(past)} predictions of {mornings} mornings that were over by "
+        f"day {now / DAY:g}, up to {longest:.1f} days long"
+    )
 
 
 def row(

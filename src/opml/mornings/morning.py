@@ -15,7 +15,6 @@ import pandas as pd
 from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
 from opml.base.provenance import settings_digest
-from opml.ephemerides import corrected
 from opml.ephemerides.paths import Paths
 from opml.interop import oem
 from opml.mornings import candidates, fits, issued, outcomes, verdicts
@@ -191,4 +190,4 @@ class TrackMorning:
         assert self.ephemeris is not None
         assert self.selected is not None
         segments = oem.segments_of(self.ephemeris, "corrected", replace(self.watched.identity, name=name))
-        oem.write(path, segments, epoch=epoch, comment=corrected.basis(self.selected.replay, self.now))
+        oem.write(path, segments, epoch=epoch, comment=issued.basis(self.selected.past, self.now))

@@ -37,7 +37,6 @@ from opml.tables import (
     STATE,
     symmetric_matrices,
 )
-from opml.tables.convergence import FAR
 
 CONSTANT = np.array([1.0, 1.5, 1.0])  # what forces leave in a fit, in RSW [m]
 RATE = np.array([1.2, 2.0, 1.0])  # by what that grows [m/day]
@@ -49,6 +48,7 @@ LONG = 48.0
 """Window over which density hardly errs more by chance; its mean over fewer hours does, by their root."""
 
 VAGUE = 5.0  # most of that error. A fit that knows drag no better takes the mean of the past
+FAR = 3.0  # root mean square of weighted residuals from which on their noise is larger than given
 WEATHER = 0.6  # part of the spread of the weather's futures that errors have
 USUAL = 3.0  # independent errors of a past that the usual sizes count as
 

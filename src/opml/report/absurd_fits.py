@@ -7,8 +7,9 @@ import pandas as pd
 
 from opml.report import texts
 from opml.report.document import Block
-from opml.report.mornings import Dataset
 from opml.report.results import length
+
+Dataset = tuple[str, str]  # RSO and station set
 
 TITLE = "Unrealistic fits"
 

@@ -55,11 +55,6 @@ def items(texts: Iterable[str]) -> str:
     return "\n".join(f"- {text}" for text in texts)
 
 
-def link_to(heading: str) -> str:
-    """Return a link to the heading of that text in the same document."""
-    return f"[{heading}](#{_anchor(heading)})"
-
-
 def _anchor(heading: str) -> str:
     """Return the name that readers of Markdown give to a heading."""
     return re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-")

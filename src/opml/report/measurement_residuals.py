@@ -8,8 +8,8 @@ import pandas as pd
 from opml.base.constants import DAY
 from opml.interop import ccsds
 from opml.report import texts
+from opml.report.absurd_fits import Dataset
 from opml.report.document import Block
-from opml.report.mornings import Dataset
 from opml.report.results import NO_VALUE
 from opml.tables import BURN
 

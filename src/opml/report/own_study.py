@@ -2,34 +2,28 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TypeVar
 
 import pandas as pd
 
-from opml.base.files import FilePath
+from opml.base.constants import DAY
 from opml.base.section import JobSettings
 from opml.catalog.fit.estimation_settings import EstimationSettings
 from opml.dynamics.settings import ForceModels
 from opml.environment.settings import EnvironmentSettings
-from opml.learning.data.cleaning import PAPER_BOUNDS, PAPER_CLEANING, PAPER_FENCE
-from opml.learning.data.dataset import survives
-from opml.learning.judge.errors_by_duration import at_days
-from opml.learning.judge.metrics import p_ml
-from opml.learning.judge.model_choice import Mornings
 from opml.learning.models.contract import LearnerSettings
 from opml.learning.models.learners import learns
 from opml.naming import SPLIT, Experiment, parse_test, parse_train, strip_seed
-from opml.report import absurd_fits, answer, measurement_residuals, mornings, texts, uncertainty
-from opml.report.answer import Sources
+from opml.report import absurd_fits, measurement_residuals, texts
+from opml.report.absurd_fits import Dataset
 from opml.report.document import Block
-from opml.report.mornings import Dataset
 from opml.report.results import NO_VALUE, Results, length, percent
 from opml.report.settings_tables import assumed_model, force_models, learner_table, weather
-from opml.report.skill import NO_CORRECTION, Reference, reference, skill_cell
 
 ModelKey = tuple[str, str, str]  # RSO, station set and model
 
-Value = TypeVar("Value")
+REACH_DAYS = 0.25  # a prediction counts for a duration within this of its own [days]
+
+NO_CORRECTION = "no correction"  # the row of a table whose predictions stay as they are
 
 
 class RunFacts(JobSettings):
@@ -49,17 +43,12 @@ class OwnStudyReport:
     experiments: Mapping[tuple[str, str, str, str], Experiment]  # by RSO, station set, model and split
     pairs: Mapping[str, tuple[str, str]]  # training and test rows, by split
     shown: str  # the split whose errors are stated in metres
-    stated: Mapping[ModelKey, Experiment]  # experiments of that split
     datasets: Sequence[Dataset]
     learners: Mapping[str, LearnerSettings]  # by name
     component: str
     label: str  # what predictions are compared with to learn from: truth or later
     truths: Sequence[str]  # of each RSO: simulated, from files, or none where its tracks were measured
-    laws: Sequence[str]  # the models that learn, among those whose mornings are replayed
-    seed: int  # of the resampled days on which a law has to prove its worth
     marks: Sequence[float]  # prediction durations that errors are stated at [days]
-    durations: Sequence[float]  # prediction durations that coverage is stated at [days]
-    sources: Mapping[Dataset, Sources]  # what the answers point at
     settings: RunFacts
 
 
@@ -68,61 +57,155 @@ class OwnStudyTables:
     """The tables that the report's numbers come from."""
 
     metrics: pd.DataFrame  # one row per experiment
-    evaluations: Mapping[ModelKey, pd.DataFrame]  # of the stated experiments
+    evaluations: Mapping[ModelKey, pd.DataFrame]  # of the shown split, for models that correct something
     datasets: Mapping[Dataset, pd.DataFrame]
     estimates: Mapping[Dataset, pd.DataFrame]
-    noise: Mapping[Dataset, pd.DataFrame]  # what residuals tell of instruments, of what was measured
-    replays: Mapping[ModelKey, pd.DataFrame]
-    truths: Mapping[Dataset, pd.DataFrame]  # datasets with true errors, where others hold labels
-    pictures: Mapping[Dataset, FilePath]  # PNGs of the errors of all models
+    noise: Mapping[Dataset, pd.DataFrame]  # instruments' noise by residuals, of what was measured
 
 
 def document(report: OwnStudyReport, tables: OwnStudyTables) -> list[Block]:
     """Return the whole report."""
-    replays = {
-        dataset: Mornings.from_replays(replayed, report.laws, seed=report.seed)
-        for dataset, replayed in _by_dataset(tables.replays).items()
-    }
-    replays |= {
-        dataset: replays[dataset].against_truth(truth, tables.datasets[dataset])
-        for dataset, truth in tables.truths.items()
-        if dataset in replays
-    }
-    papers = {
-        dataset: table.loc[survives(table, tables.estimates[dataset], PAPER_CLEANING), ["i", "j"]]
-        for dataset, table in tables.datasets.items()
-    }
     absurd = absurd_fits.symptoms(tables.estimates)
     rsos = ", ".join(dict.fromkeys(rso for rso, _ in report.datasets))
     return [
         f"# The study of {rsos}",
-        *answer.section(
-            replays,
-            report.sources,
-            tables.pictures,
-            laws=report.laws,
-            marks=report.marks,
-            durations=report.durations,
-            absurd=absurd,
-            proof=[_errors_title(report), *((mornings.TITLE, uncertainty.TITLE) if replays else ())],
-        ),
-        *absurd_fits.section(absurd, report.settings.estimation.window_hours),
         *_errors(report, tables),
-        *mornings.section(replays, report.marks, report.laws),
-        *uncertainty.section(replays, report.durations),
-        *_splits(report, Results(tables.metrics), tables.evaluations, papers),
-        *_rows(report, tables, papers),
+        *absurd_fits.section(absurd, report.settings.estimation.window_hours),
+        *_splits(report, Results(tables.metrics)),
+        *_rows(report, tables),
         *measurement_residuals.section(tables.noise, tables.estimates, epoch=report.settings.epoch),
         *learner_table(report.learners),
         *_forces(report),
     ]
 
 
-def _by_dataset(values: Mapping[ModelKey, Value]) -> dict[Dataset, dict[str, Value]]:
-    groups: dict[Dataset, dict[str, Value]] = {}
-    for (rso, stations, model), value in values.items():
-        groups.setdefault((rso, stations), {})[model] = value
-    return groups
+@dataclass(frozen=True)
+class _ModelErrors:
+    """Errors that a model leaves on the shown split."""
+
+    name: str
+    learns: bool
+    errors: pd.DataFrame  # the table `evaluation`
+
+    @property
+    def total(self) -> float:
+        """Their summed size."""
+        return float(self.errors["residual"].abs().sum())
+
+    def near(self, day: float) -> str:
+        """Return median and 95th percentile of those after a duration [days] as a cell."""
+        rows = (self.errors["duration"] / DAY - day).abs() <= REACH_DAYS
+        if not rows.any():
+            return NO_VALUE
+        return " / ".join(map(length, self.errors.loc[rows, "residual"].abs().quantile([0.5, 0.95])))
+
+
+def _errors(report: OwnStudyReport, tables: OwnStudyTables) -> Iterator[Block]:
+    """Yield the model that leaves least, then errors in metres and each model's skill."""
+    unit = "m/s" if report.component.startswith("e_v") else "m"
+    models = {dataset: _models(report, tables, dataset) for dataset in report.datasets}
+    best = {dataset: _best(of_dataset, learns=False) for dataset, of_dataset in models.items()}
+    for dataset, of_dataset in models.items():
+        learned = [model for model in of_dataset if model.learns]
+        yield _answer(dataset, best[dataset], learned, day=report.marks[-1], unit=unit)
+    train, test = report.pairs[report.shown]
+    yield from texts.blocks(
+        "own_study.errors",
+        title=f"Errors and skill: {report.shown}",
+        epoch=report.settings.epoch,
+        days=report.settings.duration_days,
+        component=report.component,
+        weather=weather(report.settings.environment),
+        unit=unit,
+        train=train,
+        test=test,
+        touched=texts.sentences(f"own_study.{'touched' if _touches(train, test) else 'untouched'}"),
+    )
+    if report.label != "truth":
+        measured = set(report.truths) == {"measured"}
+        yield from texts.blocks(f"own_study.{'measured' if measured else 'true'}", later=LATER[report.label])
+    rows = [
+        [*dataset, model.name, "yes" if model.learns else "no"]
+        + [*map(model.near, report.marks), _skill(model, best[dataset])]
+        for dataset, of_dataset in models.items()
+        for model in of_dataset
+    ]
+    yield from texts.blocks("own_study.sizes", rows, days=texts.across(f"{day:g} d" for day in report.marks))
+
+
+def _models(report: OwnStudyReport, tables: OwnStudyTables, dataset: Dataset) -> list[_ModelErrors]:
+    """Return the models of a dataset, predictions as they are first."""
+    evaluations = {model: table for (*of, model), table in tables.evaluations.items() if tuple(of) == dataset}
+    first = next(iter(evaluations.values()))
+    return [
+        _ModelErrors(NO_CORRECTION, learns=False, errors=first.assign(residual=first["true"])),
+        *(
+            _ModelErrors(f"`{model}`", learns(report.learners[model]), table)
+            for model, table in evaluations.items()
+        ),
+    ]
+
+
+def _best(models: Sequence[_ModelErrors], *, learns: bool) -> _ModelErrors:
+    """Return the model that leaves least, of those that learn or of the others."""
+    return min((model for model in models if model.learns == learns), key=lambda model: model.total)
+
+
+def _answer(
+    dataset: Dataset, best: _ModelErrors, learned: Sequence[_ModelErrors], *, day: float, unit: str
+) -> str:
+    """Return whether a model that learns leaves less than the best of the others, in words."""
+    facts = {"dataset": ", ".join(dataset), "day": day, "unit": unit}
+    facts |= {"best": best.name, "size": best.near(day)}
+    if not learned:
+        return texts.sentences("own_study.without_learning", **facts)
+    model = _best(learned, learns=True)
+    facts |= {"model": model.name, "learned": model.near(day), "skill": _skill(model, best)}
+    return texts.sentences("own_study.answer", **facts)
+
+
+def _skill(model: _ModelErrors, best: _ModelErrors) -> str:
+    """Return the part [%] that a model takes off the errors of the best without learning, as a cell."""
+    return f"{100.0 * (1.0 - model.total / best.total):.0f}" if best.total > 0.0 else NO_VALUE
+
+
+def _touches(train: str, test: str) -> bool:
+    """Return whether days of the training touch the tested predictions."""
+    trained, tested = parse_train(strip_seed(train, SPLIT)), parse_test(test)
+    return trained.kind != "days" or not tested.starts_inside or trained.days[1] > tested.days[0]
+
+
+LATER = {
+    "later": "the estimate that is made when the track predicted to is over",
+}
+"""The reference of a label, in words."""
+
+
+def _splits(report: OwnStudyReport, results: Results) -> Iterator[Block]:
+    """Yield P_ML by model and split."""
+    splits = texts.across(f"{split}: {', '.join(pair)}" for split, pair in report.pairs.items())
+    rows, later = [], []
+    for rso, stations, model in dict.fromkeys(key[:3] for key in report.experiments):
+        names = [rso, stations, f"`{model}`"]
+        experiments = [report.experiments[rso, stations, model, split] for split in report.pairs]
+        rows.append([*names, *map(results.p_ml_cell, experiments)])
+        later.append([*names, *(percent(results.row(one).get("p_ml_later")) for one in experiments)])
+    yield from texts.blocks(
+        "own_study.paper_measure", rows, hours=report.settings.estimation.window_hours, splits=splits
+    )
+    if report.label != "truth" and set(report.truths) != {"measured"}:
+        yield from texts.blocks("own_study.labels", later, later=LATER[report.label], splits=splits)
+
+
+def _rows(report: OwnStudyReport, tables: OwnStudyTables) -> Iterator[Block]:
+    rows = []
+    for dataset in report.datasets:
+        table, fits = tables.datasets[dataset], tables.estimates[dataset]
+        reasons = table.loc[~table["keep"], "reason"].str.split(":").str[0].value_counts() / len(table)
+        why = "; ".join(f"{reason} {100.0 * share:.1f} %" for reason, share in reasons.items())
+        counts = [str(len(fits)), str(int(fits["converged"].sum())), str(len(table))]
+        rows.append([*dataset, *counts, f"{100.0 * table['keep'].mean():.1f} %", why or NO_VALUE])
+    yield from texts.blocks("own_study.rows", rows)
 
 
 def _forces(report: OwnStudyReport) -> Iterator[Block]:
@@ -134,151 +217,3 @@ def _forces(report: OwnStudyReport) -> Iterator[Block]:
     if "files" in report.truths:
         yield "The true orbit is that of the files, without a force model."
     yield assumed_model(report.settings.environment, report.settings.force_models)
-
-
-def _splits(
-    report: OwnStudyReport,
-    results: Results,
-    evaluations: Mapping[ModelKey, pd.DataFrame],
-    papers: Mapping[Dataset, pd.DataFrame],
-) -> Iterator[Block]:
-    """Yield P_ML by model and split; papers: i and j of the rows that the paper's cleaning would keep."""
-    splits = texts.across(f"{split}: {', '.join(pair)}" for split, pair in report.pairs.items())
-    rows, later = [], []
-    for rso, stations, learner, experiments in _by_model(report):
-        evaluation = evaluations.get((rso, stations, learner))
-        kept = "100.0" if evaluation is None else _p_ml_cell(evaluation.merge(papers[rso, stations]))
-        names = [rso, stations, f"`{learner}`"]
-        rows.append([*names, *map(results.p_ml_cell, experiments), kept])
-        later.append([*names, *(percent(results.row(one).get("p_ml_later")) for one in experiments)])
-    limits = {"low": PAPER_BOUNDS[0], "high": PAPER_BOUNDS[1], "fence": PAPER_FENCE}
-    facts = {"hours": report.settings.estimation.window_hours, "shown": report.shown, "splits": splits}
-    yield from texts.blocks("own_study.paper_measure", rows, **facts, **limits)
-    if report.label != "truth" and set(report.truths) != {"measured"}:
-        yield from texts.blocks("own_study.labels", later, later=LATER[report.label], splits=splits)
-
-
-LATER = {
-    "later": "the estimate that is made when the track predicted to is over",
-}
-"""The reference of a label, in words."""
-
-
-def _by_model(report: OwnStudyReport) -> Iterator[tuple[str, str, str, list[Experiment]]]:
-    for rso, stations, learner in dict.fromkeys(key[:3] for key in report.experiments):
-        experiments = [report.experiments[rso, stations, learner, split] for split in report.pairs]
-        yield rso, stations, learner, experiments
-
-
-def _errors_title(report: OwnStudyReport) -> str:
-    return f"Errors and skill: {report.shown}"
-
-
-def _errors(report: OwnStudyReport, tables: OwnStudyTables) -> Iterator[Block]:
-    """Yield the errors in metres, and each model's skill against the best without learning."""
-    train, test = report.pairs[report.shown]
-    unit = "m/s" if report.component.startswith("e_v") else "m"
-    end, tested = _training_end(report), parse_test(test)
-    touches = end is None or not tested.starts_inside or end > tested.days[0]
-    yield from texts.blocks(
-        "own_study.errors",
-        title=_errors_title(report),
-        epoch=report.settings.epoch,
-        days=report.settings.duration_days,
-        component=report.component,
-        weather=weather(report.settings.environment),
-        unit=unit,
-        train=train,
-        test=test,
-        touched=texts.sentences(f"own_study.{'touched' if touches else 'untouched'}"),
-    )
-    if set(report.truths) == {"measured"}:
-        yield from texts.blocks("own_study.measured", later=LATER[report.label])
-    elif tables.truths:
-        yield from texts.blocks("own_study.true", later=LATER[report.label])
-    growth = {key: at_days(table, report.marks) for key, table in tables.evaluations.items()}
-    days = list(dict.fromkeys(day for table in growth.values() for day in table.get("day", [])))
-    replays, rows = _by_dataset(tables.replays), []
-    for dataset, models in _by_dataset(tables.evaluations).items():
-        best = _reference(report, models, replays.get(dataset, {}))
-        yield f"**{', '.join(dataset)}.** Skill is relative to {best}."
-        before, sizes = next(iter(models.values()))["true"], growth[*dataset, next(iter(models))]
-        cells = [*_size_cells(sizes, days, "before"), skill_cell(_summed(before), best.left)]
-        rows.append([*dataset, NO_CORRECTION, "no", *cells])
-        for learner, table in models.items():
-            learning = "yes" if learns(report.learners[learner]) else "no"
-            cells = _size_cells(growth[*dataset, learner], days, "after")
-            skill = skill_cell(_summed(table["residual"]), best.left)
-            rows.append([*dataset, f"`{learner}`", learning, *cells, skill])
-    yield from texts.blocks("own_study.sizes", rows, days=texts.across(f"{day:g} d" for day in days))
-
-
-def _training_end(report: OwnStudyReport) -> float | None:
-    """Return the last day of the shown split's training, None where it trains on a share of all rows."""
-    train = parse_train(strip_seed(report.pairs[report.shown][0], SPLIT))
-    return train.days[1] if train.kind == "days" else None
-
-
-def _reference(
-    report: OwnStudyReport, models: Mapping[str, pd.DataFrame], replays: Mapping[str, pd.DataFrame]
-) -> Reference:
-    """Return the best model without learning of a dataset; models: `evaluation` tables by name."""
-    left = {NO_CORRECTION: _summed(next(iter(models.values()))["true"])} | {
-        name: _summed(table["residual"])
-        for name, table in models.items()
-        if not learns(report.learners[name])
-    }
-    past = {
-        name if name in left else NO_CORRECTION: table
-        for name, table in replays.items()
-        if name in (*left, "none")
-    }
-    return reference(left, past, _training_end(report), seed=report.seed)
-
-
-def _summed(errors: pd.Series) -> float:
-    return float(errors.abs().sum())
-
-
-def _p_ml_cell(evaluation: pd.DataFrame) -> str:
-    if evaluation.empty:
-        return NO_VALUE
-    return f"{p_ml(evaluation['true'].to_numpy(), evaluation['predicted'].to_numpy()):.1f}"
-
-
-def _size_cells(sizes: pd.DataFrame, days: Sequence[float], when: str) -> list[str]:
-    """Return the sizes of the errors at the days as cells, NONE where a day has no rows."""
-    rows = {row["day"]: row for row in sizes.to_dict("records")}
-    return [
-        " / ".join(length(rows[day][f"{when}_{share}"]) for share in (50, 95)) if day in rows else NO_VALUE
-        for day in days
-    ]
-
-
-def _rows(
-    report: OwnStudyReport, tables: OwnStudyTables, papers: Mapping[Dataset, pd.DataFrame]
-) -> Iterator[Block]:
-    rows = []
-    for dataset in report.datasets:
-        table, fits = tables.datasets[dataset], tables.estimates[dataset]
-        shares = row_shares(table)
-        used = shares.pop(USED)
-        why = "; ".join(f"{reason} {100.0 * share:.1f} %" for reason, share in shares.items())
-        counts = [str(len(fits)), str(int(fits["converged"].sum())), str(len(table))]
-        kept = [f"{100.0 * share:.1f} %" for share in (used, len(papers[dataset]) / len(table))]
-        rows.append([*dataset, *counts, *kept, why or NO_VALUE])
-    yield from texts.blocks("own_study.rows", rows)
-
-
-USED = "used"
-
-
-def row_shares(dataset: pd.DataFrame) -> dict[str, float]:
-    """Return the share of a dataset's rows that are used, then of those that are not, by reason.
-
-    The reasons stand in the order of their shares, the largest first.
-    """
-    reasons = dataset.loc[~dataset["keep"], "reason"].str.split(":").str[0].value_counts()
-    return {USED: float(dataset["keep"].mean())} | {
-        reason: float(count) / len(dataset) for reason, count in reasons.items()
-    }

@@ -342,7 +342,6 @@ class _Checks:
             "learner": self._learner,
             "learners": _each(self._learner),
             "transfers": _each(self._learner),
-            "replayed": _each(self._learner),
             "rules": _each(self._learner),
             "train": self._train,
             "test": self._test,

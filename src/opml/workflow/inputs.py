@@ -145,17 +145,6 @@ class Inputs:
         return path_of(truth, rso=wildcards.rso)
 
     @_input_function
-    def user_manoeuvres(self, wildcards: Wildcards, truth: _Pattern, tracking: _Pattern) -> _Paths:
-        """Find the table whose metadata hold the manoeuvres of an RSO; no table where it is simulated.
-
-        truth: holds those of an orbit from files
-        tracking: holds those of what was measured
-        """
-        base, *_ = naming.rso_parts(wildcards.rso, self.plan.settings.rsos)
-        is_read = base in {*self.plan.settings.orbits, *self.plan.settings.measured}
-        return self.truth_or(truth, tracking)(wildcards) if is_read else []
-
-    @_input_function
     def later_estimates(self, wildcards: Wildcards, estimates: _Pattern) -> _Paths:
         """Find the later estimates that labels are made of; none where the truth is known."""
         if not wildcards.label:
@@ -176,7 +165,7 @@ class Inputs:
 
     @_input_function
     def learner_tables(self, wildcards: Wildcards, part: str) -> _Paths:
-        """Find the further tables that have the variables of learners, learner after learner.
+        """Find the further tables that have the variables of a learner.
 
         part: wildcard of the RSO, `rso` or `target`
         """
@@ -184,8 +173,7 @@ class Inputs:
         name = f"{rso}/{wildcards.stations}{wildcards.window}"
         return [
             self.plan.product(f"{kind}/{name}{suffix}").table
-            for settings in self.params.learners(wildcards).values()
-            for kind, suffix in _tables_needed(settings)
+            for kind, suffix in _tables_needed(self.params.resolved(wildcards))
         ]
 
     def source(self, wildcards: Wildcards) -> _Paths:
@@ -200,21 +188,6 @@ class Inputs:
         return [plan.product(f"{table}/{rso}/{wildcards.stations}").table for table in tables]
 
     @_input_function
-    def long_estimates(self, wildcards: Wildcards, estimates: _Pattern) -> _Paths:
-        """Find the estimates over the long window; none where no learner reads the mechanism."""
-        needed = map(_tables_needed, self.params.learners(wildcards).values())
-        if not any("mechanism" in dict(tables) for tables in needed):
-            return []
-        hours = self.plan.settings.run.mechanism.long_window_hours
-        return self._estimates(estimates, wildcards, self.plan.window(hours))
-
-    @_input_function
-    def arc_estimates(self, wildcards: Wildcards, estimates: _Pattern) -> _Paths:
-        """Find the estimates over the windows of the learners' arcs, as `learners.arc_windows` has them."""
-        windows = learners.arc_windows(self.params.learners(wildcards).values())
-        return [self._estimates(estimates, wildcards, self.plan.window(hours)) for hours in windows]
-
-    @_input_function
     def at_arc(self, wildcards: Wildcards, pattern: _Pattern) -> _Paths:
         """Find a file of estimates over the window of the wildcard `arc`."""
         hours = naming.parse_arc(wildcards.arc)
@@ -222,11 +195,3 @@ class Inputs:
 
     def _estimates(self, pattern: _Pattern, wildcards: Wildcards, window: str) -> str:
         return path_of(pattern, rso=wildcards.rso, stations=wildcards.stations, window=window)
-
-    @_input_function
-    def futures(self, _: Wildcards, futures: _Pattern) -> _Paths:
-        """Find the courses that the weather may take; none where predictions have no forecast."""
-        if not self.plan.environment.is_forecast:
-            return []
-        members = self.plan.settings.run.uncertainty.futures
-        return path_of(futures, members=str(members))

@@ -9,7 +9,6 @@ from opml.base.errors import InputError
 from opml.base.section import Section
 from opml.catalog import kinds
 from opml.environment import known_weather
-from opml.figures.display_names import describe_run
 from opml.learning.data import error_components
 from opml.learning.data.dataset import MEASUREMENT
 from opml.learning.models import learners
@@ -121,27 +120,19 @@ class Params:
         return dict(study.entry("cleaning")) | {"previous": previous}
 
     def learner(self, wildcards: Wildcards) -> dict[str, Any]:
-        """Return the settings of the wildcard `learner` with its variables, as `learners` does."""
-        return self.learners(wildcards)[wildcards.learner].of_job()
+        """Return the settings of the wildcard `learner` with its variables, as jobs have them."""
+        return self.resolved(wildcards).of_job()
 
-    def learners(self, wildcards: Wildcards) -> dict[str, ResolvedSettings]:
-        """Return the settings of learners with their variables, for e_y where the name has no component.
+    def resolved(self, wildcards: Wildcards) -> ResolvedSettings:
+        """Return the settings of the wildcard `learner` with its variables."""
+        return self._resolved(wildcards.learner, dict(wildcards.items()))
 
-        They are of the wildcard `learner`; in a name without one, of all models that a study replays.
-        """
-        parts = dict(wildcards.items())
-        names = [parts["learner"]] if "learner" in parts else self.plan.own_study.replayed_models
-        return self._resolved(names, parts)
-
-    def _resolved(self, names: Iterable[str], parts: Mapping[str, str]) -> dict[str, ResolvedSettings]:
-        return {
-            name: learners.resolved(
-                naming.parse_learner(name, self.plan.study.learners),
-                component=parts.get("component", error_components.CORRECTED),
-                variables=self._variables(parts),
-            )
-            for name in names
-        }
+    def _resolved(self, name: str, parts: Mapping[str, str]) -> ResolvedSettings:
+        return learners.resolved(
+            naming.parse_learner(name, self.plan.study.learners),
+            component=parts.get("component", error_components.CORRECTED),
+            variables=self._variables(parts),
+        )
 
     def _variables(self, parts: Mapping[str, str]) -> list[str]:
         """Return the variables that learners learn from by default: those that the measurements have."""
@@ -172,14 +163,6 @@ class Params:
         naming.check_split(naming.parse_train(train), duration_days=self.run.duration_days)
         return {"train": train, "seed": seed}
 
-    def train_days(self, wildcards: Wildcards) -> list[float]:
-        """Return first and last day of the training; raise InputError where it is no window of days."""
-        train = self.split(wildcards)["train"]
-        split = naming.parse_train(train)
-        if split.kind != "days":
-            raise InputError(f"training split '{train}': expected a window of days, such as days-0-20")
-        return list(split.days)
-
     def training(self, wildcards: Wildcards) -> dict[str, Any]:
         """Return the params of all jobs that split a dataset: epoch, split, seed and span."""
         return {"epoch": self.run.epoch, **self.split(wildcards), "span_days": self.plan.study.span_days}
@@ -204,7 +187,7 @@ class Params:
     def mornings_of(self, wildcards: Wildcards) -> dict[str, Any]:
         """Return the params of the mornings of the wildcard `batch`, up to the wildcard `date`."""
         day = self.plan.settings.day
-        models = self._resolved(self.plan.settings.morning_models, {})
+        models = {name: self._resolved(name, {}) for name in self.plan.settings.morning_models}
         return {
             **self.assumed_model,
             "duration_days": self.run.duration_days,
@@ -248,33 +231,6 @@ class Params:
             "has_message": settings.day.messages is None or rso in settings.day.messages,
         }
 
-    def departures(self, wildcards: Wildcards) -> dict[str, Any]:
-        """Return the params that choose the estimates that ephemerides start from, and propagate them."""
-        return self.assumed_model | {
-            "rso": self.rso(wildcards),
-            "cleaning": self.cleaning(wildcards),
-            "window_hours": self.window_hours(wildcards),
-            "cd_bounds": self.cd_bounds,
-            **_given(self.run.mechanism),
-            "learners": [],
-            "max_days": self.run.prediction.max_days,
-        }
-
-    def daily_training(self, wildcards: Wildcards) -> dict[str, Any]:
-        """Return the params of departures, and of the learners that are retrained each morning."""
-        return self.departures(wildcards) | {
-            "learners": [settings.of_job() for settings in self.learners(wildcards).values()],
-            "seed": self.split(wildcards)["seed"],
-            "train_days": self.train_days(wildcards),
-        }
-
-    def ephemeris(self, wildcards: Wildcards) -> dict[str, Any]:
-        """Return the start and the time grid of ephemerides."""
-        return {
-            "known_until_days": self.train_days(wildcards)[1],
-            "grid": [self.run.ephemeris.step_s, self.run.prediction.max_days, self.run.duration_days],
-        }
-
     def errors(self, experiment: Experiment, **more: Any) -> dict[str, Any]:
         """Return the params of a figure of errors: epoch, cleaning, parts of the experiment's name."""
         return {
@@ -282,17 +238,6 @@ class Params:
             "cleaning": dict(self.plan.study.entry("cleaning")),
             "experiment": experiment.names(),
             **more,
-        }
-
-    def mornings(self, wildcards: Wildcards) -> dict[str, Any]:
-        """Return the params of a figure of a study's replayed mornings."""
-        study = self.plan.own_study
-        return {
-            "epoch": self.run.epoch,
-            "learners": list(study.mornings(wildcards.rso, wildcards.stations)),
-            "laws": study.laws,
-            "seed": self.plan.seeds.split,
-            "note": f"{describe_run(wildcards.rso, wildcards.stations)}\n{self.plan.weather}",
         }
 
 

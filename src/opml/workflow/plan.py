@@ -1,7 +1,6 @@
 """The plan of a run by its settings: studies, products, and the patterns of wildcards."""
 
 import math
-import re
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -149,14 +148,6 @@ class Plan:
     def window_pattern(self) -> str:
         """Regular expression of the suffix of estimates: their window, or none."""
         return naming.window_pattern(default=self.window_hours)
-
-    @cached_property
-    def replays_together(self) -> dict[str, str]:
-        """Regular expressions of the wildcards of a study's replays, but for the learner, by their names."""
-        replays = self.own_study.replayed.values()
-        names = ("rso", "stations", "window", "reading", "label", "train")
-        values = {name: dict.fromkeys(parts[name] for parts in replays) for name in names}
-        return {name: f"(?:{'|'.join(map(re.escape, found))})" for name, found in values.items()}
 
     @cached_property
     def label_pattern(self) -> str:

@@ -13,7 +13,7 @@ from opml.catalog.propagator import Propagator
 from opml.catalog.simulate.truth import initial_state
 from opml.dynamics.forces import with_outlooks
 from opml.orbits.elements import in_rsw
-from opml.tables import PARAMETER_COVARIANCES, PARAMETERS, SCHEMAS, SPREAD, STATE
+from opml.tables import PARAMETER_COVARIANCES, PARAMETERS, SPREAD, STATE
 
 
 @pytest.fixture(scope="module")
@@ -40,7 +40,7 @@ def built(iss, estimates, pairs, futures=None, model=None):
 
 def test_a_tenth_more_drag_takes_it_as_far_as_under_all_forces(iss, estimates, pairs, assumed_model):
     found = built(iss, estimates, pairs)
-    assert list(found.columns) == SCHEMAS["spread"].names
+    assert list(found.columns) == ["i", "j", *SPREAD]
     started = estimates[STATE].to_numpy()
     plain, more = (
         Propagator(assumed_model, iss).propagate_pairs(pairs, started, cd=cd * np.ones(2))[0]

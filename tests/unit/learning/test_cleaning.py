@@ -2,12 +2,10 @@
 
 import numpy as np
 import pytest
-from support import REPOSITORY, refusals
+from support import refusals
 
 from opml.base.errors import InputError
-from opml.base.yaml_files import read_yaml
 from opml.learning.data.cleaning import (
-    PAPER_CLEANING,
     Cleaning,
     quartiles,
     tukey_fences,
@@ -57,8 +55,3 @@ def test_settings_that_are_no_cleaning_are_refused_in_one_line(settings, message
 def test_one_bound_needs_the_other(bound):
     with pytest.raises(InputError, match=r"cd_min, cd_max: expected both or none, got 1\.2 alone"):
         Cleaning(**{bound: 1.2}).keeps(np.array([2.2]))
-
-
-def test_the_papers_cleaning_is_that_of_its_study():
-    asked = Cleaning(**read_yaml(REPOSITORY / "config/studies/paper.yaml")["study"]["cleaning"])
-    assert PAPER_CLEANING.evolve(fence_days=(0, 30)) == asked

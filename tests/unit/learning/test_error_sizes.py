@@ -8,10 +8,10 @@ from scipy import optimize
 
 from opml.base.constants import DAY
 from opml.base.errors import InputError
-from opml.learning.judge import calibration, simplex_kernels
-from opml.learning.judge.error_sizes import INSIDE, Sizes, as_known, widening
+from opml.learning.judge import simplex_kernels
+from opml.learning.judge.error_sizes import INSIDE, Sizes, widening
 from opml.orbits import rsw_covariance
-from opml.tables import COMPONENTS, SIGMA_STATE, SPREAD
+from opml.tables import COMPONENTS, SPREAD
 
 AHEAD = pd.DataFrame({"duration": [DAY, 7.0 * DAY], "rate": RATE} | dict.fromkeys(SPREAD, 0.0))
 
@@ -117,35 +117,27 @@ def test_the_newest_errors_weigh_most():
     assert since > 2.0 * then
 
 
-def test_ellipsoids_of_another_month_hold_their_share():
+def test_intervals_and_ellipsoids_of_another_month_hold_their_share():
     past, ahead = replays(days=40), replays(days=40, seed=7)
     sigma = without_widening(Sizes.learned(past, now=40.0 * DAY), ahead)
-    stated = ahead.assign(**dict(zip(SIGMA_STATE, sigma.T, strict=True)))
-    shares = calibration.of_replay(stated, days=[1.0, 3.0, 7.0])
-    main = shares.set_index(["quantity", "day"])["inside"]
-    # 160 errors at each duration tell a share to 2.4 %, and so do those that the sizes are from.
-    for quantity in ("e_x", "e_y", "e_z", "plane", "ellipsoid", "state"):
-        np.testing.assert_allclose(main[quantity], 0.9, atol=0.1)
-    tested = calibration.goodness(stated, days=[1.0, 3.0, 7.0])
-    assert (tested["mornings"] == 40).all()
-    assert (tested["p"] > 0.01).all()
-    narrow = stated.assign(**{name: 0.4 * stated[name] for name in SIGMA_STATE})
-    assert (calibration.goodness(narrow, days=[1.0, 3.0])["p"] < 1e-3).all()
-    assert (calibration.goodness(narrow, days=[1.0])["score"] > tested["score"].iloc[0]).all()
+    covariance = rsw_covariance.rsw_covariances(sigma, ahead["rate"].to_numpy())[:, :3, :3]
+    errors = ahead[list(COMPONENTS[:3])].to_numpy()
+    distance = rsw_covariance.mahalanobis(errors, covariance)
+    for day in (1.0, 3.0, 7.0):
+        near = ((ahead["duration"] / DAY - day).abs() < 0.25).to_numpy()
+        # 160 errors at each duration show a share to 2.4 %, and so do those that the sizes are from.
+        inside = np.mean(np.abs(errors[near]) <= INSIDE * sigma[near, :3], axis=0)
+        np.testing.assert_allclose([*inside, np.mean(distance[near] < 6.251)], 0.9, atol=0.1)
 
 
 def test_what_is_known_later_moves_no_earlier_size():
     past = replays(days=10)
     later = past["t_known"] > 5.0 * DAY
     moved = past.assign(**{name: past[name].where(~later, 99.0 * past[name]) for name in COMPONENTS})
-    first, again = (
-        as_known(table, table["morning"].to_numpy())[SIGMA_STATE].to_numpy() for table in (past, moved)
-    )
-    mornings = past["morning"] <= 5.0 * DAY
-    assert np.isfinite(first[mornings]).any()
-    np.testing.assert_array_equal(first[mornings], again[mornings])
-    assert not np.array_equal(first[~mornings], again[~mornings], equal_nan=True)
-    assert np.isnan(first[0]).all()  # the first morning has no past
+    first, again = (Sizes.learned(table, now=5.0 * DAY).sigmas(AHEAD) for table in (past, moved))
+    np.testing.assert_array_equal(first, again)
+    then, since = (Sizes.learned(table, now=9.0 * DAY).sigmas(AHEAD) for table in (past, moved))
+    assert (since[:, 1] > then[:, 1]).all()
 
 
 def test_no_past_no_sizes():

@@ -46,7 +46,6 @@ def test_page_is_html_that_needs_nothing_else():
 
 
 def test_links_lead_to_headings_and_lists_are_lists():
-    assert document.link_to("Is it true: e_y?") == "[Is it true: e_y?](#is-it-true-e_y)"
     blocks = ["## Is it true: e_y?", items(["**why:** [here](figs/a.png)", "`b`"])]
     page = document.html_page(blocks, title="A")
     assert '<h2 id="is-it-true-e_y">' in page

@@ -24,10 +24,10 @@ def test_each_piece_is_named_by_the_module_of_its_file_and_nothing_else_is():
 
 
 def test_a_piece_is_headings_paragraphs_and_tables():
-    told = {"title": "T", "verdict": "v", "rso": "a", "stations": "b", "days": texts.across(["1 d", "2 d"])}
-    (heading, _) = texts.blocks("mornings.section", title="T", confidence=95.0)
-    (paragraph, table) = texts.blocks("mornings.dataset", [["x"]], **told)
-    assert (heading, paragraph) == ("## T", "**a, b.** v")
-    assert table == Table(["model", "1 d", "2 d", "skill, %"], [["x"]])
+    heading, paragraph, table = texts.blocks("own_study.rows", [["x"]])
+    assert heading == "## Rows used"
+    assert paragraph == "A row is the prediction of one estimate to one later track."
+    (table,) = texts.blocks("own_study.sizes", [["x"]], days=texts.across(["1 d", "2 d"]))
+    assert table == Table(["RSO", "stations", "model", "learns", "1 d", "2 d", "skill, %"], [["x"]])
     (_, _, empty) = texts.blocks("reproduction.readings", names=texts.across([]))
     assert empty.header == ["interpretation"]

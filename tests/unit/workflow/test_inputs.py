@@ -14,7 +14,6 @@ from opml import tables
 from opml.base.errors import InputError
 from opml.catalog import kinds
 from opml.learning.data.dataset import MEASUREMENT
-from opml.learning.models.learners import paths_of_each
 from opml.naming import Experiment
 from opml.study.settings.merging import with_sheets
 from opml.study.settings.model.whole import RunSettings
@@ -271,23 +270,6 @@ def test_a_learner_of_no_component_corrects_along_the_path():
     assert jobs.learner(experiment(learner="covariance", component="e_x")) != of_path
 
 
-def test_a_name_without_a_learner_is_of_all_that_the_study_replays():
-    jobs = params(study=STUDY)
-    assert list(jobs.learners(wildcards(learner="svrfixed"))) == ["svrfixed"]
-    assert list(jobs.learners(wildcards(train="days-0-9"))) == ["none", "fit96", "running"]
-    assert params(study={}).plan.own_study.replayed_models == []
-
-
-def test_the_replays_of_a_study_are_those_of_its_own_names():
-    patterns = plan(study=STUDY).replays_together
-    own = {"rso": "lares", "stations": "eglin", "window": "", "reading": "", "label": "_later"}
-    own |= {"train": "days-0-9"}
-    assert all(re.fullmatch(patterns[name], value) for name, value in own.items())
-    other = {"rso": "iss", "stations": "clear", "window": "_w24", "reading": "_track", "label": ""}
-    other |= {"train": "days-0-20"}
-    assert not any(re.fullmatch(patterns[name], value) for name, value in other.items())
-
-
 def test_a_split_has_a_seed():
     assert params().split(wildcards(train="random-80")) == {"train": "random-80", "seed": 42}
     assert params().split(wildcards(train="random-80_split3")) == {"train": "random-80", "seed": 3}
@@ -351,29 +333,10 @@ def test_learners_have_nothing_of_radars_beside_telescopes():
     assert "sigma_range" not in telescope
 
 
-def test_ephemerides_start_from_what_is_known_at_the_end_of_the_training():
-    jobs, name = params(), experiment(learner="twoarcs", train="days-0-20")
-    assert jobs.ephemeris(name)["known_until_days"] == 20.0
-    assert jobs.departures(name)["learners"] == []
-    daily = jobs.daily_training(name)
-    assert daily == jobs.departures(name) | {
-        "learners": [jobs.learner(name)],
-        "seed": 42,
-        "train_days": [0.0, 20.0],
-    }
-
-
 def test_a_figure_of_errors_has_the_parts_of_its_experiment():
     one = Experiment(**dict(experiment().items()))
     errors = params().errors(one, published=30.0)
     assert (errors["experiment"], errors["published"]) == (one.names(), 30.0)
-
-
-def test_mornings_are_noted_with_the_weather():
-    jobs = params(study={"rsos": ["lares"], "days": {"train": [0, 30], "test": [30, 40]}})
-    mornings = jobs.mornings(wildcards(rso="lares", stations="eglin-clear-kaena"))
-    assert mornings["note"] == f"LARES by three radars (Eglin, Clear, Kaena)\n{jobs.plan.weather}"
-    assert set(mornings["laws"]) <= set(mornings["learners"])
 
 
 # ---- inputs
@@ -416,20 +379,19 @@ TRUTH, TRACKING = Pattern("truth/{rso}.parquet"), Pattern("tracking/{rso}/{stati
 
 
 @pytest.mark.parametrize(
-    ("rso", "truth", "truth_or", "manoeuvres"),
+    ("rso", "truth", "truth_or"),
     [
-        ("iss", "truth/iss.parquet", "truth/iss.parquet", []),
-        ("flown", "truth/flown.parquet", "truth/flown.parquet", "truth/flown.parquet"),
-        ("mine", [], "tracking/mine/eglin.parquet", "tracking/mine/eglin.parquet"),
-        ("placed", [], "tracking/placed/eglin.parquet", "tracking/placed/eglin.parquet"),
-        ("judged", "truth/judged.parquet", "tracking/judged/eglin.parquet", "tracking/judged/eglin.parquet"),
+        ("iss", "truth/iss.parquet", "truth/iss.parquet"),
+        ("flown", "truth/flown.parquet", "truth/flown.parquet"),
+        ("mine", [], "tracking/mine/eglin.parquet"),
+        ("placed", [], "tracking/placed/eglin.parquet"),
+        ("judged", "truth/judged.parquet", "tracking/judged/eglin.parquet"),
     ],
 )
-def test_measured_tracks_and_fixes_stand_for_the_truth(rso, truth, truth_or, manoeuvres):
+def test_measured_tracks_and_fixes_stand_for_the_truth(rso, truth, truth_or):
     files, name = user_inputs(), wildcards(rso=rso)
     assert files.truth(TRUTH)(name) == truth
     assert files.truth_or(TRUTH, TRACKING)(name) == truth_or
-    assert files.user_manoeuvres(TRUTH, TRACKING)(name) == manoeuvres
 
 
 def test_the_activity_of_a_measured_rso_is_the_assumed_one():
@@ -490,41 +452,10 @@ def test_a_learner_reads_the_tables_of_its_variables(learner, files):
     assert inputs().learner_tables("target")(name) == [f"results/{file}.parquet" for file in files]
 
 
-@pytest.mark.parametrize(
-    ("learner", "long", "arcs"), [("svr", [], []), ("mechanism", "_w96", []), ("twoarcs", "_w96", ["_w48"])]
-)
-def test_a_learner_reads_the_estimates_behind_its_tables(learner, long, arcs):
-    files, name = inputs(mechanism={"long_window_hours": 96}), wildcards(learner=learner)
-    assert files.long_estimates(Pattern("{window}"))(name) == long
-    assert files.arc_estimates(Pattern("{window}"))(name) == arcs
-
-
-def test_learners_that_are_replayed_together_read_the_tables_of_each():
-    learners = ["running", "mechanism", "fit48", "running96"]
-    files = inputs(study=STUDY | {"learners": learners, "replayed": learners})
-    found = files.learner_tables("rso")(wildcards(train="days-0-9"))
-    kinds = [path.removeprefix("results/").split("/")[0] for path in found]
-    assert kinds == ["arcs", "cd_past", "mechanism", "arcs", "arcs", "cd_past"]
-    settings = list(files.params.learners(wildcards(train="days-0-9")).values())
-    each = [found[:2], found[2:3], found[3:4], found[4:]]
-    assert paths_of_each(found, settings) == each
-    assert (found[0], found[3]) == ("results/arcs/iss/eglin_l48.parquet",) * 2
-    # Those of a window are read once.
-    assert files.arc_estimates(Pattern("{window}"))(wildcards(train="days-0-9")) == ["_w48", "_w96"]
-    assert files.long_estimates(Pattern("{window}"))(wildcards(train="days-0-9")) == "_w24"
-
-
 def test_arcs_are_made_of_estimates_over_their_window():
     find = inputs().at_arc(Pattern(ESTIMATES))
     assert find(wildcards(arc="_l48")) == "estimates/iss/eglin_w48.parquet"
     assert find(wildcards(arc="_l12")) == "estimates/iss/eglin.parquet"
-
-
-def test_futures_are_drawn_under_a_forecast_only():
-    pattern = Pattern("futures_{members}.parquet")
-    assert inputs().futures(pattern)(wildcards()) == []
-    files = inputs(environment={"knowledge": "forecast"}, uncertainty={"futures": 4})
-    assert files.futures(pattern)(wildcards()) == "futures_4.parquet"
 
 
 # ---- before the first job

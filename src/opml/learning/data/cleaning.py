@@ -71,12 +71,6 @@ NO_BURNS = Burns()
 
 OUTSIDE_FENCES = "outside Tukey fences"  # why a row is dropped that only the fences drop
 
-PAPER_BOUNDS = (1.2, 3.2)
-PAPER_FENCE = 3.0
-
-PAPER_CLEANING = Cleaning(cd_min=PAPER_BOUNDS[0], cd_max=PAPER_BOUNDS[1], fence=PAPER_FENCE)
-"""The cleaning of the paper, with fences from all rows that survive its bounds."""
-
 
 def quartiles(values: np.ndarray) -> tuple[float, float]:
     """Return first and third quartile by Hazen's plotting positions, as MATLAB (the paper's tool) does."""

@@ -81,14 +81,6 @@ def build(
     return rows[SCHEMAS["dataset" if labels is None else "labelled"].names]
 
 
-def survives(dataset: pd.DataFrame, estimates: pd.DataFrame, cleaning: Cleaning) -> np.ndarray:
-    """Return the kept rows (bool, n) of a `dataset` table that another cleaning would keep, too."""
-    cd = estimates.set_index("track")["cd"].reindex(dataset["i"]).to_numpy()
-    kept: np.ndarray = dataset["keep"].to_numpy() & cleaning.keeps(cd)
-    kept &= ~_outside_fences(dataset, kept, cleaning)
-    return kept
-
-
 def read(path: str | PathLike[str], others: Iterable[str | PathLike[str]] = ()) -> pd.DataFrame:
     """Read a dataset, and the columns of tables of the same pairs.
 

@@ -47,12 +47,9 @@ def known_at(dataset: pd.DataFrame) -> np.ndarray:
 
 
 def are_over(rows: pd.DataFrame, now: float) -> np.ndarray:
-    """Return which rows (n,) of a dataset or a replay tell by `now` [s] how far predictions err.
-
-    Their errors are known by then, and no manoeuvre that nobody knew of when they were made.
-    """
+    """Return which rows (n,) of a dataset, or of `judged`, have an error that is known by `now` [s]."""
     over: np.ndarray = known_at(rows) <= now
-    return over & (rows["burn_known"] > now).to_numpy() if "burn_known" in rows else over
+    return over
 
 
 def training_rows(dataset: pd.DataFrame, name: str, *, span_days: Sequence[float], seed: int) -> np.ndarray:

@@ -6,8 +6,8 @@ The variance of each axis of the position has four parts,
 
 D the duration of the prediction, `drag` the displacement by a tenth more drag and `weather` the spread of the
 futures of the space weather (opml.catalog.predict.weather_spread). a, b and c are such that nine tenths of
-the past errors are inside 1.645 sigma. They come from quantile regression on replays that are over
-(opml.ephemerides.replays), in which newer errors weigh more.
+the past errors are inside 1.645 sigma. They come from quantile regression on the predictions of past mornings
+that later measurements judged (opml.mornings.verdicts), in which newer errors weigh more.
 
 f(D) = t_{0.95, n} / z_{0.95}, Student's t over the normal distribution, inflates all parts after a short
 past. The degrees of freedom are one and a half times the number of predictions of that duration that fit into
@@ -27,7 +27,6 @@ Hausman 1978, Specification tests in econometrics, Econometrica 46: the variance
 better estimate is the difference of the variances.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Self
 
@@ -38,7 +37,7 @@ from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
 from opml.learning.data.splits import are_over
 from opml.orbits.rsw_covariance import AXES, free_parts, half_width
-from opml.tables import COMPONENTS, DOUBT, SIGMA_STATE
+from opml.tables import COMPONENTS, DOUBT
 
 LEVEL = 0.9  # share of the errors that intervals and ellipsoids are to hold, and the level that reports print
 INSIDE = half_width(LEVEL)  # half the width of that interval, in standard deviations
@@ -110,7 +109,7 @@ class Sizes:
 
     @classmethod
     def learned(cls, past: pd.DataFrame, *, now: float) -> Self:
-        """Learn sizes from the rows of a `replay` table that were over by `now` [s].
+        """Learn sizes from the rows of a `judged` table that were over by `now` [s].
 
         Raises InputError for fewer than LEAST_ROWS.
         """
@@ -203,21 +202,3 @@ def _fit_axis(
     minima = [minimum(np.array(start), units, errors, INSIDE, LEVEL) for start in _FIRST_GUESSES]
     a, b, c = units * np.exp(min(minima, key=lambda end: float(end[1]))[0])
     return float(a), float(b), float(c)
-
-
-def as_known(replay: pd.DataFrame, mornings: Sequence[float]) -> pd.DataFrame:
-    """Return the rows of a `replay` table with their standard deviations, each as known on its morning.
-
-    mornings: (n,) time of each row's morning [s]
-
-    They are not finite where the past was too short.
-    """
-    sigma, when = np.full((len(replay), 6), np.nan), np.asarray(mornings)
-    for now in np.unique(when):
-        rows = when == now
-        try:
-            sizes = Sizes.learned(replay, now=float(now))
-        except InputError:
-            continue
-        sigma[rows] = sizes.sigmas(replay[rows])
-    return replay.assign(**dict(zip(SIGMA_STATE, sigma.T, strict=True)))

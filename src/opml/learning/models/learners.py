@@ -6,7 +6,7 @@ A kind is declared by a `Learner` in its own module and named in `LEARNERS`; doc
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from os import PathLike
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any
 
 import numpy as np
 import pandas as pd
@@ -33,8 +33,6 @@ from opml.tables import (
     read_metadata,
     read_table,
 )
-
-Path = TypeVar("Path")
 
 LEARNERS: tuple[Learner[Any], ...] = (
     svr.LEARNER,
@@ -171,15 +169,6 @@ def arc_of(settings: ResolvedSettings) -> tuple[float, float] | None:
 def arc_windows(settings: Iterable[ResolvedSettings]) -> list[float]:
     """Return the windows [h] of the arcs that resolved settings of learners ask for, each once."""
     return list(dict.fromkeys(arc[0] for arc in map(arc_of, settings) if arc))
-
-
-def paths_of_each(paths: Iterable[Path], settings: Iterable[ResolvedSettings]) -> list[list[Path]]:
-    """Return the tables of each learner, of those of `needed_tables` that stand learner after learner.
-
-    settings: of the learners, resolved
-    """
-    rest = iter(paths)
-    return [[next(rest) for _ in needed_tables(learner.variables)] for learner in settings]
 
 
 def needed_tables(variables: Sequence[str]) -> list[str]:

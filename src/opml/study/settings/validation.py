@@ -94,7 +94,9 @@ _EARLIER = {
     "honest": "it is study.beyond now",
     "positions_alone": "it is gone: SP3 velocities in m/s are recognised",
     "pools": "it is gone: opml train learns from many objects",
-    "rolling": "it is gone: replays train anew every morning",
+    "every_hours": "it is gone: `opml day --since` runs past mornings again",
+    "replayed": "it is gone: `opml day --since` runs past mornings again",
+    "rolling": "it is gone: `opml day --since` runs past mornings again",
     "span_days": "it is study.span_days now",
 }
 """What became of keys of earlier versions."""

@@ -102,7 +102,7 @@ class Mechanism(Section):
 
 
 class EphemerisSettings(Section):
-    """Corrected ephemerides."""
+    """Ephemerides of mornings."""
 
     step_s: Annotated[float, Ge(1), Le(300), Expected("seconds from 1 to 300")] = setting(
         "time between its epochs, which are counted from the run's; it reaches `prediction.max_days` ahead,"
@@ -111,13 +111,8 @@ class EphemerisSettings(Section):
 
 
 class Uncertainty(Section):
-    """Uncertainty of corrected orbits."""
+    """Uncertainty of ephemerides."""
 
-    every_hours: Positive = setting(
-        "hours between the estimates from which past mornings are replayed",
-        unit="h",
-        see="uncertainty.md",
-    )
     futures: Annotated[int, Ge(2), Expected("a whole number of 2 or more")] = setting(
         "futures of the weather that covariances know of, with `knowledge: forecast`"
     )
@@ -178,8 +173,8 @@ class RunAlone(Section):
         see="howto.md#a-learner",
     )
     mechanism: Mechanism = setting("columns that laws learn from")
-    ephemeris: EphemerisSettings = setting("corrected ephemerides")
-    uncertainty: Uncertainty = setting("how far corrected orbits may be off")
+    ephemeris: EphemerisSettings = setting("ephemerides of mornings")
+    uncertainty: Uncertainty = setting("how far ephemerides may be off")
     day: Absent[DaySettings] = absent("every morning", see="day.md")
     sheets: Sheets = setting("the sheets")
     stations: dict[Name, dict[str, float]] = setting(

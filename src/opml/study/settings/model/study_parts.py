@@ -174,11 +174,6 @@ class OwnStudySettings(Section):
         " `truth`, or `later` where an RSO of the study was measured",
         see="labels.md",
     )
-    replayed: Absent[Names] = absent(
-        "models whose mornings are run again, and among which each morning chooses; by default those of the"
-        " study that are trained in seconds",
-        see="uncertainty.md",
-    )
     cleaning: Absent[Cleaning] = absent("rows that are dropped; none by default")
     span_days: Absent[Days] = absent(
         "window of t_j that random splits draw from; by default the days to train on, or the run"

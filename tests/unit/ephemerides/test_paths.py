@@ -1,0 +1,187 @@
+"""Ephemerides of several models from one estimate: any epoch, what is known when, and covariances."""
+
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+from fits import estimates_on, on_orbit
+from mornings import replays
+from support import force_model
+
+from opml.base.constants import DAY
+from opml.base.errors import InputError
+from opml.catalog.predict import other_windows, prediction
+from opml.catalog.propagator import Propagator
+from opml.ephemerides.known_tables import KnownTables
+from opml.ephemerides.paths import paths
+from opml.ephemerides.task_part import Grid, TaskPart
+from opml.interop import known_orbits, oem
+from opml.learning.judge.error_sizes import Sizes
+from opml.learning.models import learners
+from opml.orbits.elements import in_rsw
+from opml.orbits.rsw_covariance import rates
+from opml.tables import SPREAD, STATE, STATE_COVARIANCES, symmetric_matrices
+
+EPOCH = "2016-09-28T12:09:45"
+TIMES = np.array([0.0, 0.3, 0.61, 1.1, 1.5]) * DAY
+CD = [2.25, 2.1, 2.4, 2.3, 2.2]
+GRID = Grid(step=60.0, max_days=0.8, end=2.0 * DAY)
+MODELS = {
+    "none": learners.of_job({"kind": "none", "variables": []}),
+    "fit24": learners.of_job({"kind": "refitted", "variables": ["l_arc_y"], "window_hours": 24.0}),
+}
+SIZES = Sizes.learned(replays(days=20, along=200.0), now=20.0 * DAY)
+
+
+def spreads(pairs):
+    """A tenth more drag takes predictions 100 m a day, the weather nowhere."""
+    days = (pairs["t_j"] - TIMES[1]) / DAY
+    return pairs.assign(**dict.fromkeys(SPREAD, 0.0)).assign(drag_y=100.0 * days**2)
+
+
+def estimates(gm, cd, ahead=0.0):
+    """Estimates on one low orbit, `ahead` [m] of it, with a covariance that ties drag to the velocity."""
+    covariance = np.diag([9.0, 9.0, 9.0, 1e-6, 1e-6, 1e-6, 0.01])
+    covariance[6, 3] = covariance[3, 6] = 5e-5
+    states = on_orbit(TIMES, gm, ahead=ahead / 6.77e6)
+    return estimates_on(TIMES, states, covariance=covariance, cd=cd, track=np.arange(len(TIMES)))
+
+
+@pytest.fixture(scope="module")
+def known(assumed_model):
+    gm, own = assumed_model.gm, estimates(assumed_model.gm, CD)
+    at_estimates = pd.DataFrame(
+        {"converged": True, "cd_inside": True, "eps_y": 1.0, "t_b": TIMES - 0.3 * DAY}
+    )
+    return KnownTables(own, at_estimates, 12.0, gm, others={24.0: estimates(gm, 2.2, ahead=40.0)})
+
+
+def part_of(propagator, known, *, start=1, grid=GRID):
+    return TaskPart(propagator, known, known.estimates.iloc[start : start + 1], grid)
+
+
+@pytest.fixture(scope="module")
+def path(propagator, known):
+    made = paths(part_of(propagator, known), MODELS, now=TIMES[1])
+    return made.with_spread(spreads, slice(None, None, 10))
+
+
+@pytest.fixture(scope="module")
+def table(path):
+    return path.ephemeris("fit24", SIZES)
+
+
+def test_columns_on_the_grid_are_those_at_tracks(propagator, known):
+    """What the tables say of pairs of tracks, they say of the grid's epochs, too."""
+    grid = Grid(step=0.01 * DAY, max_days=0.8, end=2.0 * DAY)
+    dense = part_of(propagator, known, grid=grid).pairs().set_index("j")
+    arrivals = known.estimates.set_index("track")["t"]
+    pairs = prediction.predict(propagator, known.estimates, arrivals=arrivals, max_days=0.8)
+    for row in pairs[pairs["i"] == 1].to_dict("records"):
+        there = dense.loc[round(row["t_j"] / grid.step)]
+        assert there["t_j"] == pytest.approx(row["t_j"], abs=1e-6)
+        assert there["x"] == pytest.approx(row["x"], abs=0.05)
+
+
+@pytest.mark.parametrize("degree", [20, 28])
+def test_arcs_propagated_together_are_those_propagated_alone(degree, known, iss):
+    """In a large field they go beside the first, 40 m ahead of it and with another Cd, to a decimetre."""
+    propagator = Propagator(force_model(degree), iss)
+    together, alone = (part_of(propagator, known, grid=replace(GRID, step=300.0)) for _ in range(2))
+    together.propagate_together([24.0], [24.0])
+    np.testing.assert_array_equal(together.pairs()[STATE], alone.pairs()[STATE])
+    for found, expected in (
+        (together.predictions(24.0), alone.predictions(24.0)),
+        (together.perturbed(24.0), alone.perturbed(24.0)),
+    ):
+        assert np.abs(expected[STATE[:3]] - alone.pairs()[STATE[:3]]).to_numpy().max() > 40.0
+        pd.testing.assert_frame_equal(found[["i", "j"]], expected[["i", "j"]])
+        off = np.abs(found[STATE] - expected[STATE]).to_numpy().max(axis=0)
+        assert ((off > 0.0) == (degree > 20)).all()
+        assert off[:3].max() < 0.1
+        assert off[3:].max() < 1e-4
+
+
+def test_the_difference_from_another_window_needs_no_further_arcs(propagator, known, monkeypatch):
+    part = part_of(propagator, known, grid=replace(GRID, step=300.0))
+    whole, expected = part.arcs(24.0), part.variables(("l_arc_y", "v_arc_y"), arc=(24.0, 30.0))
+    monkeypatch.setattr(other_windows, "perturbed", None)
+    found = part.variables(("l_arc_y",), arc=(24.0, 30.0))
+    assert found["l_arc_y"].tolist() == expected["l_arc_y"].tolist() == whole["l_arc_y"].tolist()
+    assert np.ptp(found["l_arc_y"]) > 1.0
+
+
+def test_a_model_of_a_further_table_is_refused(propagator, known):
+    with pytest.raises(InputError, match=r"expected a model of fits alone, got one of the table mechanism"):
+        part_of(propagator, known).variables(("v_y",))
+
+
+def test_the_grid_is_regular_and_begins_after_the_estimate(table):
+    assert (np.diff(table["t"]) == 60.0).all()
+    assert (table["t"] % 60.0 == 0.0).all()
+    assert 0.0 < table["t"].iloc[0] - table["t_i"].iloc[0] <= 60.0
+    assert table["t"].iloc[-1] - table["t_i"].iloc[-1] == pytest.approx(0.8 * DAY, abs=60.0)
+
+
+def test_the_orbit_is_moved_by_what_the_model_expects(path, table):
+    expected, states = path.along("fit24"), table[STATE].to_numpy()
+    moved = in_rsw(table[[f"{name}_predicted" for name in STATE]].to_numpy() - states, states)
+    assert np.abs(expected).max() > 30.0
+    np.testing.assert_allclose(moved[:, 1], expected, rtol=1e-4, atol=0.02)
+    assert (path.along("none") == 0.0).all()
+
+
+def test_it_ends_with_the_run(propagator, known):
+    last = part_of(propagator, known, start=4, grid=replace(GRID, end=1.6 * DAY))
+    assert paths(last, MODELS, now=TIMES[4]).table["t_j"].max() <= 1.6 * DAY
+    short = part_of(propagator, known, start=4, grid=replace(GRID, end=1.5 * DAY + 600.0))
+    with pytest.raises(InputError, match=r"expected at least 16 epochs ahead, got 10"):
+        paths(short, MODELS, now=TIMES[4])
+
+
+def test_what_comes_after_t_i_changes_nothing(path, propagator, known):
+    """Every later estimate is moved by 10 km, with another Cd."""
+
+    def later(one):
+        after = one["t"].to_numpy() > TIMES[1]
+        return one.assign(x=one["x"] + 1e4 * after, cd=one["cd"] + after)
+
+    moved = replace(known, estimates=later(known.estimates), others={24.0: later(known.other(24.0))})
+    again = paths(part_of(propagator, moved), MODELS, now=TIMES[1])
+    pd.testing.assert_frame_equal(again.table, path.table.drop(columns=SPREAD), check_exact=True)
+
+
+def test_a_model_needs_the_fits_that_it_asks_for(propagator, known):
+    with pytest.raises(InputError, match="expected fits over another window"):
+        paths(part_of(propagator, replace(known, others={})), MODELS, now=TIMES[1])
+
+
+def test_covariances_have_the_sizes_of_the_past_and_no_shape_of_the_fits(table):
+    """Axes know nothing of each other; a velocity follows its position."""
+    covariance = symmetric_matrices(table, STATE_COVARIANCES)
+    assert (np.linalg.eigvalsh(covariance / covariance.max(axis=(1, 2), keepdims=True)) > -1e-12).all()
+    states = table[STATE].to_numpy()
+    rows = table.assign(duration=table["t"] - table["t_i"], rate=rates(states), t_j=table["t"])
+    # Between the epochs that arcs reach, ten minutes apart, the spread is linear.
+    expected = SIZES.sigmas(spreads(rows))
+    np.testing.assert_allclose(np.sqrt(covariance[:, range(3), range(3)]), expected[:, :3], rtol=2e-3)
+    for a, b in ((0, 1), (0, 2), (1, 2)):
+        assert (covariance[:, a, b] == 0.0).all()
+    tied = covariance[:, 3, 1] / np.sqrt(covariance[:, 3, 3] * covariance[:, 1, 1])
+    assert (tied < -0.9).all()
+
+
+def test_an_oem_holds_the_table_to_its_digits(table, tmp_path):
+    oem.write(tmp_path / "c.oem", oem.corrected_segments(table, rso="iss"), epoch=EPOCH, comment="of tests")
+    text = (tmp_path / "c.oem").read_text(encoding="utf-8")
+    assert "\nCOMMENT of tests\n" in text
+    assert "COMMENT covariances in RSW: axes of the states only" in text
+    (segment,) = known_orbits.segments(tmp_path / "c.oem", epoch=EPOCH)
+    assert segment.covariance_frame == "RSW"
+    np.testing.assert_array_equal(segment.t, table["t"])
+    stated = table.iloc[[*range(0, len(table), 10), len(table) - 1]].drop_duplicates()
+    np.testing.assert_array_equal(segment.covariance_t, stated["t"])
+    np.testing.assert_array_equal(segment.states, table[STATE])
+    lower = segment.covariances[:, *np.tril_indices(6)]
+    np.testing.assert_array_equal(lower, stated[STATE_COVARIANCES])
