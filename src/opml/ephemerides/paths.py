@@ -17,11 +17,9 @@ from opml.ephemerides.along_track_shift import (
     corrected_by_each,
     through,
 )
-from opml.ephemerides.task_part import TaskPart
+from opml.ephemerides.start_arcs import StartArcs
 from opml.learning.judge.error_sizes import Sizes
-from opml.learning.models import learners
 from opml.learning.models.contract import ResolvedSettings
-from opml.learning.models.training_inputs import Training
 from opml.orbits.elements import in_rsw
 from opml.orbits.rsw_covariance import rates, rsw_covariances
 from opml.tables import COMPONENTS, SPREAD, STATE, STATE_COVARIANCES, state_rows
@@ -97,16 +95,16 @@ class Paths:
         return ephemeris_table(rows, states, rsw_covariances(sizes.sigmas(rows), rows["rate"].to_numpy()))
 
 
-def paths(part: TaskPart, models: Mapping[str, ResolvedSettings], *, now: float) -> Paths:
-    """Return the ephemerides of a part, as far as all models reach.
+def paths(arcs: StartArcs, models: Mapping[str, ResolvedSettings], *, now: float) -> Paths:
+    """Return the ephemerides of several models, as far as all of them reach.
 
     models: settings of learners that learn nothing, by name
     now: when they are made [s]
 
     Raises InputError where they reach fewer than LEAST_EPOCHS.
     """
-    along = {f"{_ALONG}{name}": _expected(part, settings) for name, settings in models.items()}
-    table = part.pairs().assign(morning=now, **along)
+    along = {f"{_ALONG}{name}": arcs.expected(model) for name, model in models.items()}
+    table = arcs.pairs.assign(morning=now, **along)
     lost = ~np.isfinite(table[[*STATE, *along]].to_numpy()).all(axis=1)
     reached = table[np.cumsum(lost) == 0]
     if len(reached) < LEAST_EPOCHS:
@@ -114,21 +112,10 @@ def paths(part: TaskPart, models: Mapping[str, ResolvedSettings], *, now: float)
     return Paths(reached)
 
 
-def _expected(part: TaskPart, settings: ResolvedSettings) -> np.ndarray:
-    """Return the e_y (n,) [m] that a model expects of a part's pairs, NaN where it lacks a variable."""
-    names = list(settings.variables)
-    columns = part.variables(names, arc=learners.arc_of(settings))
-    inputs = np.column_stack([columns[name] for name in names]) if names else np.empty((len(part.pairs()), 0))
-    model = learners.fit(Training(np.zeros((1, len(names))), np.zeros(1), tuple(names), seed=0), settings)
-    known, along = np.isfinite(inputs).all(axis=1), np.full(len(inputs), np.nan)
-    along[known] = model.predict(inputs[known])
-    return along
-
-
 def ephemeris_table(rows: pd.DataFrame, states: np.ndarray, covariances: np.ndarray) -> pd.DataFrame:
     """Return the table of one ephemeris.
 
-    rows: `TaskPart.pairs` of one estimate
+    rows: `StartArcs.pairs`
     states: (n, 6) GCRF [m, m/s]
     covariances: (n, 6, 6) in RSW
     """

@@ -5,15 +5,13 @@ from functools import partial
 
 import pandas as pd
 
-from opml.base.constants import DAY
+from opml.base.constants import DAY, HOUR
 from opml.catalog.predict import weather_spread
 from opml.catalog.predict.prediction import predict_pairs
-from opml.ephemerides.known_tables import KnownTables
 from opml.ephemerides.paths import Paths, paths
-from opml.ephemerides.task_part import Grid, TaskPart
+from opml.ephemerides.start_arcs import Grid, StartArcs
 from opml.learning.data import dataset
 from opml.learning.data.cleaning import Cleaning
-from opml.learning.models import learners
 from opml.mornings.fits import Recent
 from opml.mornings.records import Records
 from opml.mornings.watched_object import Watched
@@ -25,8 +23,8 @@ EVERY = 2  # so many epochs are to one that arcs are propagated to for the sprea
 _LOOKED_AT = 4  # newest estimates among which one is found to start from
 
 
-def known_at(now: float, watched: Watched, records: Records, recent: Recent) -> KnownTables:
-    """Return what is known of an object at a time [s], of which its newest estimates may start ephemerides.
+def newest_start(now: float, watched: Watched, records: Records, recent: Recent) -> pd.DataFrame:
+    """Return the newest estimate that ephemerides may start from at a time [s]: a row, or none.
 
     records: with the estimates of the morning
     """
@@ -37,50 +35,45 @@ def known_at(now: float, watched: Watched, records: Records, recent: Recent) -> 
     tracking = recent.tracking.assign(track=recent.numbers[recent.tracking["track"]])
     made = partial(dataset.of_estimates, tracking=tracking, gm=propagator.model.gm, cleaning=Cleaning())
     nothing = pd.DataFrame(columns=["i", "j", *STATE, "reason"])
-    known = KnownTables(
-        rows,
-        made(rows, nothing),
-        plan.base,
-        propagator.model.gm,
-        manoeuvres=watched.manoeuvres,
-    )
-    pairs = _from_previous(known, longest=DAY * plan.max_days)
+    pairs = _from_previous(rows, made(rows, nothing), longest=DAY * plan.max_days)
     # Where the newest may start one, nobody asks for the others.
     for asked in (pairs.tail(1), pairs) if len(pairs) else ():
-        known = replace(known, at_estimates=made(rows, predict_pairs(propagator, rows, asked)))
-        if known.may_depart().any():
-            break
-    return known
+        known = made(rows, predict_pairs(propagator, rows, asked))
+        usable = dataset.may_depart(rows, known, manoeuvres=watched.manoeuvres, window=HOUR * plan.base)
+        if usable.any():
+            return rows[usable].tail(1)
+    return rows.tail(0)
 
 
-def _from_previous(known: KnownTables, *, longest: float) -> pd.DataFrame:
+def _from_previous(estimates: pd.DataFrame, at_estimates: pd.DataFrame, *, longest: float) -> pd.DataFrame:
     """Return the pairs of an estimate before and one that may start an ephemeris, if the first reaches it.
 
+    at_estimates: of `dataset.of_estimates`
     longest: arc [s]
     """
-    table = known.at_estimates.assign(t_i=known.at_estimates["t_b"], t_j=known.estimates["t"].to_numpy())
+    table = at_estimates.assign(t_i=at_estimates["t_b"], t_j=estimates["t"].to_numpy())
     near = (table["b"] != dataset.NO_PREVIOUS) & (table["t_j"] - table["t_i"] <= longest)
     usable = table["converged"] & table["cd_inside"] & near
     return table[usable].rename_axis("j").reset_index().rename(columns={"b": "i"})[["i", "j", "t_i", "t_j"]]
 
 
-def of_morning(
-    watched: Watched, known: KnownTables, records: Records, starts: pd.DataFrame, *, now: float
-) -> Paths:
+def of_morning(watched: Watched, records: Records, start: pd.DataFrame, *, now: float) -> Paths:
     """Return the ephemerides of all models of an object from one start, as far as all of them reach.
 
-    known: from `known_at`
     records: with the estimates of the morning
-    starts: the estimate that they start from, a table of one row
+    start: the estimate that they start from, a table of one row
     now: when they are made [s]
     """
-    plan, burns = watched.plan, watched.known_by(now)
-    windows = learners.arc_windows(plan.models.values())
-    whole = replace(known, others={hours: records.of_window(hours, burns) for hours in windows})
-    part = TaskPart(watched.model.predictions, whole, starts, Grid(STEP, plan.max_days, plan.end))
-    answering = [one for one in plan.models.values() if "v_arc_y" in one.variables]
-    part.propagate_together(windows, learners.arc_windows(answering))
-    path = paths(part, plan.models, now=now)
+    plan, burns, models = watched.plan, watched.known_by(now), watched.plan.models
+    arcs = StartArcs.propagate(
+        watched.model.predictions,
+        start,
+        Grid(STEP, plan.max_days, plan.end),
+        fits={hours: records.of_window(hours, burns) for hours in plan.windows},
+        models=[*models.values()],
+        manoeuvres=watched.manoeuvres,
+    )
+    path = paths(arcs, models, now=now)
     spreads = partial(
         weather_spread.build,
         watched.model.flattened,

@@ -138,14 +138,13 @@ class TrackMorning:
         """Return the ephemerides of all models from the newest estimate that they may start from."""
         row = issued.row(self.now, issued.no_start(), None, DO_NOT_USE, burn=self.burn)
         so_far = self.earlier.and_then(Records(self.estimates, self.judged, row), since=self.now)
-        known = candidates.known_at(self.now, self.watched, so_far, self.recent)
-        starts = known.estimates[known.may_depart()].tail(1)
+        starts = candidates.newest_start(self.now, self.watched, so_far, self.recent)
         if starts.empty:
             raise InputError("no estimate that an ephemeris may start from")
         others = self.fitting.over(self.watched.plan.other_windows, starts, self.earlier)
         self.estimates = pd.concat([self.estimates, others])
         self.whole = replace(so_far, estimates=below([so_far.estimates, others], "kept_estimates"))
-        paths = candidates.of_morning(self.watched, known, self.whole, starts, now=self.now)
+        paths = candidates.of_morning(self.watched, self.whole, starts, now=self.now)
         self.starts = starts
         # An ephemeris from the estimate of an earlier morning is that morning's, and judged once.
         is_new = not self.earlier.issued["i"].isin(starts["track"]).any()

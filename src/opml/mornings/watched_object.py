@@ -51,9 +51,14 @@ class MorningPlan:
         return self.estimation.window_hours
 
     @property
+    def windows(self) -> list[float]:
+        """Windows [h] of the fits that models ask for."""
+        return learners.arc_windows(self.models.values())
+
+    @property
     def other_windows(self) -> list[float]:
         """Windows [h] of fits that models ask for beside these."""
-        return [hours for hours in learners.arc_windows(self.models.values()) if hours != self.base]
+        return [hours for hours in self.windows if hours != self.base]
 
     @property
     def reach(self) -> float:

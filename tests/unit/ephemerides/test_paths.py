@@ -13,9 +13,8 @@ from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.catalog.predict import other_windows, prediction
 from opml.catalog.propagator import Propagator
-from opml.ephemerides.known_tables import KnownTables
 from opml.ephemerides.paths import paths
-from opml.ephemerides.task_part import Grid, TaskPart
+from opml.ephemerides.start_arcs import Grid, StartArcs
 from opml.interop import known_orbits, oem
 from opml.learning.judge.error_sizes import Sizes
 from opml.learning.models import learners
@@ -31,6 +30,14 @@ MODELS = {
     "none": learners.of_job({"kind": "none", "variables": []}),
     "fit24": learners.of_job({"kind": "refitted", "variables": ["l_arc_y"], "window_hours": 24.0}),
 }
+RUNNING = learners.of_job(
+    {
+        "kind": "running",
+        "variables": ["l_arc_y", "v_arc_y", "cd_arc", "cd_past"],
+        "window_hours": 24.0,
+        "memory_days": 30.0,
+    }
+)
 SIZES = Sizes.learned(replays(days=20, along=200.0), now=20.0 * DAY)
 
 
@@ -49,21 +56,20 @@ def estimates(gm, cd, ahead=0.0):
 
 
 @pytest.fixture(scope="module")
-def known(assumed_model):
-    gm, own = assumed_model.gm, estimates(assumed_model.gm, CD)
-    at_estimates = pd.DataFrame(
-        {"converged": True, "cd_inside": True, "eps_y": 1.0, "t_b": TIMES - 0.3 * DAY}
-    )
-    return KnownTables(own, at_estimates, 12.0, gm, others={24.0: estimates(gm, 2.2, ahead=40.0)})
+def fitted(assumed_model):
+    """Estimates by the window of their fits [h]."""
+    gm = assumed_model.gm
+    return {12.0: estimates(gm, CD), 24.0: estimates(gm, 2.2, ahead=40.0)}
 
 
-def part_of(propagator, known, *, start=1, grid=GRID):
-    return TaskPart(propagator, known, known.estimates.iloc[start : start + 1], grid)
+def arcs_of(propagator, fitted, *, start=1, grid=GRID, models=MODELS):
+    row = fitted[12.0].iloc[start : start + 1]
+    return StartArcs.propagate(propagator, row, grid, fits=fitted, models=[*models.values()])
 
 
 @pytest.fixture(scope="module")
-def path(propagator, known):
-    made = paths(part_of(propagator, known), MODELS, now=TIMES[1])
+def path(propagator, fitted):
+    made = paths(arcs_of(propagator, fitted), MODELS, now=TIMES[1])
     return made.with_spread(spreads, slice(None, None, 10))
 
 
@@ -72,12 +78,11 @@ def table(path):
     return path.ephemeris("fit24", SIZES)
 
 
-def test_columns_on_the_grid_are_those_at_tracks(propagator, known):
-    """What the tables say of pairs of tracks, they say of the grid's epochs, too."""
+def test_arcs_on_the_grid_are_those_at_tracks(propagator, fitted):
     grid = Grid(step=0.01 * DAY, max_days=0.8, end=2.0 * DAY)
-    dense = part_of(propagator, known, grid=grid).pairs().set_index("j")
-    arrivals = known.estimates.set_index("track")["t"]
-    pairs = prediction.predict(propagator, known.estimates, arrivals=arrivals, max_days=0.8)
+    dense = arcs_of(propagator, fitted, grid=grid, models={}).pairs.set_index("j")
+    arrivals = fitted[12.0].set_index("track")["t"]
+    pairs = prediction.predict(propagator, fitted[12.0], arrivals=arrivals, max_days=0.8)
     for row in pairs[pairs["i"] == 1].to_dict("records"):
         there = dense.loc[round(row["t_j"] / grid.step)]
         assert there["t_j"] == pytest.approx(row["t_j"], abs=1e-6)
@@ -85,36 +90,38 @@ def test_columns_on_the_grid_are_those_at_tracks(propagator, known):
 
 
 @pytest.mark.parametrize("degree", [20, 28])
-def test_arcs_propagated_together_are_those_propagated_alone(degree, known, iss):
+def test_arcs_propagated_together_are_those_propagated_alone(degree, fitted, iss):
     """In a large field they go beside the first, 40 m ahead of it and with another Cd, to a decimetre."""
-    propagator = Propagator(force_model(degree), iss)
-    together, alone = (part_of(propagator, known, grid=replace(GRID, step=300.0)) for _ in range(2))
-    together.propagate_together([24.0], [24.0])
-    np.testing.assert_array_equal(together.pairs()[STATE], alone.pairs()[STATE])
-    for found, expected in (
-        (together.predictions(24.0), alone.predictions(24.0)),
-        (together.perturbed(24.0), alone.perturbed(24.0)),
+    propagator, grid = Propagator(force_model(degree), iss), replace(GRID, step=300.0)
+    arcs = arcs_of(propagator, fitted, grid=grid, models=MODELS | {"running24": RUNNING})
+    for found, alone in (
+        (arcs.pairs, fitted[12.0]),
+        (arcs.others[24.0], fitted[24.0]),
+        (arcs.perturbed[24.0], other_windows.perturbed(fitted[24.0])),
     ):
-        assert np.abs(expected[STATE[:3]] - alone.pairs()[STATE[:3]]).to_numpy().max() > 40.0
+        arrivals = grid.epochs(TIMES[1])
+        expected = prediction.predict(propagator, alone.iloc[1:2], arrivals=arrivals, max_days=0.8)
         pd.testing.assert_frame_equal(found[["i", "j"]], expected[["i", "j"]])
         off = np.abs(found[STATE] - expected[STATE]).to_numpy().max(axis=0)
-        assert ((off > 0.0) == (degree > 20)).all()
+        assert ((off > 0.0) == (degree > 20 and found is not arcs.pairs)).all()
         assert off[:3].max() < 0.1
         assert off[3:].max() < 1e-4
 
 
-def test_the_difference_from_another_window_needs_no_further_arcs(propagator, known, monkeypatch):
-    part = part_of(propagator, known, grid=replace(GRID, step=300.0))
-    whole, expected = part.arcs(24.0), part.variables(("l_arc_y", "v_arc_y"), arc=(24.0, 30.0))
-    monkeypatch.setattr(other_windows, "perturbed", None)
-    found = part.variables(("l_arc_y",), arc=(24.0, 30.0))
-    assert found["l_arc_y"].tolist() == expected["l_arc_y"].tolist() == whole["l_arc_y"].tolist()
-    assert np.ptp(found["l_arc_y"]) > 1.0
+def test_a_mean_of_cd_moves_the_arc_by_how_it_answers(propagator, fitted):
+    """The mean of 2.2, as each of these fits has, leaves the fit over the other window as it is."""
+    arcs = arcs_of(propagator, fitted, models={"running24": RUNNING})
+    alike = arcs.expected(MODELS["fit24"]) - arcs.expected(RUNNING)
+    assert np.abs(alike).max() < 1e-6
+    other = {**fitted, 24.0: fitted[24.0].assign(cd=[2.3, 2.2, 2.2, 2.2, 2.2])}
+    moved = arcs_of(propagator, other, models={"running24": RUNNING}).expected(RUNNING)
+    assert np.abs(moved - arcs.expected(RUNNING)).max() > 10.0
 
 
-def test_a_model_of_a_further_table_is_refused(propagator, known):
-    with pytest.raises(InputError, match=r"expected a model of fits alone, got one of the table mechanism"):
-        part_of(propagator, known).variables(("v_y",))
+def test_a_model_of_a_further_table_is_refused(propagator, fitted):
+    law = learners.of_job({"kind": "linear_law", "terms": ["v_y"], "variables": ["v_y"]})
+    with pytest.raises(InputError, match=r"expected a model of fits alone, got one of v_y"):
+        arcs_of(propagator, fitted, models={}).expected(law)
 
 
 def test_the_grid_is_regular_and_begins_after_the_estimate(table):
@@ -132,29 +139,23 @@ def test_the_orbit_is_moved_by_what_the_model_expects(path, table):
     assert (path.along("none") == 0.0).all()
 
 
-def test_it_ends_with_the_run(propagator, known):
-    last = part_of(propagator, known, start=4, grid=replace(GRID, end=1.6 * DAY))
+def test_it_ends_with_the_run(propagator, fitted):
+    last = arcs_of(propagator, fitted, start=4, grid=replace(GRID, end=1.6 * DAY))
     assert paths(last, MODELS, now=TIMES[4]).table["t_j"].max() <= 1.6 * DAY
-    short = part_of(propagator, known, start=4, grid=replace(GRID, end=1.5 * DAY + 600.0))
+    short = arcs_of(propagator, fitted, start=4, grid=replace(GRID, end=1.5 * DAY + 600.0))
     with pytest.raises(InputError, match=r"expected at least 16 epochs ahead, got 10"):
         paths(short, MODELS, now=TIMES[4])
 
 
-def test_what_comes_after_t_i_changes_nothing(path, propagator, known):
+def test_what_comes_after_t_i_changes_nothing(path, propagator, fitted):
     """Every later estimate is moved by 10 km, with another Cd."""
-
-    def later(one):
-        after = one["t"].to_numpy() > TIMES[1]
-        return one.assign(x=one["x"] + 1e4 * after, cd=one["cd"] + after)
-
-    moved = replace(known, estimates=later(known.estimates), others={24.0: later(known.other(24.0))})
-    again = paths(part_of(propagator, moved), MODELS, now=TIMES[1])
+    after = TIMES[1] < TIMES
+    moved = {
+        hours: table.assign(x=table["x"] + 1e4 * after, cd=table["cd"] + after)
+        for hours, table in fitted.items()
+    }
+    again = paths(arcs_of(propagator, moved), MODELS, now=TIMES[1])
     pd.testing.assert_frame_equal(again.table, path.table.drop(columns=SPREAD), check_exact=True)
-
-
-def test_a_model_needs_the_fits_that_it_asks_for(propagator, known):
-    with pytest.raises(InputError, match="expected fits over another window"):
-        paths(part_of(propagator, replace(known, others={})), MODELS, now=TIMES[1])
 
 
 def test_covariances_have_the_sizes_of_the_past_and_no_shape_of_the_fits(table):

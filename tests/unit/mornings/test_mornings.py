@@ -18,7 +18,6 @@ from opml.catalog.simulate import tracking, truth
 from opml.dynamics.shared_blocks import SharedBlocks
 from opml.element_sets import station_passes
 from opml.ephemerides.along_track_shift import corrected
-from opml.ephemerides.known_tables import KnownTables
 from opml.interop import known_orbits
 from opml.interop.object_ids import ObjectId
 from opml.learning.models import learners
@@ -441,9 +440,12 @@ def test_an_estimate_long_after_the_one_before_is_not_flown_to():
     t = DAY * np.array([0.0, 1.0, 9.0])
     columns = {"t_b": [np.nan, *t[:2]], "b": [-1, 4, 5], "converged": True, "cd_inside": True}
     at_estimates = pd.DataFrame(columns, index=pd.Index([4, 5, 6], name="track"))
-    known = KnownTables(pd.DataFrame({"track": [4, 5, 6], "t": t}), at_estimates, 12.0, 4e14)
-    assert candidates._from_previous(known, longest=7.0 * DAY)[["i", "j"]].to_numpy().tolist() == [[4, 5]]
-    assert candidates._from_previous(known, longest=8.0 * DAY)["j"].tolist() == [5, 6]
+    estimates = pd.DataFrame({"track": [4, 5, 6], "t": t})
+    short, long = (
+        candidates._from_previous(estimates, at_estimates, longest=days * DAY) for days in (7.0, 8.0)
+    )
+    assert short[["i", "j"]].to_numpy().tolist() == [[4, 5]]
+    assert long["j"].tolist() == [5, 6]
 
 
 def test_a_day_of_which_nothing_is_known_stays_open():
