@@ -73,9 +73,9 @@ def test_what_is_taken_from_a_facade_is_its_own(facade):
 
 
 MOST = {
-    "lines of the package": 44_079,
-    "lines of tests": 32_590,
-    "classes": 323,
+    "lines of the package": 42_035,
+    "lines of tests": 31_465,
+    "classes": 313,
     "docstrings that begin with what, which, how, where, of": 41,
     "variables called found, one, made, told": 52,
 }
