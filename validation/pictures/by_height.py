@@ -56,9 +56,9 @@ def by_height(table: Sequence[dict[str, str]]) -> Figure:
         axes.set_title(f"after {lead} d", loc="left", fontsize=8.0)
     panels[0].yaxis.set_major_formatter(FuncFormatter(metres))
     panels[0].set_ylabel("median along-track error")
-    week = [float(row["SGP4 [m]"]) for row in table if row["days"] == str(LEADS[-1])]
-    most, least = (metres(float(f"{size:.1g}")) for size in (max(week), min(week)))
-    headline = f"After a week SGP4 is up to {most} off below 400 km, down to {least} above 700 km"
+    week = sorted(float(row["SGP4 [m]"]) for row in table if row["days"] == str(LEADS[-1]))
+    least, most = (metres(float(f"{size:.2g}")) for size in (week[0], week[-1]))
+    headline = f"SGP4's median error after a week: from {least} above 700 km to {most} below 400 km"
     note = "filled: SGP4; open: improved sets; objects not used in training, against later sets"
     style.add_head_and_legend(figure, headline, note, columns=3)
     return figure

@@ -44,10 +44,11 @@ def parts(orbit: str, sets: str, weather: str) -> pd.DataFrame:
     begin, date = now.orbit.begin_again(now.numbers), now.forces.time(DATE)
     t = date + np.arange(0.0, DAY * DAYS + 1.0, _EVERY)
     truth = known_orbits.read([orbit]).at(epochs.seconds_between(EPOCH, DATE) + t - date)
-    informed = replace(begin, known=date + DAY * (DAYS + 1))
+    later = measured.time(DATE) - date
+    informed = replace(begin, t=begin.t + later, known=measured.time(DATE) + DAY * (DAYS + 1))
     issued, known = (
-        bent_rsw(_path(forces, one, t), truth)[:, 1]
-        for forces, one in ((now.forces, begin), (measured, informed))
+        bent_rsw(_path(forces, one, times), truth)[:, 1]
+        for forces, one, times in ((now.forces, begin, t), (measured, informed, t + later))
     )
     at = now.orbit.t
     free = [_MOTION, _LATITUDE, DRAG]
@@ -74,7 +75,7 @@ def real_week(rows: pd.DataFrame) -> Figure:
         width = 1.4 if name == "error" else 0.9
         axes.plot(rows.index, rows[name], color=colors[name], lw=width, label=name)
     axes.axhline(0.0, color=style.MUTED, lw=0.7)
-    axes.set(xlabel="days ahead", ylabel="along-track", xlim=(0.0, DAYS))
+    axes.set(xlabel="days ahead", ylabel="along-track error", xlim=(0.0, DAYS))
     axes.yaxis.set_major_formatter(FuncFormatter(metres))
     drag, weather = (metres(abs(round(rows[name].iloc[-1], -1))) for name in ("drag coefficient", "weather"))
     headline = f"After a week {drag} come from the drag coefficient, {weather} from the weather: parts cancel"

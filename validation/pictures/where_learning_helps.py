@@ -69,9 +69,7 @@ def gains(seasons: Mapping[str, Sequence[Sequence[int]]], satellites: Mapping[st
         "intervals (none at minimum); right: best model that learned relative to the best that did not"
     )
     sure = sum(max(max(share) for share in shares) < 100 for shares in seasons.values())
-    headline = (
-        f"Trees surely help in {sure} season of {len(seasons)}; learning from one satellite's past never does"
-    )
+    headline = f"Trees help for sure in {sure} season of {len(seasons)}; one satellite's own past never does"
     style.add_head_and_legend(figure, headline, note, columns=4)
     return figure
 

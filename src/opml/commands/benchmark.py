@@ -21,7 +21,9 @@ def task(options: argparse.Namespace) -> None:
     from opml.benchmark import recipes, task_folders
 
     folders = task_folders.Folders.of(options.output)
-    count = recipes.make(recipes.read(options.recipe), options.orbits, folders, options.weather)
+    with on_stderr() as say:
+        say("makes questions and truth, some minutes")
+        count = recipes.make(recipes.read(options.recipe), options.orbits, folders, options.weather)
     print(f"{options.output}: {count} questions; {folders.truth_in_words}")
 
 

@@ -35,9 +35,7 @@ class Score:
     digest: str
     scores: pd.DataFrame
     by_weather: pd.DataFrame
-    of_sets: Mapping[
-        str, float
-    ]  # medians by axis of what later sets are off the truth [m], if it is from sets
+    of_sets: Mapping[str, float]  # medians by axis [m] of later sets minus a truth that is made of sets
     suspicions: Sequence[str]  # a sentence each
     about: Mapping[str, Any]  # tool, command and runtime_s, where stated
 
@@ -108,7 +106,8 @@ def score(task: FilePath, answers: FilePath, truth: FilePath | None = None) -> S
 
 def text(score: Score) -> str:
     """Return what a terminal shows: the errors along the track by lead, and what is suspicious."""
-    header = ("lead [d]", "answered [%]", "median [m]", "95 % [m]", "CRPS [m]", "log score", "inside [%]")
+    inside = f"inside {100 * LEVEL:g} % [%]"
+    header = ("lead [d]", "answered [%]", "median [m]", "95 % [m]", "CRPS [m]", "log score", inside)
     rows = [
         [cells[0], *cells[2:]] for cells in (_cells(row, AXES["s"]) for _, row in score.scores.iterrows())
     ]
@@ -131,13 +130,11 @@ def board_lines(score: Score) -> str:
 
 def document(score: Score) -> list[Block]:
     """Return the page."""
-    suspicions_found = items(map(as_it_is, score.suspicions))
-    nothing = "Nothing of the answers is suspicious."
     return [
         f"# {score.task}: {as_it_is(score.tool)}",
         as_it_is(score.title),
         "## Findings",
-        suspicions_found if score.suspicions else nothing,
+        items(map(as_it_is, score.suspicions)) or "Nothing of the answers is suspicious.",
         *texts.blocks("benchmark.scores", level=100 * LEVEL),
         *(texts.blocks("benchmark.truth", **score.of_sets) if score.of_sets else ()),
         *(block for name in AXES.values() for block in _axis_table(score.scores, name)),

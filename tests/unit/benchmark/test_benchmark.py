@@ -491,7 +491,7 @@ def test_a_stranger_makes_a_task_answers_it_and_is_scored(tmp_path, monkeypatch,
         assert truth[[*tasks.OF_SET]].abs().max(axis=None) < 3e3
         assert (truth[[*tasks.SIGMAS]] > 1.0).all(axis=None)
         page = " ".join(Path("mine.html").read_text().split())
-        assert f"these sets {off['set_r']:.0f} m off it radially" in page
+        assert f"such a set is {off['set_r']:.0f} m off it radially" in page
         assert [path.read_bytes() for path in recipes.read("month.yaml").source.fetch()] == [content]
         assert server.asked() == ["/sets.tle"]
         for answer, told in (
