@@ -232,6 +232,10 @@ def test_the_paper_s_numbers_are_those_of_the_pages(improved):
     assert f"{ours} m (radial, along-track, cross-track), SGP4's is {sgp4} m" in text
     week, low, high = improved["summer"][-1]
     assert f"to {week} % (95 % interval {low} to {high}) in the summer of 2026" in text
+    readme = (
+        f"**{week} %** as far off along the track as SGP4's (95 % interval {low} to {high}), at solar minimum"
+    )
+    assert f"{readme} {improved['solar'][-1][0]} %" in sentences("README")
     assert f"to {improved['solar'][-1][0]} % at solar minimum" in text
     three = {cells[1]: cells for cells in rows("docs/beyond", "## Results") if cells[0] == "3"}
     random, grouped, _, unseen = (cell.split()[0] for cell in three["`svr`"][2:])
