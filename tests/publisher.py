@@ -8,6 +8,7 @@ from support import EPOCH
 from opml.base.constants import DAY, HOUR
 from opml.element_sets.inside import inside_forces, orbit_inside
 from opml.interop.element_sets import element_fits, element_set
+from opml.interop.element_sets.burns_in_sets import KnownSet
 
 HALF = 48.0 * HOUR
 BALLISTIC, SUNLIT = 0.02, 0.03
@@ -32,10 +33,8 @@ def true_orbit(forces):
 def begun(forces, satellite, *, day, ballistic=0.01, reflection=SUNLIT):
     """Where the orbit of a set begins to be sought, under the weather of the truth."""
     t = forces.time(EPOCH) + DAY * day
-    known = t + 30.0 * DAY
-    return orbit_inside.begin_at(
-        satellite, forces.epoch, set_epoch=t, known=known, ballistic=ballistic, reflection=reflection
-    )
+    known = KnownSet(t, t + 30.0 * DAY, satellite)
+    return orbit_inside.begin_at(known, forces.epoch, ballistic, reflection)
 
 
 def burned(forces, truth, *, day, speed):

@@ -22,6 +22,8 @@ from opml.element_sets import catalogue as catalogues
 from opml.element_sets import corrector, density, features, set_errors, weighting
 from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day
 from opml.element_sets.density import Densities, LearnedAir
+from opml.element_sets.features import APART, BANDS
+from opml.element_sets.set_errors import LEADS
 from opml.element_sets.training import FIRST_DAY, HOUR_OF_MORNING
 from opml.element_sets.weighting import PAST
 from opml.environment import known_weather
@@ -31,6 +33,8 @@ from opml.interop.element_sets import mean_elements
 from opml.interop.element_sets.element_set import seconds_since
 from opml.interop.ephemeris import EPOCH
 from opml.learning.judge.metrics import p_ml
+from opml.learning.models import svr
+from opml.learning.models.training_inputs import Training
 from opml.orbits.elements import bent_rsw
 from opml.tables import SCHEMAS, STATE, read_table
 
@@ -83,7 +87,6 @@ SEASONS = {
     "summer24h": Season.of("payloads", *_SUMMER, hours=24.0),
 }
 
-LEARNERS = ("trees", "svr")
 SEED = 42
 SET, ORBIT = "set", "orbit"  # what judges: a later set, or the orbit inside it
 ALL = -1  # number of the band that stands for all of them
@@ -91,6 +94,10 @@ ALL = -1  # number of the band that stands for all of them
 _SETS_BEFORE = 30.0  # days of sets before the first morning, for the levels of drag
 _SETS_AFTER = 10.0  # days of sets after the last morning, which judge
 _MODELS = ("scaled", "learned", "improved")
+_SVR = svr.SvrSettings(
+    kind=svr.KIND, kernel_scale=float(np.sqrt(2.0 * len(APART))), c=1.0, epsilon=0.1, tol=1e-3
+)
+_SVR_ROWS, _SVR_CLIP = 8000, 5.0
 _INTERVAL = (2.5, 97.5)
 
 
@@ -153,11 +160,47 @@ def residuals(
     training = teachers[half_of(teachers["number"].to_numpy(), seed=seed) == 0]
     is_outside = (training["judged"] <= season.test[0]) | (training["morning"] > season.test[1])
     lessons = training[_within(training, season.train) & is_outside]
-    trained = corrector.fit(lessons.assign(is_fit=True), learner, seed=seed)
+    trained = corrector.fit(lessons.assign(is_fit=True), seed=seed, **LEARNERS[learner])
     judges = ~table["number"].isin(training["number"].unique()) & _within(table, season.needed)
     judged = table[judges].reset_index(drop=True).assign(is_fit=True)
     left = _left(judged, weighting.candidates(judged, {learner: trained}, corrector.jumps(judged)), learner)
     return left[_within(left, season.test) & np.isfinite(left["error"])]
+
+
+@dataclass(frozen=True, eq=False)
+class ClippedSvr:
+    """A support vector regression of variables that are held within some deviations of those it has seen."""
+
+    model: svr.SvrModel
+
+    @property
+    def variables(self) -> tuple[str, ...]:
+        """Its variables."""
+        return self.model.variables
+
+    def predict(self, x: np.ndarray) -> np.ndarray:
+        """Return the predictions of rows x."""
+        reach = _SVR_CLIP * self.model.x_scale
+        return self.model.predict(np.clip(x, self.model.x_mean - reach, self.model.x_mean + reach))
+
+
+def fit_svr(rows: pd.DataFrame, seed: int) -> ClippedSvr:
+    """Return the paper's regression (Peng & Bai 2018) of a sample of the rows."""
+    sample = corrector.drawn_rows(rows, _SVR_ROWS, seed)
+    x = sample[list(APART)].to_numpy()
+    mean, scale = x.mean(axis=0), x.std(axis=0)
+    x = np.clip(x, mean - _SVR_CLIP * scale, mean + _SVR_CLIP * scale)
+    return ClippedSvr(svr.fit(Training(x, sample["target"].to_numpy(), APART, seed), _SVR))
+
+
+LEARNERS = {
+    "trees": {},
+    "svr": {
+        "parts": [((band,), (lead,)) for band in range(len(BANDS) - 1) for lead in LEADS],
+        "learn": fit_svr,
+    },
+}
+"""What `corrector.fit` takes for each learner: the paper's has a model for each band and lead."""
 
 
 def half_of(numbers: np.ndarray, *, seed: int) -> np.ndarray:

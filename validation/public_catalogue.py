@@ -99,7 +99,7 @@ def _alike(predictions: Sequence[Prediction], judges: ElementCatalogue) -> tuple
     for row, one in enumerate(predictions):
         if isinstance(one.inside, OrbitInside):
             now = one.inside.now
-            spans[row] = now.span.before, now.span.after
+            spans[row] = now.calibration.span.before, now.calibration.span.after
             reflection[row] = now.orbit.reflection(now.numbers)
     return spans, reflection
 
@@ -133,7 +133,7 @@ def _row(prediction: Prediction, judge, inside: np.ndarray) -> dict[str, object]
         "days": t[0] / DAY,
         "why": "" if isinstance(prediction.inside, OrbitInside) else prediction.inside,
         "judge": "orbit" if by_orbit else "set",
-        "span": prediction.inside.now.span.before if by_orbit else np.nan,
+        "span": prediction.inside.now.calibration.span.before if by_orbit else np.nan,
     } | {
         f"{name}{axis}": value for name, own in values.items() for axis, value in zip(_AXES, own, strict=True)
     }

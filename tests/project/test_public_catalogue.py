@@ -24,7 +24,8 @@ from validation import public_catalogue, true_errors
 DATE = "2016-01-05T06:00:00"
 AHEAD = 300.0  # of the orbits inside along the track [m]
 ORBIT = SimpleNamespace(reflection=lambda numbers: 0.03)
-INSIDE = OrbitInside(None, SimpleNamespace(span=FitSpan(HOUR, 0.0), orbit=ORBIT, numbers=None), False)
+CALIBRATION = SimpleNamespace(span=FitSpan(HOUR, 0.0))
+INSIDE = OrbitInside(None, SimpleNamespace(calibration=CALIBRATION, orbit=ORBIT, numbers=None), None, False)
 
 
 @pytest.fixture(scope="module")

@@ -6,8 +6,7 @@ radially and across from what sets usually err by.
 """
 
 import json
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator
 from pathlib import Path
 from time import process_time
 
@@ -28,74 +27,22 @@ from opml.element_sets import trained_model as models
 from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day
 from opml.element_sets.prediction import PublicMorning
 from opml.element_sets.trained_model import CatalogueModel
-from opml.element_sets.weighting import DENSITY, UNCHANGED, Candidates
+from opml.element_sets.weighting import DENSITY, UNCHANGED
 from opml.interop.element_sets import known_sets, mean_elements, sgp4_errors
 from opml.interop.element_sets.element_set import changed, seconds_since
 from opml.interop.predicted_orbit import LEADS
 from opml.orbits.elements import rsw_rotation
 
-_UNLEARNED = (UNCHANGED, DENSITY)
 _MORNINGS = 20
 """Mornings before t that are replayed; the weather and the histories of frozen tasks reach for few more."""
 
 _UPPER = np.triu_indices(3)
 
 
-@dataclass(frozen=True, eq=False)
-class Morning:
-    """Inputs of a baseline."""
-
-    known: improve.PublicData
-    model: CatalogueModel
-    rows: pd.DataFrame  # of `improve.replayed`, of t and the mornings before
-    is_now: np.ndarray  # which rows are of t
-
-
-Correction = Callable[[Morning], pd.DataFrame]
-"""Returns correction and sigma [m] of the rows of a morning, NaN where nothing is known."""
-
-
-def _by_past(morning: Morning, correction: pd.Series) -> pd.DataFrame:
-    """Return corrections with sigmas that held the errors of their lead on the mornings before, in scales."""
-    rows = morning.rows
-    off = ((rows["error"] - correction).abs() / rows["scale"]).where(rows["is_fit"] & ~morning.is_now)
-    size = off.groupby(rows["lead"]).quantile(corrector.LEVEL) / corrector.NORMAL
-    return pd.DataFrame({"correction": correction, "sigma": rows["lead"].map(size) * rows["scale"]})
-
-
-def _pretrained(morning: Morning) -> pd.DataFrame:
-    """Correct by the model alone, by the populations that left least of an object's own predictions."""
-    tried = _candidates(morning).items()
-    return _by_weight(morning, {name: one for name, one in tried if name not in _UNLEARNED})
-
-
-def _candidates(morning: Morning) -> Candidates:
-    return weighting.candidates(morning.rows, morning.model.correctors, corrector.jumps(morning.rows))
-
-
-def _by_weight(morning: Morning, tried: Candidates) -> pd.DataFrame:
-    """Correct by the candidates, weighted by objects' pasts, where nothing speaks against it."""
-    rows, catalogue = morning.rows, morning.known.catalogue
-    newest = improve.newest_sets(catalogue)
-    today = modified_julian_day(morning.known.date)
-    why = improve.reasons(catalogue, newest, rows, date=today)
-    weights = improve.where_usable(weighting.weights(rows, tried), why)
-    correction = weighting.combined(rows, tried, weighting.of_objects(weights, rows))
-    return correction[["correction", "sigma"]].reindex(rows.index)
-
-
-CORRECTIONS: Mapping[str, Correction] = {
-    "sgp4": lambda morning: _by_past(morning, 0.0 * morning.rows["density"]),
-    "density": lambda morning: _by_past(morning, morning.rows["density"]),
-    # As `opml improve` does: by what left least of an object's own predictions.
-    "improve": lambda morning: _by_weight(morning, _candidates(morning)),
-    "learned": _pretrained,
-}
-"""Corrections of the newest sets, by name."""
-
 PREDICT = "predict"  # the baseline of `opml predict`
+IMPROVE, LEARNED = "improve", "learned"  # as `opml improve` does; by the model alone
 
-BASELINES = (PREDICT, *CORRECTIONS)
+BASELINES = (PREDICT, "sgp4", DENSITY, IMPROVE, LEARNED)
 
 
 def _check_written(path: FilePath, task: BenchmarkTask, trained: FilePath | None) -> None:
@@ -174,11 +121,7 @@ def _answers(
     folder = task.inputs(t)
     weather = str(folder / "weather.csv")
     known = improve.read([folder / "sets.tle"], date=t, weather=weather, latency=task.latency)
-    today = modified_julian_day(t)
-    rows = improve.replayed(known, model, np.arange(-_MORNINGS, 1) + today)
-    morning = Morning(known, model, rows, (rows["morning"] == today).to_numpy())
-    correction = CORRECTIONS[baseline](morning)
-    now = rows.loc[morning.is_now, ["number", "lead", "tau", "response"]].join(correction)
+    now = _corrections(known, model, baseline)
     newest = improve.newest_sets(known.catalogue)
     satellites = _corrected(known.catalogue, newest, now)
     sigmas = now.set_index(["number", "lead"])["sigma"].to_dict()
@@ -186,6 +129,30 @@ def _answers(
         [str(number), t, when, "GCRF", *_state(satellites[number], when, sigmas.get((number, lead)))]
         for number, _, lead, when in questions[[*tasks.QUESTION]].itertuples(index=False)
     ]
+
+
+def _corrections(known: improve.PublicData, model: CatalogueModel, baseline: str) -> pd.DataFrame:
+    """Return the rows of `improve.replayed` on the date, with correction and sigma [m], NaN where unknown."""
+    today = modified_julian_day(known.date)
+    rows = improve.replayed(known, model, np.arange(-_MORNINGS, 1) + today)
+    is_now = rows["morning"] == today
+    if baseline in (IMPROVE, LEARNED):
+        tried = weighting.candidates(rows, model.correctors, corrector.jumps(rows))
+        if baseline == LEARNED:
+            tried = {name: one for name, one in tried.items() if name not in (UNCHANGED, DENSITY)}
+        # The candidates count by the object's past, where nothing speaks against it.
+        why = improve.reasons(known.catalogue, improve.newest_sets(known.catalogue), rows, date=today)
+        weights = improve.where_usable(weighting.weights(rows, tried), why)
+        combined = weighting.combined(rows, tried, weighting.of_objects(weights, rows))
+    else:
+        correction = rows["density"] * float(baseline == DENSITY)
+        # Sigmas held the errors of their lead on the mornings before, in scales.
+        off = ((rows["error"] - correction).abs() / rows["scale"]).where(rows["is_fit"] & ~is_now)
+        size = off.groupby(rows["lead"]).quantile(corrector.LEVEL) / corrector.NORMAL
+        sigma = rows["lead"].map(size) * rows["scale"]
+        combined = pd.DataFrame({"correction": correction, "sigma": sigma})
+    columns = ["number", "lead", "tau", "response"]
+    return rows.loc[is_now, columns].join(combined[["correction", "sigma"]])
 
 
 def _corrected(catalogue: ElementCatalogue, newest: pd.DataFrame, now: pd.DataFrame) -> dict[int, Satrec]:

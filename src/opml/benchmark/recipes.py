@@ -14,13 +14,12 @@ import pandas as pd
 
 from opml.base.errors import InputError
 from opml.base.files import FilePath, replacing_folder
-from opml.base.section import Section
 from opml.base.seeds import derive
-from opml.base.setting_types import Count, NotNegative, Text
+from opml.base.setting_types import Count, NotNegative
 from opml.base.yaml_files import read_yaml
 from opml.benchmark import set_truths, task_folders, tasks, track_recipes
 from opml.benchmark.set_truths import Judge
-from opml.benchmark.task_folders import Content, Folders, Question, utc_text
+from opml.benchmark.task_folders import Folders, Question, TaskRecipe, utc_text
 from opml.benchmark.track_recipes import TrackRecipe
 from opml.element_sets import catalogue as catalogues
 from opml.element_sets import set_errors
@@ -28,7 +27,6 @@ from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day
 from opml.element_sets.training import HOUR_OF_MORNING
 from opml.environment import known_weather
 from opml.environment.solar_activity import OBSERVED
-from opml.fetch.pinned_files import PinnedFiles
 from opml.interop import ccsds
 from opml.interop.element_sets import mean_elements, tle
 from opml.interop.element_sets.element_set import seconds_since
@@ -37,23 +35,14 @@ from opml.interop.orbit_arcs import contents
 _TLE = 2  # lines
 
 
-class Recipe(Section):
-    """A recipe of a task.
+class Recipe(TaskRecipe):
+    """A recipe of element sets; first, last: dates of the mornings that ask, one every so many days."""
 
-    first, last: dates of the mornings that ask, one every so many days
-    source: files that it is made from, None: the user's own
-    """
-
-    name: Text
-    title: Text
     first: date
     last: date
     every_days: Count
     groups: Count  # of objects, each in turn
-    history_days: Count  # days of sets before a morning
-    latency_hours: NotNegative = 6.0  # from epoch to publication of sets without a creation date
-    digest: str = ""  # of questions and inputs, as `task_folders` has it, '' before the task is frozen
-    source: PinnedFiles | None = None
+    latency_hours: NotNegative = 6.0
 
     @property
     def mornings(self) -> np.ndarray:
@@ -114,8 +103,7 @@ def make(
     def fill(t: str, place: Path) -> None:
         _write_sets(place / "sets.tle", recipe, catalogue, mornings[t])
 
-    facts = recipe.name, recipe.title, recipe.latency_hours, recipe.digest
-    return task_folders.freeze(Content(*facts, questions, truth, fill), weather, folders)
+    return task_folders.freeze(recipe, questions, truth, fill, weather, folders)
 
 
 def make_truth(folders: Folders, sets: Iterable[FilePath]) -> int:

@@ -14,6 +14,8 @@ import pandas as pd
 from opml.base import epochs
 from opml.base.errors import InputError
 from opml.base.files import FilePath, replacing_folder
+from opml.base.section import Section
+from opml.base.setting_types import Count, NotNegative, Text
 from opml.benchmark import tasks
 from opml.element_sets.catalogue import modified_julian_day
 from opml.element_sets.improve import OLDEST_WEATHER, check_newest
@@ -21,6 +23,7 @@ from opml.environment import known_weather
 from opml.environment.nrlmsis import ap_of_kp
 from opml.environment.space_weather import INTERVALS, KP
 from opml.environment.weather import MEAN_DAYS, Weather
+from opml.fetch.pinned_files import PinnedFiles
 
 _WEATHER_DAYS = 200
 _WEEK = 7  # days after t whose storms count
@@ -55,32 +58,39 @@ class Folders:
 Question = tuple[int, str, int, str]  # object, t, lead [d] and time, the times as UTC texts
 
 
-@dataclass(frozen=True, eq=False)
-class Content:
-    """A task: its questions, and their inputs.
+class TaskRecipe(Section):
+    """A recipe of a task: what all kinds have.
 
-    digest: of questions and inputs, '' before it is frozen
-    truth: columns of tasks.TRUE of the questions; no rows: it is made later
+    digest: of questions and inputs, '' before the task is frozen; source: files that it is made from, None:
+    the user's own
     """
 
-    name: str
-    title: str
-    latency_hours: float
-    digest: str
-    questions: Sequence[Question]
-    truth: pd.DataFrame
-    fill: Callable[[str, Path], None]  # writes the orbits that were known at t into the folder of its inputs
+    name: Text
+    title: Text
+    history_days: Count  # days of inputs before a morning
+    latency_hours: NotNegative = 0.0  # from epoch to publication of sets without a creation date
+    digest: str = ""
+    source: PinnedFiles | None = None
 
 
-def freeze(content: Content, weather: str | Path, folders: Folders) -> int:
+def freeze(
+    recipe: TaskRecipe,
+    questions: Sequence[Question],
+    truth: pd.DataFrame,
+    fill: Callable[[str, Path], None],
+    weather: str | Path,
+    folders: Folders,
+) -> int:
     """Write the folders of a task and of its truth; return the number of questions.
 
+    truth: columns of tasks.TRUE of the questions; no rows: it is made later
+    fill: writes the orbits that were known at t into the folder of its inputs
     weather: OBSERVED, the packaged weather, or a CSSI file
 
     Raises InputError for unreadable weather, one that ends before a morning, and a task that is not the
     frozen one.
     """
-    measured, questions = known_weather.read(weather), content.questions
+    measured = known_weather.read(weather)
     with ExitStack() as stack:
         new = stack.enter_context(replacing_folder(folders.task))
         tasks.write_csv(new / tasks.QUESTIONS, tasks.QUESTION, questions)
@@ -88,26 +98,31 @@ def freeze(content: Content, weather: str | Path, folders: Folders) -> int:
         for t in times:
             place = new / tasks.INPUTS / tasks.folder_name(t)
             place.mkdir(parents=True)
-            content.fill(t, place)
+            fill(t, place)
             newest = measured.keep_known(modified_julian_day(t))
             check_newest(newest, weather, date=t, oldest=OLDEST_WEATHER)
             _write_weather(place / "weather.csv", newest)
         digest = tasks.HIDDEN
-        if len(content.truth):
-            truth = stack.enter_context(replacing_folder(folders.truth))
-            digest = write_truth(truth, questions, content.truth, measured)
-        _write_task(new, content, digest)
-        digest_now = _digest_of_inputs(new)
-        if content.digest not in ("", digest_now):
-            expected = f"digest: expected {content.digest}, got {digest_now}: other sources"
-            raise InputError(f"{content.name}: {expected}")
+        if len(truth):
+            place = stack.enter_context(replacing_folder(folders.truth))
+            digest = write_truth(place, questions, truth, measured)
+        facts = {
+            "format": tasks.FORMAT,
+            "name": recipe.name,
+            "title": recipe.title,
+            "latency_hours": recipe.latency_hours,
+            "truth_sha256": digest,
+        }
+        (new / tasks.TASK).write_text(json.dumps(facts, indent=1) + "\n", encoding="utf-8")
+        sums = tasks.sums_of(new)
+        (new / tasks.SUMS).write_text("\n".join(sums) + "\n", encoding="utf-8")
+        # Of questions and inputs alone: truths of versions may differ by a metre.
+        inputs = "\n".join(line for line in sums if not line.endswith(f"  {tasks.TASK}"))
+        digest_now = hashlib.sha256(inputs.encode()).hexdigest()
+        if recipe.digest not in ("", digest_now):
+            expected = f"digest: expected {recipe.digest}, got {digest_now}: other sources"
+            raise InputError(f"{recipe.name}: {expected}")
     return len(questions)
-
-
-def _digest_of_inputs(folder: Path) -> str:
-    """Return the SHA-256 of the sums of questions and inputs: truths of versions may differ by a metre."""
-    sums = [line for line in tasks.sums_of(folder) if not line.endswith(f"  {tasks.TASK}")]
-    return hashlib.sha256("\n".join(sums).encode()).hexdigest()
 
 
 def check_free(folder: Path, name: str) -> None:
@@ -150,19 +165,6 @@ def _rounded(numbers: np.ndarray) -> list[str]:
     """
     digits = [4] * 3 + [7] * 3 if len(numbers) == len(tasks.STATE) else [0] * 3 + [3] * 3 + [0] * 6
     return [f"{value:.{count}f}" for value, count in zip(numbers, digits, strict=True)]
-
-
-def _write_task(folder: Path, content: Content, truth_digest: str) -> None:
-    values = {
-        "format": tasks.FORMAT,
-        "name": content.name,
-        "title": content.title,
-        "latency_hours": content.latency_hours,
-        "truth_sha256": truth_digest,
-    }
-    (folder / tasks.TASK).write_text(json.dumps(values, indent=1) + "\n", encoding="utf-8")
-    sums = "\n".join(tasks.sums_of(folder)) + "\n"
-    (folder / tasks.SUMS).write_text(sums, encoding="utf-8")
 
 
 def _write_weather(path: Path, known: Weather) -> None:

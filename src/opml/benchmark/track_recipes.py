@@ -19,12 +19,11 @@ from opml.base.files import FilePath, project_file
 from opml.base.section import Section
 from opml.base.setting_types import Count, NotNegative, Positive, Text
 from opml.benchmark import task_folders, tasks
-from opml.benchmark.task_folders import Content, Folders, Question, utc_text
+from opml.benchmark.task_folders import Folders, Question, TaskRecipe, utc_text
 from opml.catalog.simulate import tracking
 from opml.element_sets.catalogue import modified_julian_day
 from opml.element_sets.set_errors import LEADS
 from opml.environment import earth_orientation, nodes
-from opml.fetch.pinned_files import PinnedFiles
 from opml.interop import tdm, truth_from_orbit
 from opml.interop.orbit_from_files import OrbitFiles
 from opml.orbits.sheets import read_stations
@@ -53,16 +52,11 @@ class ObservedObject(Section):
         return [utc_text(modified_julian_day(self.first) + self.every_days * k) for k in range(self.mornings)]
 
 
-class TrackRecipe(Section):
-    """A recipe of a task of tracks; seed: of the noise; digest, source: as of a recipe of element sets."""
+class TrackRecipe(TaskRecipe):
+    """A recipe of a task of tracks; seed: of the noise."""
 
-    name: Text
-    title: Text
-    history_days: Count
     seed: int
     objects: dict[int, ObservedObject]
-    digest: str = ""
-    source: PinnedFiles | None = None
 
 
 def make(recipe: TrackRecipe, orbits: Iterable[FilePath], folders: Folders, weather: str | Path) -> int:
@@ -100,11 +94,9 @@ def make(recipe: TrackRecipe, orbits: Iterable[FilePath], folders: Folders, weat
         (place / "stations.tsv").write_bytes(project_file(_SHEET).read_bytes())
         _write_orientation(place / "earth_orientation.csv", t, recipe.history_days)
 
-    facts = recipe.name, recipe.title, 0.0, recipe.digest
     order = sorted(range(len(questions)), key=lambda k: (questions[k][1], questions[k][0], questions[k][2]))
     truth = pd.DataFrame([states[k] for k in order], columns=[*tasks.STATE])
-    content = Content(*facts, [questions[k] for k in order], truth, fill)
-    return task_folders.freeze(content, weather, folders)
+    return task_folders.freeze(recipe, [questions[k] for k in order], truth, fill, weather, folders)
 
 
 def _measured(

@@ -5,13 +5,12 @@ opml screen catalogue.tle --days 7 --within 1
 
 import logging
 from collections.abc import Iterator
-from functools import partial
 
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.conjunctions import sieve
 from opml.conjunctions.conjunction import Conjunction, check_length, check_radius
-from opml.conjunctions.screening import approaches_of, object_of_elements
+from opml.conjunctions.screening import approaches_of
 from opml.conjunctions.trajectories import read_elements, span_of_days
 
 _REACH = 300.0  # time before and after a look in which two objects that may be near are propagated [s]
@@ -41,14 +40,13 @@ def screen(path: FilePath, *, days: float, within: float, radius: float) -> Iter
     orbits = [(one.known_set, life) for one, life in living]
     for begin, end, pairs in sieve.near_pairs(orbits, elements[0].span, within):
         reach = begin - _REACH, end + _REACH
-        both = (
-            [object_of_elements(living[k][0], partial(living[k][0].during, reach)) for k in pair]
-            for pair in pairs
-        )
+        both = ((living[k][0], living[n][0]) for k, n in pairs)
         near = [
             conjunction
             for one, other in both
-            for conjunction in approaches_of(one, other, within, radius)
+            for conjunction in approaches_of(
+                (one, other), (one.during(reach), other.during(reach)), within, radius
+            )
             if begin <= conjunction.t < end
         ]
         yield from sorted(near, key=lambda conjunction: conjunction.t)

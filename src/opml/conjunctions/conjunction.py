@@ -168,10 +168,6 @@ class Conjunction:
         return "2D-Nc" if self._may_bend else "2D-Pc"
 
     @property
-    def _period(self) -> float:
-        return min(self.first.period, self.second.period)
-
-    @property
     def _may_bend(self) -> bool:
         """Whether paths that bend can be reckoned with: of ellipses, and with errors of velocities."""
         pair = (self.first, self.second)
@@ -184,7 +180,7 @@ class Conjunction:
             return chance(self.likeliest)
         if self.encounter is None or not self._may_bend:
             return None
-        return long_encounter.chance(self._pair, self._period)
+        return long_encounter.chance(self._pair, min(self.first.period, self.second.period))
 
     @property
     def _pair(self) -> UncertainPairs:

@@ -1,7 +1,7 @@
-"""Trajectories of objects with their covariances: by states in messages, or by mean elements."""
+"""Objects that are screened, and their trajectories with covariances: by states, or by mean elements."""
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path as File
 
@@ -11,11 +11,12 @@ from opml.base.constants import DAY, WGS84_A
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.conjunctions import approaches
+from opml.conjunctions.conjunction import Participant, remarks_on
 from opml.conjunctions.sieve import STEEP, Looks, Span, states_in_teme
 from opml.interop.element_sets import known_sets, mean_elements, sgp4_errors
 from opml.interop.element_sets.burns_in_sets import KnownSet
 from opml.interop.element_sets.element_set import ElementSet
-from opml.interop.element_sets.mean_elements import MOST_DAYS
+from opml.interop.element_sets.mean_elements import MOST_DAYS, WARN_DAYS
 from opml.interop.ephemeris import EPOCH, Ephemeris, velocities_of, with_velocities
 from opml.interop.object_ids import ObjectId
 from opml.orbits.state_polynomials import FEWEST
@@ -46,18 +47,76 @@ def span_of_days(path: FilePath, days: float) -> Span:
 
 
 @dataclass(frozen=True, eq=False)
-class PropagatedElements:
-    """Mean elements that SGP4 propagates."""
+class ScreenedObject:
+    """An object of a file.
 
-    identity: ObjectId  # of the object
-    known_set: KnownSet  # times since EPOCH
+    known: when the newest was known that it is made from [s]; states: in the order of the file
+    """
+
+    identity: ObjectId
     source: str  # name of the file
-    span: Span  # in which the object is looked for [s]
+    known: float
+    states: Sequence[Ephemeris] = ()
 
     @property
-    def time_known(self) -> float:
-        """When the elements were known [s]."""
-        return max(self.known_set.t, self.known_set.made)
+    def trajectories(self) -> Sequence[Ephemeris]:
+        """Trajectories of the object."""
+        return self.states
+
+    @property
+    def epoch(self) -> float | None:
+        """Epoch of mean elements [s]; None for states."""
+        return None
+
+    def may_meet(self, looks: Sequence[Looks], within: float) -> bool:
+        """Return whether the object may come within a distance [m] of ours; looks: at ours."""
+        return True
+
+    def participant(self, trajectory: Ephemeris, t: float) -> Participant:
+        """Return the object at a time [s] of one of its trajectories."""
+        matrix, name, remarks = trajectory.covariances_at(np.array([t]))[0], self.identity.name, []
+        covariance = matrix if np.isfinite(matrix).all() else None
+        if covariance is None and len(trajectory.covariance_t):
+            remarks.append(f"covariances of {name} are of other times")
+        if covariance is not None and trajectory.remark:
+            remarks.append(f"covariance of {name} {trajectory.remark}")
+        remarks += remarks_on(name, covariance)
+        if self.epoch is not None and abs(days := (t - self.epoch) / DAY) > WARN_DAYS:
+            remarks.append(f"elements of {name} {abs(days):.0f} d {'old' if days > 0 else 'ahead'}")
+        density = trajectory.density.at(t) if trajectory.density and covariance is not None else None
+        state = trajectory.at(np.array([t]))[0]
+        return Participant(self.identity, state, covariance, tuple(remarks), density)
+
+    def unknown(self, wanted: Sequence[Span]) -> list[Span]:
+        """Return those parts of spans, longer than a minute, that no trajectory covers."""
+        gaps = []
+        for reached, end in wanted:
+            for begin, until in [*sorted(one.span for one in self.trajectories), (np.inf, np.inf)]:
+                gaps.append((reached, min(begin, end)))
+                reached = max(reached, until)
+        return [(begin, end) for begin, end in gaps if end - begin > approaches.STEP]
+
+
+@dataclass(frozen=True, eq=False)
+class ScreenedElements(ScreenedObject):
+    """Mean elements, which SGP4 propagates, or whatever `propagate` is.
+
+    propagate: returns trajectories, none where the object has decayed, or its elements are too old
+    """
+
+    known_set: KnownSet = field(kw_only=True)  # times since EPOCH
+    span: Span = field(kw_only=True)  # in which the object is looked for [s]
+    propagate: Callable[["ScreenedElements"], Sequence[Ephemeris]] = field(kw_only=True)
+
+    @cached_property
+    def trajectories(self) -> Sequence[Ephemeris]:
+        """Trajectories of the object, propagated at first use."""
+        return self.propagate(self)
+
+    @property
+    def epoch(self) -> float:
+        """Epoch of the elements [s]."""
+        return self.known_set.t
 
     @cached_property
     def life(self) -> Span | None:
@@ -65,7 +124,7 @@ class PropagatedElements:
 
         SGP4 may go on after a failure or below the ground, for an object that has decayed.
         """
-        epoch, most = self.known_set.t, DAY * MOST_DAYS
+        epoch, most = self.epoch, DAY * MOST_DAYS
         begin, end = max(self.span[0], epoch - most), min(self.span[1] + approaches.STEP, epoch + most)
         t = np.arange(min(begin, epoch), max(end, epoch), approaches.STEP)
         heights, before = (
@@ -79,14 +138,11 @@ class PropagatedElements:
         return (t[0], t[-1]) if len(t) else None
 
     def may_meet(self, looks: Sequence[Looks], within: float) -> bool:
-        """Return whether the object may come within a distance [m] of ours, or is unknown at times.
-
-        looks: at ours
-        """
-        oldest = max(float(np.abs(one.t[[0, -1]] - self.known_set.t).max()) for one in looks)
+        """Return whether the object may come within a distance [m] of ours, or is unknown at times."""
+        oldest = max(float(np.abs(one.t[[0, -1]] - self.epoch).max()) for one in looks)
         return oldest > DAY * MOST_DAYS or any(one.may_meet(self.known_set, within) for one in looks)
 
-    def trajectories(self) -> list[Ephemeris]:
+    def by_sgp4(self) -> list[Ephemeris]:
         """Return the trajectory through all states of the life, none where these are too few."""
         if self.life is None:
             return []
@@ -101,42 +157,31 @@ class PropagatedElements:
         return self._through(np.linspace(begin, end, int(np.ceil((end - begin) / approaches.STEP)) + 1))
 
     def _through(self, t: np.ndarray) -> list[Ephemeris]:
+        """Return the trajectory through times (n,) [s], with the covariances that sets of such orbits usually
+        have, or none.
+        """
         if len(t) < FEWEST:
             return []
-        states = mean_elements.states(self.known_set.satellite, epoch=EPOCH, t=t)
-        path = Ephemeris(self.identity.name, t, _led(t, states))
-        path.check()
-        return [self._with_usual_errors(path)]
-
-    def _with_usual_errors(self, path: Ephemeris) -> Ephemeris:
-        """Return the trajectory with the covariances that sets of such orbits usually have, or none."""
         satellite = self.known_set.satellite
-        days = (path.t - self.known_set.t) / DAY
+        states = mean_elements.states(satellite, epoch=EPOCH, t=t)
+        if np.linalg.norm(states[:, :3], axis=1).min() <= 1e3 * STEEP:
+            # In a steep descent SGP4's velocities do not lead from one position to the next.
+            states = np.hstack([states[:, :3], velocities_of(t, states[:, :3])])
+        path = Ephemeris(self.identity.name, t, states)
+        path.check()
+        days = (t - self.epoch) / DAY
         rows = np.flatnonzero(np.abs(days) <= sgp4_errors.LONGEST)[::_SPARSE]
         if not (len(rows) and sgp4_errors.are_known(satellite)):
-            return path
-        t, states, days = path.t[rows], path.states[rows], np.abs(days[rows])
+            return [path]
+        t, states, days = t[rows], states[rows], np.abs(days[rows])
         sigmas = sgp4_errors.expected(satellite, days)
         density = sgp4_errors.density_errors(satellite, t, states, days, sigmas)
         covariances = sgp4_errors.covariances(sigmas, states)
-        return replace(
-            path,
-            covariance_t=t,
-            covariances=covariances,
-            covariance_frame="RSW",
-            density=density,
-            remark=USUAL,
-        )
+        covered = replace(path, covariance_t=t, covariances=covariances, covariance_frame="RSW")
+        return [replace(covered, density=density, remark=USUAL)]
 
 
-def _led(t: np.ndarray, states: np.ndarray) -> np.ndarray:
-    """Return states whose velocities lead from one to the next: in a steep descent those of SGP4 do not."""
-    if np.linalg.norm(states[:, :3], axis=1).min() > 1e3 * STEEP:
-        return states
-    return np.hstack([states[:, :3], velocities_of(t, states[:, :3])])
-
-
-def read_elements(paths: Sequence[FilePath], span: Span) -> list[PropagatedElements]:
+def read_elements(paths: Sequence[FilePath], span: Span) -> list[ScreenedElements]:
     """Return the mean elements of each object in files that are propagated over a span.
 
     They are the newest that were known before the middle of the span, else the first.
@@ -146,7 +191,17 @@ def read_elements(paths: Sequence[FilePath], span: Span) -> list[PropagatedEleme
     for newest, history in _histories(paths):
         past = [one for one in history if max(one.t, one.made) <= middle]
         chosen, source = (past or history[:1])[-1], File(newest.path).name
-        elements.append(PropagatedElements(known_sets.identity(newest), chosen, source, span))
+        known = max(chosen.t, chosen.made)
+        elements.append(
+            ScreenedElements(
+                known_sets.identity(newest),
+                source,
+                known,
+                known_set=chosen,
+                span=span,
+                propagate=ScreenedElements.by_sgp4,
+            )
+        )
     return elements
 
 

@@ -1,12 +1,11 @@
 """The corrector: what a catalogue teaches of what is left of a density-scaled prediction along the track.
 
-Two learners stand side by side. `trees` is gradient boosting with absolute loss, for three groups of bands,
-all leads together. `svr` is the paper's support vector regression (Peng & Bai 2018), for each band and lead.
-How much of either is believed, and how large what it leaves may be, comes from objects and weeks held out.
+It is gradient boosting with absolute loss, for three groups of bands, all leads together. How much of it is
+believed, and how large what it leaves may be, comes from objects and weeks held out.
 """
 
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from multiprocessing import get_context
@@ -17,28 +16,25 @@ from threadpoolctl import threadpool_limits
 
 from opml.base.errors import InputError
 from opml.base.seeds import derive
-from opml.element_sets.features import APART, BANDS, FEATURES
+from opml.element_sets.features import BANDS, FEATURES
 from opml.element_sets.set_errors import LEADS
-from opml.learning.models import boosting, svr
+from opml.learning.models import boosting
 from opml.learning.models.boosting import BoostingModel
 from opml.learning.models.contract import Predictor
-from opml.learning.models.training_inputs import Training, subsample
+from opml.learning.models.training_inputs import subsample
 
 LEVEL = 0.9  # share of the errors that the learned size holds
 FEWEST = 2000  # rows below which nothing is learned for a part of the catalogue
 NORMAL = 1.6449  # standard deviations within which LEVEL of normal errors lie
 
-_ALL_BANDS = tuple(range(len(BANDS) - 1))
-_GROUPS = (_ALL_BANDS[:4], _ALL_BANDS[4:5], _ALL_BANDS[5:])
+Parts = Sequence[tuple[tuple[int, ...], tuple[int, ...]]]  # bands and leads that are learned together
+
+PARTS: Parts = tuple((bands, LEADS) for bands in ((0, 1, 2, 3), (4,), tuple(range(5, len(BANDS) - 1))))
 _TREES = {"max_iter": 150, "learning_rate": 0.08, "max_features": 0.5, "early_stopping": False}
 _LEAVES, _ROWS_A_LEAF = 31, 300
 _MOST_ROWS = 200_000
 _SIZE_LEAVES = 15
 _SMALLEST = 1e-4  # of what is left, in scales
-_SVR = svr.SvrSettings(
-    kind=svr.KIND, kernel_scale=float(np.sqrt(2.0 * len(APART))), c=1.0, epsilon=0.1, tol=1e-3
-)
-_SVR_ROWS, _SVR_CLIP = 8000, 5.0
 _BLOCK = 28  # days
 _FEWEST_HELD_OUT = 200
 _TRIED = np.linspace(0.0, 1.2, 13)
@@ -71,45 +67,33 @@ class BandModels:
     size: BoostingModel  # of the logarithm of the size of what the correction leaves, in scales
     shares: Shares  # by band and lead, how much of the miss is taken off
 
-    def rows_of(self, rows: pd.DataFrame) -> np.ndarray:
-        """Return the numbers of the rows that can be corrected, of bands and leads that it learned from."""
-        learned = pd.MultiIndex.from_tuples(self.shares)
-        own = pd.MultiIndex.from_frame(rows[["band", "lead"]]).isin(learned)
-        return np.flatnonzero(rows["is_fit"] & own)
+
+Corrector = tuple[BandModels, ...]  # of one population
 
 
-@dataclass(frozen=True, eq=False)
-class Corrector:
-    """The corrector of one population."""
+def apply(corrector: Corrector, rows: pd.DataFrame) -> pd.DataFrame:
+    """Return what to take off SGP4's position along the track, and its sigma, for rows of features.
 
-    parts: tuple[BandModels, ...]
-
-    def apply(self, rows: pd.DataFrame) -> pd.DataFrame:
-        """Return what to take off SGP4's position along the track, and its sigma, for rows of features.
-
-        Columns: correction [m], sigma [m]; NaN for rows that cannot be corrected.
-        """
-        found = pd.DataFrame(np.nan, index=rows.index, columns=["correction", "sigma"])
-        for part, members in self._batches(rows):
-            own = rows.iloc[members]
+    Columns: correction [m], sigma [m]; NaN for rows that cannot be corrected.
+    """
+    corrections = pd.DataFrame(np.nan, index=rows.index, columns=["correction", "sigma"])
+    for part in corrector:
+        learned = pd.MultiIndex.from_tuples(part.shares)
+        is_own = rows["is_fit"] & pd.MultiIndex.from_frame(rows[["band", "lead"]]).isin(learned)
+        members = np.flatnonzero(is_own)
+        for batch in (members[begin : begin + _BATCH] for begin in range(0, len(members), _BATCH)):
+            own = rows.iloc[batch]
             scale = own["scale"].to_numpy()
             miss = part.miss.predict(own[list(part.miss.variables)].to_numpy())
-            miss *= _share_of(own, part.shares)
             size = part.size.predict(own[list(part.size.variables)].to_numpy())
-            found.iloc[members, 0] = own["density"].to_numpy() + scale * miss
-            found.iloc[members, 1] = scale * np.exp(size) / NORMAL
-        return found
-
-    def _batches(self, rows: pd.DataFrame) -> Iterator[tuple[BandModels, np.ndarray]]:
-        """Yield parts with the numbers of rows of theirs."""
-        for part in self.parts:
-            members = part.rows_of(rows)
-            for begin in range(0, len(members), _BATCH):
-                yield part, members[begin : begin + _BATCH]
+            miss *= _share_of(own, part.shares)
+            corrections.iloc[batch, 0] = own["density"].to_numpy() + scale * miss
+            corrections.iloc[batch, 1] = scale * np.exp(size) / NORMAL
+    return corrections
 
 
 def widen(rows: pd.DataFrame, found: pd.DataFrame) -> pd.DataFrame:
-    """Return what `Corrector.apply` found, sigmas wider where too few of the last errors were inside.
+    """Return what `apply` found, sigmas wider where too few of the last errors were inside.
 
     rows: those of `found`, of several mornings
 
@@ -162,17 +146,20 @@ def widen_jumps(found: pd.DataFrame, jump: pd.Series) -> pd.DataFrame:
 Fit = Callable[[pd.DataFrame, int], Predictor]  # learns the target of rows; the seed is the second argument
 
 
-def fit(rows: pd.DataFrame, learner: str, *, seed: int) -> Corrector:
-    """Learn from the rows of `features.build` that have a target.
+def fit_trees(rows: pd.DataFrame, seed: int) -> BoostingModel:
+    """Return trees of the target of rows, with absolute loss."""
+    return _boosted(rows, rows["target"].to_numpy(), seed, loss="absolute_error", leaves=_LEAVES)
 
-    learner: one of LEARNERS
+
+def fit(rows: pd.DataFrame, *, seed: int, parts: Parts = PARTS, learn: Fit = fit_trees) -> Corrector:
+    """Learn from the rows of `features.build` that have a target, each part by itself.
 
     Raises InputError where no part of the catalogue has enough rows.
     """
     known = rows[rows["is_fit"] & np.isfinite(rows["target"])]
     jobs = [
-        (_drawn(part, _MOST_ROWS, seed), bands, leads, LEARNERS[learner].fit, seed)
-        for bands, leads in LEARNERS[learner].parts
+        (drawn_rows(part, _MOST_ROWS, seed), bands, leads, learn, seed)
+        for bands, leads in parts
         if len(part := known[known["band"].isin(bands) & known["lead"].isin(leads)]) >= FEWEST
     ]
     if not jobs:
@@ -180,7 +167,7 @@ def fit(rows: pd.DataFrame, learner: str, *, seed: int) -> Corrector:
         raise InputError(f"element sets: expected {expected} in a group of heights, got {len(known)} in all")
     # Each part is learned by one thread, so that sums have one order: several parts side by side.
     with ProcessPoolExecutor(min(len(jobs), os.cpu_count() or 1), mp_context=get_context("spawn")) as pool:
-        return Corrector(tuple(pool.map(_fit_part, *zip(*jobs, strict=True))))
+        return tuple(pool.map(_fit_part, *zip(*jobs, strict=True)))
 
 
 def _fit_part(
@@ -235,13 +222,9 @@ def _share_of(rows: pd.DataFrame, shares: Shares) -> np.ndarray:
     return np.array([shares[key] for key in zip(rows["band"], rows["lead"], strict=True)])
 
 
-def _drawn(rows: pd.DataFrame, most: int, seed: int) -> pd.DataFrame:
+def drawn_rows(rows: pd.DataFrame, most: int, seed: int) -> pd.DataFrame:
     """Return at most so many rows, drawn at random, in their order."""
     return rows.iloc[subsample(len(rows), most, derive(seed, "rows"))]
-
-
-def _fit_trees(rows: pd.DataFrame, seed: int) -> BoostingModel:
-    return _boosted(rows, rows["target"].to_numpy(), seed, loss="absolute_error", leaves=_LEAVES)
 
 
 def _boosted(rows: pd.DataFrame, target: np.ndarray, seed: int, *, loss: str, leaves: int) -> BoostingModel:
@@ -262,42 +245,3 @@ def _boosted(rows: pd.DataFrame, target: np.ndarray, seed: int, *, loss: str, le
     with threadpool_limits(limits=1):  # sums in one order, whatever the machine
         machine.fit(rows[list(FEATURES)].to_numpy(), target, weights)
     return boosting.from_machine(machine, FEATURES)
-
-
-@dataclass(frozen=True, eq=False)
-class _ClippedSvr:
-    """A support vector regression of variables that are held within some deviations of those it has seen."""
-
-    model: svr.SvrModel
-
-    @property
-    def variables(self) -> tuple[str, ...]:
-        return self.model.variables
-
-    def predict(self, x: np.ndarray) -> np.ndarray:
-        reach = _SVR_CLIP * self.model.x_scale
-        return self.model.predict(np.clip(x, self.model.x_mean - reach, self.model.x_mean + reach))
-
-
-def _fit_svr(rows: pd.DataFrame, seed: int) -> _ClippedSvr:
-    """Return the paper's regression of a sample of the rows."""
-    sample = _drawn(rows, _SVR_ROWS, seed)
-    x = sample[list(APART)].to_numpy()
-    mean, scale = x.mean(axis=0), x.std(axis=0)
-    x = np.clip(x, mean - _SVR_CLIP * scale, mean + _SVR_CLIP * scale)
-    return _ClippedSvr(svr.fit(Training(x, sample["target"].to_numpy(), APART, seed), _SVR))
-
-
-@dataclass(frozen=True)
-class CorrectorLearner:
-    """The training of a corrector: the parts of the catalogue with a model each, and how one is fitted."""
-
-    parts: tuple[tuple[tuple[int, ...], tuple[int, ...]], ...]
-    fit: Fit
-
-
-LEARNERS: Mapping[str, CorrectorLearner] = {
-    "trees": CorrectorLearner(tuple((bands, LEADS) for bands in _GROUPS), _fit_trees),
-    "svr": CorrectorLearner(tuple(((band,), (lead,)) for band in _ALL_BANDS for lead in LEADS), _fit_svr),
-}
-"""The learners by their names."""

@@ -99,29 +99,9 @@ def measured(weather: Weather, first: int, end: float) -> Densities:
     return Densities(first, np.array(rows).reshape(-1, len(HEIGHTS)))
 
 
-@dataclass(frozen=True, eq=False)
-class Outlook:
-    """Coefficients of the forecast: (days ahead, predictors, heights)."""
-
-    coefficients: np.ndarray
-
-    def ahead(self, densities: Densities, weather: Weather, morning: float) -> np.ndarray:
-        """Return the logarithms of the densities of the days after a morning: (DAYS_AHEAD, heights).
-
-        Nothing that was measured after the morning counts.
-        """
-        known = weather.keep_known(morning).drop_before(math.floor(morning) - RUN_UP)
-        recent = densities.before(morning)
-        issue = np.array([len(recent.log)])
-        changes = [
-            np.einsum("kh,kh->h", _predictors(recent, known, issue, day)[0], of_day)
-            for day, of_day in enumerate(self.coefficients)
-        ]
-        return np.asarray(_mean(recent.log, issue, -QUARTERS, 0) + np.array(changes))
-
-
-def fit(densities: Densities, weather: Weather, *, end: float) -> Outlook:
-    """Return the forecast that is learned from the mornings, 06 UTC, whose days ahead are over at a time.
+def fit(densities: Densities, weather: Weather, *, end: float) -> np.ndarray:
+    """Return the outlook: coefficients (DAYS_AHEAD, predictors, heights) of the forecast, learned from the
+    mornings, 06 UTC, whose days ahead are over at a time.
 
     end: modified Julian day
 
@@ -133,7 +113,7 @@ def fit(densities: Densities, weather: Weather, *, end: float) -> Outlook:
         raise InputError(
             f"weather: expected a year and more to learn the density from, got {len(issues)} days"
         )
-    return Outlook(np.array([_fit_day(densities, weather, issues, day) for day in range(DAYS_AHEAD)]))
+    return np.array([_fit_day(densities, weather, issues, day) for day in range(DAYS_AHEAD)])
 
 
 def _fit_day(densities: Densities, weather: Weather, issues: np.ndarray, day: int) -> np.ndarray:
@@ -264,16 +244,23 @@ class MorningDensity:
 class LearnedAir:
     """Density about any morning: measured up to it, forecast after it by what was learned before an end."""
 
-    def __init__(self, weather: Weather, densities: Densities, outlook: Outlook) -> None:
-        """Take clean weather, the densities under it, and a forecast."""
+    def __init__(self, weather: Weather, densities: Densities, outlook: np.ndarray) -> None:
+        """Take clean weather, the densities under it, and the coefficients of a forecast, as of `fit`."""
         self._weather, self._densities, self.outlook = weather, densities, outlook
 
     def __call__(self, morning: float) -> MorningDensity:
         """Return the density about a morning (modified Julian day), after the last measurement as of that."""
-        issue = min(morning, end_of(self._weather))
-        return MorningDensity(
-            self._densities, self.outlook.ahead(self._densities, self._weather, issue), issue
-        )
+        issued = min(morning, end_of(self._weather))
+        # Nothing that was measured after the morning counts.
+        known = self._weather.keep_known(issued).drop_before(math.floor(issued) - RUN_UP)
+        recent = self._densities.before(issued)
+        issue = np.array([len(recent.log)])
+        changes = [
+            np.einsum("kh,kh->h", _predictors(recent, known, issue, day)[0], of_day)
+            for day, of_day in enumerate(self.outlook)
+        ]
+        ahead = _mean(recent.log, issue, -QUARTERS, 0) + np.array(changes)
+        return MorningDensity(self._densities, ahead, issued)
 
 
 def learned_air(weather: Weather, *, first: int, end: float) -> LearnedAir:

@@ -52,52 +52,55 @@ _REACH = 0.5  # of a set that judges from the time predicted [d]
 
 
 @dataclass(frozen=True, eq=False)
-class ImprovedSizes:
-    """The sizes of the errors of an improved set.
+class ExpectedErrors:
+    """The errors that are expected of a prediction from element sets, whatever orbit it is.
 
-    table: by lead [d] r, s, w, standard deviations of the prediction, and sgp4, that of the published set
+    sizes: by lead [d] r, s, w, standard deviations of the prediction, and sgp4, that of the published set
     along the track [m]; past: the judged predictions that tell them; basis: what they rest on, in words
     """
 
-    table: pd.DataFrame
+    sizes: pd.DataFrame
     past: pd.DataFrame
     basis: str
 
 
 def of_object(
     own: ElementCatalogue, how: pd.Series, better: Improved, *, storm: float, is_burning: bool
-) -> ImprovedSizes:
-    """Return the sizes of the errors of an object's improved set.
+) -> ExpectedErrors:
+    """Return the expected errors of an object's improved set.
 
     own: its sets; how: its row of the table `improved_sets` of `better`
     storm: of `after_storm`; is_burning: whether it burned lately, or thrusts
     """
-    past, errors = _past_of(int(how["number"]), better), errors_of_sets(own, better.date)
+    first, errors = modified_julian_day(better.date) - ALONG_MORNINGS, errors_of_sets(own, better.date)
+    past = better.past[(better.past["number"] == how["number"]) & (better.past["morning"] >= first)]
+    past = past.reset_index(drop=True)
     if past.empty:
         past = errors[["morning", "lead"]].assign(error=errors["s"], left=errors["s"], sigma=np.nan)
     published = own.satellites[-1]
-    usual = _usual(published, how["age"])
-    is_alone = len(errors) < FEWEST and not _is_corrected(how)
-    measured = _usual_where_learned(published, usual) if is_alone else _measured(errors, usual)
-    sizes = _sizes(how, past, measured, storm)
-    basis = _unproven(measured) if is_alone else _basis(past)
-    return ImprovedSizes(across_burns(sizes, past) if is_burning else sizes, past, basis)
-
-
-def _past_of(number: int, better: Improved) -> pd.DataFrame:
-    """Return the judged predictions of an object's last ALONG_MORNINGS."""
-    first = modified_julian_day(better.date) - ALONG_MORNINGS
-    past = better.past
-    return past[(past["number"] == number) & (past["morning"] >= first)].reset_index(drop=True)
-
-
-def _basis(past: pd.DataFrame) -> str:
-    """Return what sizes of errors rest on that a past tells, in words."""
-    return (
-        f"from {len(past)} predictions on {past['morning'].nunique()} mornings of the object, compared with "
-        f"later sets; radial and cross-track from at most {MORNINGS} mornings. Typical errors of objects of "
-        "that height count as eight more predictions, and errors common to all sets are added"
-    )
+    sigmas = sgp4_errors.usual_sigmas(published, how["age"] + np.array(LEADS, float))
+    usual = pd.DataFrame(sigmas, columns=list(sgp4_errors.AXES), index=list(LEADS))
+    is_corrected = bool(np.isfinite(how[f"sigma_{LEADS[-1]}d"]))
+    if len(errors) >= FEWEST or is_corrected:
+        measured = _measured(errors, usual)
+        basis = (
+            f"from {len(past)} predictions on {past['morning'].nunique()} mornings of the object, compared "
+            f"with later sets; radial and cross-track from at most {MORNINGS} mornings. Typical errors of "
+            "objects of that height count as eight more predictions, and errors common to all sets are added"
+        )
+    elif sgp4_errors.are_known(published):
+        measured = usual
+        basis = f"typical errors of sets at its height, kind and age: its past is short: {FEW_JUDGED}"
+    else:
+        measured = usual * np.nan
+        few = f"errors of such orbits were not learned, and its past is short: {FEW_JUDGED}"
+        basis = f"no covariance: {few}"
+    sizes = _sizes(how, past, measured, storm, is_corrected=is_corrected)
+    if is_burning:  # along the track at least what the past missed, burns and all
+        missed = past["left"].abs().groupby(past["lead"]).quantile(corrector.LEVEL) / corrector.NORMAL
+        least = missed.reindex(sizes.index, fill_value=0.0).cummax()
+        sizes = sizes.assign(**{name: np.maximum(sizes[name], least) for name in ("s", "sgp4")})
+    return ExpectedErrors(sizes, past, basis)
 
 
 def errors_of_sets(catalogue: ElementCatalogue, date: str) -> pd.DataFrame:
@@ -145,51 +148,20 @@ def after_storm(kp: np.ndarray, height: float) -> float:
     return math.hypot(1.0, ap.max() / STORM)
 
 
-def across_burns(sizes: pd.DataFrame, past: pd.DataFrame) -> pd.DataFrame:
-    """Return sizes that are along the track at least those of what the past missed, burns and all."""
-    missed = past["left"].abs().groupby(past["lead"]).quantile(corrector.LEVEL) / corrector.NORMAL
-    least = missed.reindex(sizes.index, fill_value=0.0).cummax()
-    return sizes.assign(**{name: np.maximum(sizes[name], least) for name in ("s", "sgp4")})
-
-
-def _usual(published: Satrec, age: float) -> pd.DataFrame:
-    """Return the sizes that errors of such sets usually have, by lead and axis [m]."""
-    sizes = sgp4_errors.usual_sigmas(published, age + np.array(LEADS, float))
-    return pd.DataFrame(sizes, columns=list(sgp4_errors.AXES), index=list(LEADS))
-
-
-def _usual_where_learned(published: Satrec, usual: pd.DataFrame) -> pd.DataFrame:
-    """Return usual sizes of errors, NaN for orbits that none were learned from."""
-    return usual if sgp4_errors.are_known(published) else usual * np.nan
-
-
-def _unproven(usual: pd.DataFrame) -> str:
-    """Return what sizes rest on that neither a corrector nor a past tells, in words."""
-    if usual.isna().any(axis=None):
-        return f"no covariance: errors of such orbits were not learned, and its past is short: {FEW_JUDGED}"
-    return f"typical errors of sets at its height, kind and age: its past is short: {FEW_JUDGED}"
-
-
-def _is_corrected(how: pd.Series) -> bool:
-    return bool(np.isfinite(how[f"sigma_{LEADS[-1]}d"]))
-
-
-def _sizes(how: pd.Series, past: pd.DataFrame, measured: pd.DataFrame, after_storm: float) -> pd.DataFrame:
-    """Return the sizes of errors by lead, as in `Prediction`.
-
-    measured: of `_measured`
-    after_storm: of `_after_storm`
-    """
+def _sizes(
+    how: pd.Series, past: pd.DataFrame, measured: pd.DataFrame, storm: float, *, is_corrected: bool
+) -> pd.DataFrame:
+    """Return the sizes of errors by lead; measured: of `_measured`, or the usual ones."""
     sizes = measured.copy()
     sizes["sgp4"] = sizes["s"]
-    if _is_corrected(how):
+    if is_corrected:
         factor = _factor(past)
         sigma = factor * np.array([how[f"sigma_{lead}d"] for lead in LEADS[1:]], float)
         correction = np.sqrt([how[f"sgp4_{lead}d"] ** 2 - how[f"sigma_{lead}d"] ** 2 for lead in LEADS[1:]])
         sizes.loc[LEADS[1:], "s"] = sigma
         sizes.loc[LEADS[1:], "sgp4"] = np.hypot(sigma, correction)
         sizes.loc[0, ["s", "sgp4"]] = min(sizes.loc[0, "s"], sizes.loc[1, "s"])
-    sizes[["s", "sgp4"]] *= after_storm
+    sizes[["s", "sgp4"]] *= storm
     sizes["r"] = np.hypot(sizes["r"], lower(sizes["s"], how["motion"]))
     unseen = dict(zip(sgp4_errors.AXES, sgp4_errors.UNSEEN, strict=True))
     for name in sizes:
@@ -207,10 +179,7 @@ def _measured(errors: pd.DataFrame, usual: pd.DataFrame) -> pd.DataFrame:
 
 def _factor(past: pd.DataFrame) -> float:
     """Return by how much the object's own past errs more than its sigmas, against USUAL that err as these."""
-    ratios, counts = np.minimum((past["left"] / past["sigma"]) ** 2, _GROSS**2), _counts(past)
+    # Errors of seven days hardly change from one morning to the next.
+    counts = 1.0 / past["lead"].clip(lower=1)
+    ratios = np.minimum((past["left"] / past["sigma"]) ** 2, _GROSS**2)
     return float(np.sqrt(((counts * ratios).sum() + USUAL) / (counts.sum() + USUAL)))
-
-
-def _counts(errors: pd.DataFrame) -> pd.Series:
-    """Return what each error counts: those of seven days hardly change from one morning to the next."""
-    return 1.0 / errors["lead"].clip(lower=1)

@@ -30,7 +30,7 @@ from opml.element_sets.inside.orbit_prediction import OrbitInside
 from opml.element_sets.inside.past_orbits import Calibration
 from opml.interop import ccsds
 from opml.interop.element_sets import known_sets, mean_elements, rewriting, sgp4_errors
-from opml.interop.element_sets.burns_in_sets import KnownSet, burns_among
+from opml.interop.element_sets.burns_in_sets import burns_among
 from opml.interop.element_sets.element_set import LOW, ElementSet, changed, elements_epoch, seconds_since
 from opml.interop.predicted_orbit import LEADS, PredictedOrbit, check_days
 from opml.orbits.density_error import DensityErrors
@@ -279,7 +279,9 @@ class PublicMorning:
             got = "got them a thousand kilometres apart after a day: have two objects its number?"
             raise InputError(f"{newest.path}: expected sets of one orbit of {newest.number}, {got}")
         manoeuvres = burns_among(public, epoch=date)
-        thrusts = thrusting(public) if how["height"] < LOW else 0
+        thrusts = 0  # sets with a B* below 0, as no drag makes it
+        if how["height"] < LOW:
+            thrusts = sum(one.t >= -DAY * BURNED and one.satellite.bstar < 0.0 for one in public)
         storm = improved_sizes.after_storm(self.known.weather.kp, how["height"])
         catalogue = self.known.catalogue
         own = catalogue.take(np.flatnonzero(catalogue.table["number"] == newest.number))
@@ -291,22 +293,19 @@ class PublicMorning:
         inside = orbit_prediction.predict(
             counted, newest.number, self.better, days=days, forces=lambda: self._forces, kept=self.kept
         )
+        is_modelled, errors = how["applied"] != weighting.UNCHANGED, improved
         if isinstance(inside, OrbitInside):
-            sizes, past, basis = inside.sizes(improved.table, storm), inside.past, inside.basis
-            is_modelled = inside.is_corrected
-        else:
-            sizes, past, basis = improved.table, improved.past, improved.basis
-            is_modelled = how["applied"] != weighting.UNCHANGED
+            is_modelled, errors = inside.is_corrected, inside.errors(improved, storm)
         prediction = Prediction(
             known_sets.identity(newest),
             date,
             days,
-            past,
-            basis,
+            errors.past,
+            errors.basis,
             changed(own.satellites[-1], how["motion"], how["bstar"]),
             own.satellites[-1],
             how,
-            sizes,
+            errors.sizes,
             self.better.sets[place],
             manoeuvres,
             thrusts,
@@ -330,8 +329,3 @@ def known_since(one: ElementSet) -> str:
 def burns_before(manoeuvres: Sequence[Manoeuvre], date: str) -> list[str]:
     """Return when the burns of the BURNED days before a date (UTC text) were, UTC; times since it [s]."""
     return ccsds.utc_texts(date, np.array([one.t for one in manoeuvres if one.t >= -DAY * BURNED]))
-
-
-def thrusting(public: Sequence[KnownSet]) -> int:
-    """Return how many sets of the last BURNED days have a B* below 0, as no drag makes it."""
-    return sum(one.t >= -DAY * BURNED and one.satellite.bstar < 0.0 for one in public)

@@ -44,17 +44,18 @@ class Pairs:
 def build(catalogue: ElementCatalogue, mornings: np.ndarray) -> Pairs:
     """Return the pairs of mornings (n,), modified Julian days (UTC), ascending."""
     rows, judges = find(catalogue, mornings)
-    propagated = _propagate(catalogue, rows)
-    own = _own_states(catalogue)
-    error = np.where(judges >= 0, along_track(propagated.positions, *own.take(judges)), np.nan)
-    moved = along_track(propagated.perturbed, propagated.positions, propagated.velocities)
+    vectors = [one.sgp4_tsince(0.0)[1:] for one in catalogue.satellites]
+    positions, velocities = np.array(vectors, dtype=float).reshape(-1, 2, 3).transpose(1, 0, 2)
+    ahead, ahead_velocities, perturbed, back = _propagate(catalogue, rows)
+    # Those of row -1, where nothing judges, have no meaning.
+    error = np.where(judges >= 0, along_track(ahead, positions[judges], velocities[judges]), np.nan)
+    moved = along_track(perturbed, ahead, ahead_velocities)
     bstar = catalogue.table["bstar"].to_numpy()[rows["newest"]]
     with np.errstate(divide="ignore", invalid="ignore"):
         rows = rows.assign(error=error, response=moved / (_STEP * bstar))
-    earlier = np.arange(len(own.positions))[:, None] - np.arange(1, BACK + 1)
-    at = own.take(earlier.ravel())
-    distances = along_track(propagated.back.reshape(-1, 3), *at).reshape(-1, BACK)
-    return Pairs(rows, distances)
+    earlier = np.maximum(np.arange(len(positions))[:, None] - np.arange(1, BACK + 1), 0).ravel()
+    distances = along_track(back.reshape(-1, 3), positions[earlier], velocities[earlier])
+    return Pairs(rows, distances.reshape(-1, BACK))
 
 
 def along_track(positions: np.ndarray, reference: np.ndarray, velocities: np.ndarray) -> np.ndarray:
@@ -65,31 +66,6 @@ def along_track(positions: np.ndarray, reference: np.ndarray, velocities: np.nda
     y = ahead / np.linalg.norm(ahead, axis=1)[:, None]
     angle = np.arctan2(np.sum(positions * y, axis=1), np.sum(positions * x, axis=1))
     return np.asarray(1e3 * radius * angle)
-
-
-@dataclass(frozen=True, eq=False)
-class _States:
-    """Positions [km] and velocities [km/s] (n, 3) in TEME."""
-
-    positions: np.ndarray
-    velocities: np.ndarray
-
-    def take(self, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the states of rows; those of a negative row are of no meaning."""
-        return self.positions[np.maximum(rows, 0)], self.velocities[np.maximum(rows, 0)]
-
-
-@dataclass(frozen=True, eq=False)
-class _Propagated:
-    """The newest sets, propagated by SGP4, NaN where it fails.
-
-    positions, velocities: (rows, 3) at what is predicted
-    """
-
-    positions: np.ndarray
-    velocities: np.ndarray
-    perturbed: np.ndarray  # (rows, 3) positions there with a larger B*
-    back: np.ndarray  # (sets, BACK, 3) positions at the epochs of the sets before
 
 
 def find(catalogue: ElementCatalogue, mornings: np.ndarray) -> tuple[pd.DataFrame, np.ndarray]:
@@ -140,15 +116,12 @@ def _days_between(earlier: np.ndarray, later: np.ndarray) -> np.ndarray:
     return np.asarray(later - earlier + epochs.leap_seconds(earlier, later) / DAY)
 
 
-def _own_states(catalogue: ElementCatalogue) -> _States:
-    """Return the states of all sets at their own epochs."""
-    vectors = [one.sgp4_tsince(0.0)[1:] for one in catalogue.satellites]
-    states = np.array(vectors, dtype=float).reshape(-1, 6)
-    return _States(states[:, :3], states[:, 3:])
+def _propagate(catalogue: ElementCatalogue, rows: pd.DataFrame) -> tuple[np.ndarray, ...]:
+    """Return what SGP4 makes of the newest sets of rows, in TEME [km, km/s], NaN where it fails.
 
-
-def _propagate(catalogue: ElementCatalogue, rows: pd.DataFrame) -> _Propagated:
-    """Return what SGP4 makes of the newest sets of rows."""
+    Positions and velocities (rows, 3) at what is predicted, positions there with a larger B*, and positions
+    (sets, BACK, 3) at the epochs of the sets before.
+    """
     t, number = catalogue.table["t"].to_numpy(), catalogue.table["number"].to_numpy()
     newest, tau = rows["newest"].to_numpy(), rows["tau"].to_numpy()
     order = np.argsort(newest, kind="stable")
@@ -164,4 +137,4 @@ def _propagate(catalogue: ElementCatalogue, rows: pd.DataFrame) -> _Propagated:
         back[one, :known] = places[:known]
         positions[members], velocities[members] = places[known:], speeds[known:]
         perturbed[members] = propagate(perturb_drag(satellite, _STEP), minutes[known:])[0]
-    return _Propagated(positions, velocities, perturbed, back)
+    return positions, velocities, perturbed, back

@@ -149,7 +149,8 @@ def text(passes: Mapping[Place, pd.DataFrame]) -> str:
 
 def _seen(orbit: Orbit, where: Place, t: np.ndarray) -> np.ndarray:
     """Return azimuth, elevation [rad] and range [m] (n, 3) at times (n,) [s since the date]."""
-    return observe(in_itrf(orbit, t), _site(where), horizon(where.longitude, where.latitude))
+    site = np.array(erfa.gd2gc(_WGS84, where.longitude, where.latitude, where.altitude))
+    return observe(in_itrf(orbit, t), site, horizon(where.longitude, where.latitude))
 
 
 def _light(orbit: Orbit, t: float, position: np.ndarray, where: Place) -> tuple[bool, float]:
@@ -166,10 +167,6 @@ def _light(orbit: Orbit, t: float, position: np.ndarray, where: Place) -> tuple[
     (turn,) = _turns(orbit, np.array([t]))
     up = horizon(where.longitude, where.latitude)[2]
     return is_sunlit, float(np.degrees(np.arcsin(up @ turn @ sun)))
-
-
-def _site(where: Place) -> np.ndarray:
-    return np.array(erfa.gd2gc(_WGS84, where.longitude, where.latitude, where.altitude))
 
 
 def _spans(is_up: np.ndarray) -> Iterator[tuple[int, int]]:

@@ -17,7 +17,7 @@ from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.base.provenance import contents_digest
 from opml.element_sets.corrector import BandModels, Corrector
-from opml.element_sets.density import DAYS_AHEAD, HEIGHTS, Outlook
+from opml.element_sets.density import DAYS_AHEAD, HEIGHTS
 from opml.element_sets.features import FEATURES
 from opml.learning.models.boosting import BoostingModel
 from opml.tables import read_metadata, read_table, write_table
@@ -34,7 +34,7 @@ _NODE = ("feature", "threshold", "left", "right", "value")
 class CatalogueModel:
     """A corrector trained on a catalogue."""
 
-    outlook: Outlook  # the forecast of the density
+    outlook: np.ndarray  # coefficients of the forecast of the density, as of `density.fit`
     correctors: Mapping[str, Corrector]  # by the name of the population
     card: Mapping[str, Any]  # what it was trained on, JSON values
     digest: str = ""  # of the file that it was read from
@@ -49,7 +49,7 @@ def write(path: FilePath, model: CatalogueModel) -> None:
     tables: list[pd.DataFrame] = []
     parts: list[dict[str, Any]] = []
     for name, corrector in sorted(model.correctors.items()):
-        for part in corrector.parts:
+        for part in corrector:
             trees = {"miss": part.miss, "size": part.size}
             for quantity, one in trees.items():
                 assert isinstance(one, BoostingModel)
@@ -63,7 +63,7 @@ def write(path: FilePath, model: CatalogueModel) -> None:
     metadata = {
         "card": dict(model.card),
         "features": list(FEATURES),
-        "outlook": model.outlook.coefficients.tolist(),
+        "outlook": model.outlook.tolist(),
         "parts": parts,
     }
     write_table(path, pd.concat(tables, ignore_index=True), "corrector", metadata=metadata)
@@ -84,14 +84,19 @@ def read(path: FilePath | None = None) -> CatalogueModel:
     if outlook.shape[::2] != (DAYS_AHEAD, len(HEIGHTS)):
         raise InputError(f"{path}: expected an outlook of {DAYS_AHEAD} days, got an array {outlook.shape}")
     nodes = dict(list(table.groupby(["part", "quantity"])))
-    correctors: dict[str, tuple[BandModels, ...]] = {}
+    correctors: dict[str, Corrector] = {}
     for k, part in enumerate(metadata["parts"]):
-        miss, size = (_trees(nodes[k, quantity], part[quantity]) for quantity in _QUANTITIES)
+        miss, size = (
+            BoostingModel.from_table(
+                nodes[k, quantity].drop(columns=["part", "quantity"]).reset_index(drop=True),
+                {"variables": list(FEATURES), "offset": part[quantity]},
+            )
+            for quantity in _QUANTITIES
+        )
         shares = {(band, lead): share for band, lead, share in part["shares"]}
         own = BandModels(tuple(part["bands"]), tuple(part["leads"]), miss, size, shares)
         correctors[part["population"]] = (*correctors.get(part["population"], ()), own)
-    by_population = {name: Corrector(parts) for name, parts in correctors.items()}
-    return CatalogueModel(Outlook(outlook), by_population, metadata["card"], contents_digest([Path(path)]))
+    return CatalogueModel(outlook, correctors, metadata["card"], contents_digest([Path(path)]))
 
 
 def packaged_hindsight(date: str) -> str:
@@ -105,8 +110,3 @@ def _hindsight(card: Mapping[str, Any], date: str) -> str:
     last = max([*days, card["weather_to"]])
     day = date[: len(last)]
     return f"the model was trained on data up to {last}, later than {day}" if day <= last else ""
-
-
-def _trees(nodes: pd.DataFrame, offset: float) -> BoostingModel:
-    metadata = {"variables": list(FEATURES), "offset": offset}
-    return BoostingModel.from_table(nodes.drop(columns=["part", "quantity"]).reset_index(drop=True), metadata)

@@ -63,7 +63,7 @@ def train(
             progress(f"{name}: predictions")
             rows = mornings_of(sets[name], air)
             progress(f"{name}: {len(rows)} predictions to learn from")
-            correctors[name] = corrector.fit(rows, "trees", seed=seed)
+            correctors[name] = corrector.fit(rows, seed=seed)
             cards[name] = card(rows, files)
     model_card = {
         "populations": cards,

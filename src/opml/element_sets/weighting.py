@@ -34,7 +34,8 @@ def candidates(
     inflated after a jump of the sets.
     """
     learned = {
-        f"{LEARNED}: {name}": corrector.widen(rows, one.apply(rows)) for name, one in correctors.items()
+        f"{LEARNED}: {name}": corrector.widen(rows, corrector.apply(one, rows))
+        for name, one in correctors.items()
     }
     surest = pd.concat(learned.values()).groupby(level=0).mean()
     unlearned = {UNCHANGED: 0.0 * rows["density"], DENSITY: rows["density"]}

@@ -1,6 +1,5 @@
 """Random pairs with an approach built in: none is missed, whatever the orbits and what is known of them."""
 
-from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -9,7 +8,7 @@ from test_approaches import kepler
 
 from opml.base.constants import DAY, EARTH_GM, WGS84_A
 from opml.conjunctions import screening
-from opml.conjunctions.screening import ScreenedObject
+from opml.conjunctions.trajectories import ScreenedObject
 from opml.interop import oem
 from opml.interop.element_sets import element_set, mean_elements, tle
 from opml.interop.ephemeris import EPOCH, Ephemeris
@@ -121,7 +120,7 @@ def is_found(kind, number):
     known = np.clip(at, max(edge[0] for edge in edges), min(edge[-1] for edge in edges))
     one, other = (kepler(state, at, np.array([known]))[0, :3] for state in states)
     pair = [
-        ScreenedObject(identity, "", partial(list, trajectories(rng, state, at, edge)), 0.0)
+        ScreenedObject(identity, "", 0.0, trajectories(rng, state, at, edge))
         for identity, state, edge in zip((OURS, OTHER), states, edges, strict=True)
     ]
     near = SPAN if states_of is keeping_up else 5.0

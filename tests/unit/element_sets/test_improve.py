@@ -177,8 +177,8 @@ def test_a_model_is_not_believed_at_heights_that_it_never_saw(
     def above(part: corrector.BandModels) -> corrector.BandModels:
         return replace(part, shares={key: share for key, share in part.shares.items() if key[0] >= SEEN})
 
-    parts = tuple(above(part) for part in model.correctors["payloads"].parts if max(part.bands) >= SEEN)
-    narrow = replace(model, correctors={"payloads": corrector.Corrector(parts)})
+    parts = tuple(above(part) for part in model.correctors["payloads"] if max(part.bands) >= SEEN)
+    narrow = replace(model, correctors={"payloads": parts})
     table = improve.improve(improve.read([folder], date=DATE, weather="OBSERVED"), narrow).table
     seen = table["height"] >= features.BANDS[SEEN]
     assert seen.any()

@@ -47,8 +47,9 @@ def test_mornings_with_kept_calibrations_are_those_without_to_the_bit(sets, tmp_
         now, flown = morning(sets, first + 1, kept)
     scratch, again = morning(sets, first + 1, {})
     np.testing.assert_array_equal(flown, again)
-    pd.testing.assert_frame_equal(now.errors, scratch.errors, check_exact=True)
-    assert (now.span, now.agreement) == (scratch.span, scratch.agreement)
+    errors = (one.calibration.errors for one in (now, scratch))
+    pd.testing.assert_frame_equal(*errors, check_exact=True)
+    assert now.calibration[:4] == scratch.calibration[:4]
     written = path.read_bytes()
     kept_calibrations.write(path, kept)
     assert path.read_bytes() == written
@@ -62,7 +63,8 @@ def test_mornings_with_kept_calibrations_are_those_without_to_the_bit(sets, tmp_
 def test_calibrations_that_hold_no_longer_go(sets, tmp_path):
     calibration = inside_now.Calibration(
         inside_now.centred(DAY),
-        None,
+        25.0,
+        5.0,
         0.5,
         pd.DataFrame(np.ones((2, 11)), columns=inside_now.past_orbits.ERRORS),
     )
@@ -74,7 +76,7 @@ def test_calibrations_that_hold_no_longer_go(sets, tmp_path):
     )
     kept = kept_calibrations.read(path)
     assert [*kept] == ["2016-10-02 b", "2016-10-05 a"]
-    assert kept["2016-10-02 b"][:3] == calibration[:3]
+    assert kept["2016-10-02 b"][:4] == calibration[:4]
     pd.testing.assert_frame_equal(kept["2016-10-02 b"].errors, calibration.errors)
 
 

@@ -36,9 +36,7 @@ def past(forces, sets):
     orbits = orbit_inside.orbits_beside(
         forces, begins, back=reach, ahead=reach + past_orbits.REACH, is_lit=True
     )
-    equations = [
-        orbit.equations(orbit.displacements(satellite)) for orbit, satellite in zip(orbits, sets, strict=True)
-    ]
+    equations = [orbit.equations(satellite) for orbit, satellite in zip(orbits, sets, strict=True)]
     return PastOrbits(forces.time(EPOCH) + DAY * DAYS, orbits, equations)
 
 
@@ -55,7 +53,7 @@ def test_the_orbit_inside_is_the_one_that_the_set_was_made_of(forces, truth, set
     reach = np.array([HALF])
     for _ in range(2):
         [orbit] = orbit_inside.orbits_beside(forces, [begin], back=reach, ahead=reach)
-        equations = orbit.equations(orbit.displacements(sets[0]))
+        equations = orbit.equations(sets[0])
         numbers = orbit_inside.solve(orbit, [equations.over(begin.t - HALF, begin.t + HALF)])
         begin = orbit.begin_again(numbers)
     by_sgp4 = mean_elements.states(sets[0], epoch=forces.epoch, t=orbit.t)[:, :3]
@@ -67,10 +65,11 @@ def test_the_orbit_inside_is_the_one_that_the_set_was_made_of(forces, truth, set
 
 
 def test_sets_tell_the_span_over_which_they_were_fitted(past):
-    told = past_orbits.agreement(past, [centred(HOUR * hours) for hours in (24.0, 36.0, 48.0, 60.0, 72.0)])
-    assert told.span == centred(HALF)
-    assert told.r < 20.0
-    assert told.w < 3.0
+    spans = [centred(HOUR * hours) for hours in (24.0, 36.0, 48.0, 60.0, 72.0)]
+    span, r, w = past_orbits.agreement(past, spans)
+    assert span == centred(HALF)
+    assert r < 20.0
+    assert w < 3.0
     assert past_orbits.agreement(PastOrbits(past.t[:2], past.orbits[:2], past.equations[:2])) is None
 
 
@@ -101,13 +100,17 @@ def test_no_later_weather_counts(forces, sets, tmp_path, monkeypatch):
     assert not np.array_equal(changed, paths[0])
 
 
+def now_of(past, forces):
+    """The orbit inside the ninth set on a date, as a span of HALF on both sides gives it."""
+    numbers = past.numbers(centred(HALF))
+    calibration = past_orbits.Calibration(centred(HALF), np.nan, np.nan, 0.0, past.errors(numbers))
+    date = "2016-10-12T00:00:00"
+    return inside_now.InsideNow(forces, date, 0.3, calibration, past.orbits[8], numbers[8])
+
+
 def test_an_orbit_is_shifted_along_its_track_as_asked(past, forces):
     """Energy, phase and drag change: the distance outwards goes with them."""
-    date = "2016-10-12T00:00:00"
-    sizes = inside_now.InsideNow(
-        forces, date, 0.3, centred(HALF), None, past.errors(past.numbers(centred(HALF))), past.orbits[8],
-        past.numbers(centred(HALF))[8],
-    )  # fmt: skip
+    sizes = now_of(past, forces)
     shift = np.array([[0.0, 0.0, 10.0], [1.0, 500.0, 10.0], [3.0, 4500.0, 10.0]])
     (t, plain), (_, shifted) = (sizes.predict(3.0, one) for one in (None, shift))
     ahead = bent_rsw(shifted[:, :3], plain)
@@ -117,21 +120,12 @@ def test_an_orbit_is_shifted_along_its_track_as_asked(past, forces):
 
 
 def test_sizes_are_those_of_the_past_and_grow(past, forces):
-    numbers = past.numbers(centred(HALF))
-    now = inside_now.InsideNow(
-        forces,
-        "2016-10-12T00:00:00",
-        0.3,
-        centred(HALF),
-        None,
-        past.errors(numbers),
-        past.orbits[8],
-        numbers[8],
-    )
-    leads = np.array([0.0, 1.0, 3.0, 5.0, 7.0])
-    sizes = inside_sizes.sizes(now, leads)
+    now = now_of(past, forces)
+    sizes = inside_sizes.sizes(now, inside_sizes.rms(now))[["r", "s", "w"]]
     assert (sizes.diff().iloc[1:] >= 0.0).all(axis=None)
-    worse = inside_sizes.sizes(replace(now, errors=now.errors.assign(w=400.0)), leads)
+    errors = now.calibration.errors.assign(w=400.0)
+    off = replace(now, calibration=now.calibration._replace(errors=errors))
+    worse = inside_sizes.sizes(off, inside_sizes.rms(off))
     assert (worse["w"] > 200.0).all()
     pd_equal = worse[["r", "s"]] == sizes[["r", "s"]]
     assert pd_equal.all(axis=None)
@@ -141,7 +135,7 @@ def test_what_no_orbit_fits_says_so(forces, sets):
     begin = begun(forces, sets[0], day=0.0, ballistic=1e4)
     reach = np.array([HALF])
     [orbit] = orbit_inside.orbits_beside(forces, [begin], back=reach, ahead=reach)
-    equations = orbit.equations(orbit.displacements(sets[0])).over(begin.t - HALF, begin.t + HALF)
+    equations = orbit.equations(sets[0]).over(begin.t - HALF, begin.t + HALF)
     with pytest.raises(NoOrbitError, match="no orbit under full forces fits its sets"):
         orbit_inside.solve(orbit, [equations])
 

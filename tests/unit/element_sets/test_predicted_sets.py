@@ -7,7 +7,6 @@ import re
 from dataclasses import replace
 from datetime import UTC, date, datetime
 from functools import partial
-from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -408,9 +407,8 @@ def test_one_set_has_the_usual_errors(file, tmp_path):
 def test_the_past_of_an_orbit_inside_is_that_of_orbits_inside():
     """Pairs of sets count for the lead that they are near to, by what theirs and SGP4's orbits were off."""
     columns = {"days": [1.2, 2.0, 6.5], "ahead": [10.0, 20.0, -70.0], "sgp4_ahead": [500.0, 1e3, 2e3]}
-    inside = OrbitInside(None, SimpleNamespace(errors=pd.DataFrame(columns)), False)
-    assert inside.past.to_numpy().tolist() == [[1.0, 500.0, 10.0], [7.0, 2e3, -70.0]]
-    assert inside.basis.startswith("by 3 pairs of its sets of the last 21 days")
+    past = orbit_prediction.past_errors(pd.DataFrame(columns))
+    assert past.to_numpy().tolist() == [[1.0, 500.0, 10.0], [7.0, 2e3, -70.0]]
 
 
 def test_what_no_drag_tells_is_as_wide_as_sgp4_is_usually(file, tmp_path):

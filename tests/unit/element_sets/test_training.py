@@ -75,7 +75,7 @@ def test_an_object_alone_in_its_band_has_nothing_to_teach():
     learned = {}
     for alone in (5.0, 0.0):
         rows.loc[rows["band"] == 0, "target"] *= alone
-        learned[alone] = corrector.LEARNERS["trees"].fit(rows, 1).predict(rows[list(FEATURES)].to_numpy())
+        learned[alone] = corrector.fit_trees(rows, 1).predict(rows[list(FEATURES)].to_numpy())
     assert np.isfinite(learned[0.0]).all()
     assert np.abs(learned[0.0]).max() < np.abs(learned[5.0]).max()
 

@@ -3,7 +3,7 @@ before.
 
     forces = inside_now.forces_on("2018-12-25T06:00:00", "OBSERVED")
     now = inside_now.find(public, date="2018-12-25T06:00:00", forces=forces)
-    now.span, now.agreement, now.errors, now.predict(days=7.0)
+    now.calibration, now.predict(days=7.0)
 
 Each set of a day of the last weeks has its orbit, under the weather as it was known. They calibrate:
 they tell the span, how well sets agree over it and what errors the newest orbit will have; that has its own
@@ -17,7 +17,6 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 from sgp4.api import Satrec
 
 from opml.base import epochs
@@ -31,10 +30,7 @@ from opml.element_sets.inside.orbit_inside import (
     DRAG,
     EVERY,
     LEAST_DRAG,
-    LIGHT,
     NUMBERS,
-    Beginning,
-    Equations,
     NearbyOrbit,
     NoOrbitError,
     begin_at,
@@ -48,9 +44,7 @@ from opml.element_sets.inside.orbit_inside import (
 from opml.element_sets.inside.past_orbits import (
     LONGEST,
     SPANS,
-    Agreement,
     Calibration,
-    FitSpan,
     PastOrbits,
     centred,
 )
@@ -106,29 +100,16 @@ class InsideNow:
     """The orbit inside the newest sets of an object.
 
     date: UTC text from which it is predicted; age: of the newest set on it [d]
-    span: over which orbits were taken out; agreement: None where sets are too few to tell it
-    errors: of the orbits of past sets, as `PastOrbits.errors` has them
+    calibration: by past sets
     orbit, numbers: that near the newest set, and the changes that make it the one inside
     """
 
     forces: Forces
     date: str
     age: float
-    span: FitSpan
-    agreement: Agreement | None
-    errors: pd.DataFrame
+    calibration: Calibration
     orbit: NearbyOrbit
     numbers: np.ndarray
-
-    @property
-    def ballistic(self) -> float:
-        """Cd A/m of the orbit [m2/kg]."""
-        return self.orbit.ballistic(self.numbers)
-
-    @property
-    def doubt(self) -> str:
-        """Why the sets have no orbit inside, in words; '' where they have one."""
-        return doubt(self.agreement, self.errors, self.orbit.beginning.satellite, self.date)
 
     def ahead_of_sgp4(self, days: np.ndarray) -> np.ndarray:
         """Return how far SGP4 from the newest set is ahead of the orbit (n,) [m], a revolution's mean.
@@ -169,7 +150,7 @@ class InsideNow:
         design, sought = self.orbit.partials[places, 1] / sigma[:, None], ahead / sigma
         free = [_MOTION, _LATITUDE, DRAG]
         changes[free] = np.linalg.lstsq(design[:, free], sought, rcond=None)[0]
-        least = (LEAST_DRAG - self.ballistic) / self.orbit.beginning.drag_step
+        least = (LEAST_DRAG - self.orbit.ballistic(self.numbers)) / self.orbit.beginning.drag_step
         if changes[DRAG] < least:  # some of the drag stays: without it an orbit would rise
             changes[DRAG], free = least, [_MOTION, _LATITUDE]
             rest = sought - least * design[:, DRAG]
@@ -180,20 +161,19 @@ class InsideNow:
 _MOTION, _LATITUDE = 0, 5  # places of elements among the numbers
 
 
-def doubt(agreement: Agreement | None, errors: pd.DataFrame, newest: Satrec, date: str) -> str:
+def doubt(calibration: Calibration, newest: Satrec, date: str) -> str:
     """Return why sets of a date have no orbit inside, in words; '' where they have one.
 
-    errors: of the orbits, as `PastOrbits.errors` has them; newest: the last of the sets
+    newest: the last of the sets
     """
-    if agreement is None:
+    if not calibration.is_told:
         is_old = date < MODERN
         return "its sets are of years when publishers fitted otherwise, and too few to tell" if is_old else ""
-    own, by_sgp4 = (
-        float(np.hypot(*errors[list(axes)].median())) for axes in (("r", "w"), ("sgp4_r", "sgp4_w"))
-    )
-    if agreement.w > (FARTHEST if decay(newest) < LITTLE_DRAG else FARTHEST_DRAGGED):
-        return f"orbits of its sets agree to {agreement.w:.0f} m across the track"
-    if own > by_sgp4 * (AGREED if agreement.span.is_centred else AGREED_BEFORE):
+    middle = calibration.errors.median()
+    own, by_sgp4 = (float(np.hypot(*middle[list(axes)])) for axes in (("r", "w"), ("sgp4_r", "sgp4_w")))
+    if calibration.w > (FARTHEST if decay(newest) < LITTLE_DRAG else FARTHEST_DRAGGED):
+        return f"orbits of its sets agree to {calibration.w:.0f} m across the track"
+    if own > by_sgp4 * (AGREED if calibration.span.is_centred else AGREED_BEFORE):
         return f"orbits of its sets agree to {own:.0f} m, SGP4's to {by_sgp4:.0f} m"
     return ""
 
@@ -209,13 +189,13 @@ def daily_orbits(
     longest = _longest(newest)
     orbits = _orbits(forces, [[one] for one in others] + [daily], longest, is_lit=_is_lit(newest))
     beside, own = orbits[: len(others)], orbits[len(others) :]
-    equations = [_equations(orbit, one) for one, orbit in zip(daily, own, strict=True)]
+    equations = [orbit.equations(one.satellite) for one, orbit in zip(daily, own, strict=True)]
     past = PastOrbits(np.array([one.t for one in daily]), own, equations)
     spans = [one for one in SPANS if max(one.before, one.after) <= longest]
     told = past_orbits.agreement(past, spans, axes=("r", "w") if decay(newest) < STEADY else ("w",))
-    span = told.span if told else centred(usual_half_span(newest))
+    span, r, w = told or (centred(usual_half_span(newest)), np.nan, np.nan)
     sunlight = past.sunlight(span) if _is_lit(newest) else 0.0
-    return past, Calibration(span, told, sunlight, past.errors(past.numbers(span, sunlight))), beside
+    return past, Calibration(span, r, w, sunlight, past.errors(past.numbers(span, sunlight))), beside
 
 
 def _is_lit(satellite: Satrec) -> bool:
@@ -260,7 +240,7 @@ def find(
     forces = forces.above(perigee(newest.satellite))
     calibration, orbit = _calibrated(sets, date, forces, {} if kept is None else kept)
     span = calibration.span
-    parts = [_equations(orbit, newest).over(newest.t - span.before, newest.t + span.after)]
+    parts = [orbit.equations(newest.satellite).over(newest.t - span.before, newest.t + span.after)]
     begin = orbit.begin_again(solve(orbit, parts, sunlight=calibration.sunlight))
     before = BEFORE if decay(newest.satellite) < STEADY else 0.0
     counted = [one for one in sets if newest.t - one.t <= DAY * before]
@@ -270,11 +250,10 @@ def find(
         back=np.array([span.before + newest.t - counted[0].t + EVERY]),
         ahead=np.array([max(past_orbits.REACH + now - newest.t, span.after + EVERY)]),
     )
-    parts = [_equations(orbit, one).over(one.t - span.before, one.t + span.after) for one in counted]
+    parts = [orbit.equations(one.satellite).over(one.t - span.before, one.t + span.after) for one in counted]
     ages = np.array([(newest.t - one.t) / DAY for one in counted])
     final = solve(orbit, parts[_first_of_one_size(orbit, parts, ages) :])
-    age = (now - newest.t) / DAY
-    return InsideNow(forces, date, age, span, calibration.agreement, calibration.errors, orbit, final)
+    return InsideNow(forces, date, (now - newest.t) / DAY, calibration, orbit, final)
 
 
 def _calibrated(
@@ -355,7 +334,9 @@ def _orbits(
     """
     drag = _gauges([group[-1] for group in groups], forces)
     begins = [
-        _begin(one, forces, ballistic) for group, ballistic in zip(groups, drag, strict=True) for one in group
+        begin_at(one, forces.epoch, ballistic)
+        for group, ballistic in zip(groups, drag, strict=True)
+        for one in group
     ]
     count = len(begins)
     ahead = max(longest, past_orbits.REACH) + EVERY
@@ -387,26 +368,11 @@ def _thinned(sets: Sequence[KnownSet]) -> list[KnownSet]:
     return [sets[k] for k in places]
 
 
-def _begin(one: KnownSet, forces: Forces, ballistic: float) -> Beginning:
-    return begin_at(
-        one.satellite,
-        forces.epoch,
-        set_epoch=one.t,
-        known=one.made,
-        ballistic=ballistic,
-        reflection=LIGHT,
-    )
-
-
 def _gauges(sets: Sequence[KnownSet], forces: Forces) -> list[float]:
     """Return Cd A/m [m2/kg] of the orbits inside sets over the usual spans."""
     spans = np.array([2 * [usual_half_span(one.satellite)] for one in sets])
-    begins = [_begin(one, forces, float(first_drag(one.satellite.bstar))) for one in sets]
+    begins = [begin_at(one, forces.epoch, float(first_drag(one.satellite.bstar))) for one in sets]
     drag = [one.ballistic for one in gauged(forces, begins, np.array([one.t for one in sets]), spans)]
     if not np.isfinite(drag).all():
         raise NoOrbitError("no orbit under full forces fits its sets")
     return drag
-
-
-def _equations(orbit: NearbyOrbit, one: KnownSet) -> Equations:
-    return orbit.equations(orbit.displacements(one.satellite))

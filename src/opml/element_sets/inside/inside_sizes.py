@@ -14,10 +14,12 @@ from sgp4.api import Satrec
 from opml.base.constants import DAY
 from opml.element_sets.inside.inside_now import PAST, InsideNow
 from opml.interop.element_sets.element_set import decay
+from opml.interop.predicted_orbit import LEADS
 
 FLOOR = {"r": 5.0, "s": 30.0, "w": 15.0}
 """Errors that neighbouring sets have in common [m]: of Sentinel-3A and Jason-3, by precise orbits."""
 
+_LEADS = np.array(LEADS, float)
 _TYPICAL = 4.0  # errors of the typical size that count with an object's own
 _MINUTE = 60.0
 _FEWEST = 3  # errors that tell a size alone
@@ -65,41 +67,33 @@ def _common(satellite: Satrec) -> np.ndarray:
     return np.hypot([*FLOOR.values()], [0.0, part * max(decay(satellite), 0.0) ** power, 0.0])
 
 
-def rms(now: InsideNow, leads: np.ndarray) -> pd.DataFrame:
-    """Return the root mean squares r, s, w [m] of errors at leads (n,) [d] from the date on, which they
-    index: of the object's own, and of typical ones.
+def rms(now: InsideNow) -> pd.DataFrame:
+    """Return the root mean squares r, s, w [m] of errors at LEADS [d] from the date on, which they index: of
+    the object's own, and of typical ones.
     """
     satellite = now.orbit.beginning.satellite
-    since = leads + now.age
+    since = _LEADS + now.age
     usual = typical(decay(satellite), since, satellite.no_kozai / _MINUTE)
     measured = usual.copy()
     for day in since:
         own = _bounded(_near(now, day)[["r", "s", "w"]], usual.loc[day])
         squares = (own**2).sum() + _TYPICAL * usual.loc[day] ** 2
         measured.loc[day] = np.sqrt(squares / (len(own) + _TYPICAL))
-    return measured.cummax().set_axis(leads)
+    return measured.cummax().set_axis(list(LEADS))
 
 
-def sizes(now: InsideNow, leads: np.ndarray) -> pd.DataFrame:
-    """Return the standard deviations r, s, w [m] at leads (n,) [d] from the date on, which they index."""
-    wider, common = _wider(now, leads), _common(now.orbit.beginning.satellite)
-    return np.hypot(rms(now, leads).mul(wider, axis=0), common)
-
-
-def sgp4_along(now: InsideNow, leads: np.ndarray) -> np.ndarray:
-    """Return the standard deviations (n,) [m] of SGP4 along the track at leads [d]; NaN where too few errors
-    tell.
+def sizes(now: InsideNow, rms: pd.DataFrame) -> pd.DataFrame:
+    """Return the standard deviations r, s, w [m] at LEADS, and sgp4, those of SGP4 along the track, NaN where
+    too few errors tell; rms: of that function.
     """
-    errors = [_bounded(_near(now, lead + now.age)[["sgp4_s"]])["sgp4_s"] for lead in leads]
-    sizes = [np.sqrt((one**2).mean()) if len(one) >= _FEWEST else np.nan for one in errors]
-    _, common, _ = _common(now.orbit.beginning.satellite)
-    return np.hypot(np.fmax.accumulate(np.array(sizes, float)) * _wider(now, leads), common)
-
-
-def _wider(now: InsideNow, leads: np.ndarray) -> np.ndarray:
-    """Return by what intervals are wider (n,) as few independent errors tell them."""
-    independent = PAST / np.maximum(leads + now.age, 1.0) + _TYPICAL
-    return np.asarray(stdtrit(independent, _QUANTILE) / ndtri(_QUANTILE))
+    common = _common(now.orbit.beginning.satellite)
+    # Intervals are wider, as few independent errors tell them.
+    independent = PAST / np.maximum(_LEADS + now.age, 1.0) + _TYPICAL
+    wider = stdtrit(independent, _QUANTILE) / ndtri(_QUANTILE)
+    errors = [_bounded(_near(now, lead + now.age)[["sgp4_s"]])["sgp4_s"] for lead in _LEADS]
+    by_sgp4 = [np.sqrt((one**2).mean()) if len(one) >= _FEWEST else np.nan for one in errors]
+    sgp4 = np.hypot(np.fmax.accumulate(np.array(by_sgp4, float)) * wider, common[1])
+    return np.hypot(rms.mul(wider, axis=0), common).assign(sgp4=sgp4)
 
 
 def _bounded(errors: pd.DataFrame, least: pd.Series | float = 0.0) -> pd.DataFrame:
@@ -110,7 +104,8 @@ def _bounded(errors: pd.DataFrame, least: pd.Series | float = 0.0) -> pd.DataFra
 
 def _near(now: InsideNow, day: float) -> pd.DataFrame:
     """Return the errors of past orbits about so many days after the epochs of their sets."""
-    return now.errors[np.abs(now.errors["days"] - max(day, 1.0)) <= _REACH]
+    errors = now.calibration.errors
+    return errors[np.abs(errors["days"] - max(day, 1.0)) <= _REACH]
 
 
 def lower(along: pd.Series, motion: float) -> np.ndarray:

@@ -14,7 +14,7 @@ import pandas as pd
 
 from opml.base.files import FilePath, replacing
 from opml.element_sets.inside.inside_now import CALIBRATED_EVERY
-from opml.element_sets.inside.past_orbits import ERRORS, Agreement, Calibration, FitSpan
+from opml.element_sets.inside.past_orbits import ERRORS, Calibration, FitSpan
 
 _DAY = len("2016-09-28")
 
@@ -26,23 +26,16 @@ def read(path: FilePath) -> dict[str, Calibration]:
     try:
         with open(path, "rb") as stream, np.load(stream, allow_pickle=False) as file:
             keys, numbers, errors = (file[name] for name in ("keys", "numbers", "errors"))
-        kept = {
-            str(key): _calibration(own, errors[int(own[-2]) : int(own[-1])])
-            for key, own in zip(keys, numbers, strict=True)
-        }
+        kept = {}
+        for key, (before, after, r, w, sunlight, begin, end) in zip(keys, numbers.tolist(), strict=True):
+            own = pd.DataFrame(errors[int(begin) : int(end)], columns=ERRORS)
+            kept[str(key)] = Calibration(FitSpan(before, after), r, w, sunlight, own)
     except FileNotFoundError:
         return {}
     except (ValueError, KeyError, IndexError, TypeError, EOFError, OSError, zipfile.BadZipFile):
         _log.warning("%s: damaged; calibrations of orbits inside sets are made anew", path)
         return {}
     return kept
-
-
-def _calibration(numbers: np.ndarray, errors: np.ndarray) -> Calibration:
-    before, after, r, w, sunlight, *_ = numbers.tolist()
-    span = FitSpan(before, after)
-    agreement = None if np.isnan(r) else Agreement(span, r, w)
-    return Calibration(span, agreement, sunlight, pd.DataFrame(errors, columns=ERRORS))
 
 
 def write(path: FilePath, kept: Mapping[str, Calibration]) -> None:
@@ -59,8 +52,7 @@ def write(path: FilePath, kept: Mapping[str, Calibration]) -> None:
     ends = np.cumsum([len(one) for one in tables])
     numbers = []
     for key, table, end in zip(keys, tables, ends, strict=True):
-        span, agreement, sunlight, _ = kept[key]
-        sizes = (agreement.r, agreement.w) if agreement else (np.nan, np.nan)
-        numbers.append([span.before, span.after, *sizes, sunlight, end - len(table), end])
+        span, r, w, sunlight, _ = kept[key]
+        numbers.append([span.before, span.after, r, w, sunlight, end - len(table), end])
     with replacing(path) as temporary, temporary.open("wb") as file:
         np.savez(file, keys=np.array(keys), numbers=np.array(numbers), errors=np.concatenate(tables))

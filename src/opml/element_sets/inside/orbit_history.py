@@ -13,7 +13,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -199,60 +198,52 @@ def find(
         [one for one in stretch if first - _BESIDE <= one.t <= last + _BESIDE]
         for stretch in _unbroken(known_sets.since(epoch, history), epoch)
     ]
-    orbits = _orbits(public, epoch, weather, progress)
-    changes, cuts = _changes(orbits)
+    passages, burned, published = _orbits(public, epoch, weather, progress)
+    changes, cuts = _changes(passages, burned)
     identity = known_sets.identity(history[-1])
-    parts = np.split(np.arange(len(orbits.passages)), 1 + cuts)
+    parts = np.split(np.arange(len(passages)), 1 + cuts)
     segments = [
         segment
         for rows in parts
         if len(rows) > 1  # one is joined with none
-        for segment in _segments([orbits.passages[row] for row in rows], identity, first, last)
+        for segment in _segments([passages[row] for row in rows], identity, first, last)
     ]
     if not segments:
-        reasons = "; ".join(orbits.published) or "too few"
+        reasons = "; ".join(published) or "too few"
         raise InputError(f"{files[0]}: expected sets with an orbit inside, got none: {reasons}")
     inside = [one for one in changes if first <= one.begin and one.end <= last]
-    return OrbitHistory(epoch, segments, inside, orbits.published)
-
-
-class _Orbits(NamedTuple):
-    """Orbits inside sets by epoch, after which of them the mean elements show burns, and which sets have
-    none, with the reason, in words.
-    """
-
-    passages: list[_Passage]
-    burned: set[int]
-    published: list[str]
+    return OrbitHistory(epoch, segments, inside, published)
 
 
 def _orbits(
     public: Sequence[Sequence[KnownSet]], epoch: str, weather: str | Path, progress: Progress
-) -> _Orbits:
-    """Return the orbits inside sets of a day, by the stretches between burns."""
-    orbits = _Orbits([], set(), [])
+) -> tuple[list[_Passage], set[int], list[str]]:
+    """Return orbits inside sets by epoch, after which of them the mean elements show burns, and which sets
+    have none, with the reason, in words; public: sets by the stretches between burns.
+    """
+    passages: list[_Passage] = []
+    burned: set[int] = set()
+    published: list[str] = []
     for stretch in public:
         for month in _months(stretch):
             dates = ccsds.utc_texts(epoch, np.array([month[0].t, month[-1].t]))
             days = " to ".join(text[:_DAY] for text in dates)
             progress(f"the orbits inside the sets from {days}")
             try:
-                orbits.passages.extend(_passages(month, epoch, weather))
+                passages.extend(_passages(month, epoch, weather))
             except NoOrbitError as reason:
-                orbits.published.append(f"{days}: {reason}")
-        orbits.burned.add(len(orbits.passages) - 1)
-    orbits.burned.difference_update({-1, len(orbits.passages) - 1})
-    return orbits
+                published.append(f"{days}: {reason}")
+        burned.add(len(passages) - 1)
+    return passages, burned - {-1, len(passages) - 1}, published
 
 
-def _changes(orbits: _Orbits) -> tuple[list[OrbitChange], np.ndarray]:
+def _changes(passages: Sequence[_Passage], burned: set[int]) -> tuple[list[OrbitChange], np.ndarray]:
     """Return burns and jumps of the orbit, and after which passages (cuts,) it is not joined: gaps, too."""
-    passages = orbits.passages
-    changes = [_change(*pair, k in orbits.burned) for k, pair in enumerate(pairwise(passages))]
+    changes = [_change(*pair, k in burned) for k, pair in enumerate(pairwise(passages))]
     gaps = {k for k, one in enumerate(changes) if one.end - one.begin > GAP}
     usual = float(np.median([abs(one.larger) for one in changes])) if changes else 0.0
     jumps = {k for k, one in enumerate(changes) if _is_jump(one, passages[k].sinking, usual)}
-    merged = _merged([changes[k] for k in sorted(orbits.burned | jumps - gaps)])
+    merged = _merged([changes[k] for k in sorted(burned | jumps - gaps)])
     return merged, np.sort([*(gaps | jumps)]).astype(int)
 
 
@@ -299,7 +290,7 @@ def _passages(daily: Sequence[KnownSet], epoch: str, weather: str | Path) -> lis
     now = forces.time(epoch)
     sets = [replace(one, t=now + one.t, made=np.inf) for one in daily]
     past, calibration, _ = inside_now.daily_orbits(sets, forces)
-    if doubt := inside_now.doubt(calibration.agreement, calibration.errors, newest, elements_epoch(newest)):
+    if doubt := inside_now.doubt(calibration, newest, elements_epoch(newest)):
         raise NoOrbitError(doubt)
     t = np.array([one.t for one in daily])
     known = np.maximum(t, np.minimum(t + calibration.span.after, forces.model.issued[-1] - now))

@@ -23,6 +23,7 @@ from opml.base.errors import InputError
 from opml.dynamics.ensemble import Arcs, Departures
 from opml.element_sets.inside.inside_forces import Forces
 from opml.interop.element_sets import mean_elements
+from opml.interop.element_sets.burns_in_sets import KnownSet
 from opml.interop.element_sets.element_set import decay, perturbed, semi_major_axis
 from opml.orbits.elements import bent_rsw, positions_beside
 
@@ -122,11 +123,9 @@ class NearbyOrbit:
         reflection = self.reflection(numbers)
         return Beginning(old.satellite, old.t, old.state + after - before, ballistic, reflection, old.known)
 
-    def equations(self, displacements: np.ndarray) -> "Equations":
-        """Return the normal equations of a set.
-
-        displacements: of `displacements`; points where SGP4 fails, as they are not finite, do not count
-        """
+    def equations(self, satellite: Satrec) -> "Equations":
+        """Return the normal equations of a set; points where SGP4 fails do not count."""
+        displacements = self.displacements(satellite)
         there = np.isfinite(displacements).all(axis=1)
         weighted = np.where(there[:, None, None], self.partials * WEIGHTS[:, None], 0.0)
         residuals = np.where(there[:, None], displacements * WEIGHTS, 0.0)
@@ -287,16 +286,11 @@ def first_drag(bstar: np.ndarray | float) -> np.ndarray:
     return np.maximum(_BSTAR * np.abs(bstar), _LEAST_SOUGHT)
 
 
-def begin_at(
-    satellite: Satrec, epoch: str, *, set_epoch: float, known: float, ballistic: float, reflection: float
-) -> Beginning:
-    """Return where the orbit of a set is sought first: SGP4's own state.
-
-    set_epoch: of the set, known: as in `Beginning` [s since `epoch`]
-    """
-    t = EVERY * float(np.floor(set_epoch / EVERY))
-    state = mean_elements.states(satellite, epoch=epoch, t=np.array([t]))[0]
-    return Beginning(satellite, t, state, ballistic, reflection, known)
+def begin_at(one: KnownSet, epoch: str, ballistic: float, reflection: float = LIGHT) -> Beginning:
+    """Return where the orbit of a set is sought first: SGP4's own state; times of the set since `epoch`."""
+    t = EVERY * float(np.floor(one.t / EVERY))
+    state = mean_elements.states(one.satellite, epoch=epoch, t=np.array([t]))[0]
+    return Beginning(one.satellite, t, state, ballistic, reflection, one.made)
 
 
 def departing(

@@ -8,6 +8,7 @@ import pandas as pd
 
 from opml.base.constants import DAY, HOUR
 from opml.element_sets.improve import Improved
+from opml.element_sets.improved_sizes import ExpectedErrors
 from opml.element_sets.inside import inside_now, inside_sizes
 from opml.element_sets.inside.inside_forces import Forces
 from opml.element_sets.inside.inside_now import InsideNow
@@ -33,61 +34,56 @@ NEAR = 0.75  # days by which an error of the past may be off a lead
 class OrbitInside:
     """The orbit inside an object's sets from a date on.
 
-    path: function of times [s since the date] that returns GCRF states; now: as it was sought; is_corrected:
-    whether its along-track position is as learned
+    path: function of times [s since the date] that returns GCRF states; now: as it was sought; rms: of its
+    errors, as of `inside_sizes.rms`; is_corrected: whether its along-track position is as learned
     """
 
     path: Callable[[np.ndarray], np.ndarray]
     now: InsideNow
+    rms: pd.DataFrame
     is_corrected: bool
 
     @property
     def reason(self) -> str:
         """Why it is trusted: how far the orbits of past sets agree, in words."""
-        agreement, span = self.now.agreement, self.now.span
-        side = "on both sides of" if span.is_centred else "before"
-        fits = f"fits over {span.before / HOUR:g} h {side} its sets"
-        if agreement is None:
+        known = self.now.calibration
+        side = "on both sides of" if known.span.is_centred else "before"
+        fits = f"fits over {known.span.before / HOUR:g} h {side} its sets"
+        if not known.is_told:
             return f"too few sets to compare {fits}"
-        return f"{fits} agree to {agreement.r:.0f} m outwards and {agreement.w:.0f} m across"
+        return f"{fits} agree to {known.r:.0f} m outwards and {known.w:.0f} m across"
 
-    @property
-    def past(self) -> pd.DataFrame:
-        """By lead what SGP4 (`error`) and the orbits of past sets (`left`) were off along the track [m].
+    def errors(self, improved: ExpectedErrors, storm: float) -> ExpectedErrors:
+        """Return its expected errors.
 
-        By the orbits of later sets, means of a revolution.
+        improved: those of the improved set; storm: by how much a storm of the last days widens
         """
-        errors = self.now.errors
-        leads = np.array(LEADS[1:])
-        nearest = np.abs(errors["days"].to_numpy()[:, None] - leads).argmin(axis=1)
-        rows = errors.assign(lead=leads[nearest], error=errors["sgp4_ahead"], left=errors["ahead"])
-        return rows.loc[np.abs(rows["days"] - rows["lead"]) <= NEAR, ["lead", "error", "left"]].dropna()
-
-    @property
-    def basis(self) -> str:
-        """What its sizes of errors rest on, in words."""
-        return (
-            f"by {len(self.now.errors)} pairs of its sets of the last {inside_now.PAST:g} days, against "
-            "typical errors of that decay, and what all sets have in common; along the track the corrector's "
-            "sigma where it is smaller"
-        )
-
-    def sizes(self, improved: pd.DataFrame, after_storm: float) -> pd.DataFrame:
-        """Return standard deviations by lead [m]: r, s, w of its errors, sgp4 of SGP4 along the track.
-
-        improved: the same of the improved set; after_storm: by how much a storm of the last days widens
-        """
-        leads = improved.index.to_numpy(float)
-        sizes = inside_sizes.sizes(self.now, leads).set_axis(improved.index)
-        sizes["s"] *= after_storm
+        sizes, others = inside_sizes.sizes(self.now, self.rms), improved.sizes
+        sizes["s"] *= storm
         newest = self.now.orbit.beginning.satellite
         if self.is_corrected:
-            sizes["s"] = np.minimum(sizes["s"], improved["s"])
+            sizes["s"] = np.minimum(sizes["s"], others["s"])
         elif newest.bstar <= 0.0 and mean_height(newest.no_kozai) < LOW:  # what drag there is, nothing tells
-            sizes["s"] = np.fmax(sizes["s"], improved["s"])
+            sizes["s"] = np.fmax(sizes["s"], others["s"])
         sizes["r"] = np.hypot(sizes["r"], lower(sizes["s"], newest.no_kozai))
-        by_sgp4 = inside_sizes.sgp4_along(self.now, leads)
-        return sizes.assign(sgp4=np.where(np.isfinite(by_sgp4), by_sgp4, improved["sgp4"]))
+        sizes["sgp4"] = sizes["sgp4"].fillna(others["sgp4"])
+        basis = (
+            f"by {len(self.now.calibration.errors)} pairs of its sets of the last {inside_now.PAST:g} days, "
+            "against typical errors of that decay, and what all sets have in common; along the track the "
+            "corrector's sigma where it is smaller"
+        )
+        return ExpectedErrors(sizes, past_errors(self.now.calibration.errors), basis)
+
+
+def past_errors(errors: pd.DataFrame) -> pd.DataFrame:
+    """Return by lead what SGP4 (`error`) and the orbits of past sets (`left`) were off along the track [m].
+
+    errors: by the orbits of later sets, means of a revolution, as of `PastOrbits.errors`
+    """
+    leads = np.array(LEADS[1:])
+    nearest = np.abs(errors["days"].to_numpy()[:, None] - leads).argmin(axis=1)
+    rows = errors.assign(lead=leads[nearest], error=errors["sgp4_ahead"], left=errors["ahead"])
+    return rows.loc[np.abs(rows["days"] - rows["lead"]) <= NEAR, ["lead", "error", "left"]].dropna()
 
 
 def predict(
@@ -115,22 +111,23 @@ def predict(
         now = inside_now.find(public, date=better.date, forces=forces(), kept=kept)
     except NoOrbitError as reason:
         return str(reason)
-    if now.doubt:
-        return now.doubt
+    if doubt := inside_now.doubt(now.calibration, now.orbit.beginning.satellite, better.date):
+        return doubt
     rows = better.corrections[better.corrections["number"] == number]
     is_corrected = len(rows) == len(LEADS) - 1
-    shift = _shift(now, rows) if is_corrected else None
-    return OrbitInside(StatePolynomials(*now.predict(days, shift)).at, now, is_corrected)
+    rms = inside_sizes.rms(now)
+    shift = _shift(now, rms, rows) if is_corrected else None
+    return OrbitInside(StatePolynomials(*now.predict(days, shift)).at, now, rms, is_corrected)
 
 
-def _shift(now: InsideNow, corrections: pd.DataFrame) -> np.ndarray:
+def _shift(now: InsideNow, rms: pd.DataFrame, corrections: pd.DataFrame) -> np.ndarray:
     """Return by what the orbit is to be ahead of where it goes by itself, as `InsideNow.predict` takes it.
 
     The corrected position of SGP4 along the track counts against its own, where drag is small by the inverse
     of their variances. At the date the orbit stays where it is.
     """
-    leads = np.append(0.0, corrections["lead"].to_numpy(float))
-    own = np.hypot(inside_sizes.rms(now, leads)["s"].to_numpy(), inside_sizes.FLOOR["s"])
+    leads = np.array(LEADS, float)
+    own = np.hypot(rms["s"].to_numpy(), inside_sizes.FLOOR["s"])
     sigma = np.append(own[0], corrections["sigma"])
     part = own**2 / (own**2 + sigma**2)
     sinking = decay(now.orbit.beginning.satellite)

@@ -192,22 +192,31 @@ def _places(orbits: Sequence[NearbyOrbit], sets: np.ndarray, t: np.ndarray) -> t
     return np.clip(places, 0, counts[:, None] - 1), there
 
 
-@dataclass(frozen=True)
-class Agreement:
-    """Agreement of the orbits of sets of different days over the best span.
+class Calibration(NamedTuple):
+    """The orbits inside past sets, over the span on which they agree best.
 
-    r, w: medians of their distances outwards and across the track [m]
+    span: the usual one where sets are too few to tell it; r, w: medians of the distances outwards and across
+    the track of orbits of different days [m], NaN where they are too few; sunlight: the step of Cr A/m by
+    which light presses; errors: of the orbits, as of `PastOrbits.errors`
     """
 
     span: FitSpan
     r: float
     w: float
+    sunlight: float
+    errors: pd.DataFrame
+
+    @property
+    def is_told(self) -> bool:
+        """Whether sets are enough to tell the span."""
+        return not np.isnan(self.w)
 
 
 def agreement(
     past: PastOrbits, spans: Sequence[FitSpan] = SPANS, *, axes: Sequence[str] = ("r", "w")
-) -> Agreement | None:
-    """Return the span over which an object's sets agree best; None where there are too few to tell.
+) -> tuple[FitSpan, float, float] | None:
+    """Return the span over which an object's sets agree best, and r and w as of `Calibration`; None where
+    there are too few to tell.
 
     axes: along which they are to agree; outwards drag parts them, too. A span before the epochs has to be
     better by a factor, as the weather of the days after was not known; of two as good the earlier one is
@@ -218,22 +227,8 @@ def agreement(
         pairs = past.errors(past.numbers(span))
         distant = pairs.loc[pairs["days"] >= _APART / DAY, ["r", "w"]].dropna()
         if len(distant) >= _FEWEST:
-            r, w = np.sqrt((distant**2).median())
-            tried.append(Agreement(span, float(r), float(w)))
-
-    def square(one: Agreement) -> float:
-        factor = 1.0 if one.span.is_centred else _UNLIKELY**2
-        return factor * float(sum(getattr(one, axis) ** 2 for axis in axes))
-
-    return min(tried, key=square) if tried else None
-
-
-class Calibration(NamedTuple):
-    """The span that the orbits inside past sets tell, the usual one where agreement is None, the step of
-    Cr A/m by which light presses, and the errors of orbits, as `PastOrbits.errors` has them.
-    """
-
-    span: FitSpan
-    agreement: Agreement | None
-    sunlight: float
-    errors: pd.DataFrame
+            size = np.sqrt((distant**2).median())
+            factor = 1.0 if span.is_centred else _UNLIKELY**2
+            square = factor * float(sum(float(size[axis]) ** 2 for axis in axes))
+            tried.append((square, (span, float(size["r"]), float(size["w"]))))
+    return min(tried, key=lambda one: one[0])[1] if tried else None

@@ -25,6 +25,7 @@ from opml.element_sets.inside.orbit_inside import (
     solve,
     usual_half_span,
 )
+from opml.interop.element_sets.burns_in_sets import KnownSet
 from opml.interop.element_sets.element_set import seconds_since
 from opml.tables import STATE
 
@@ -58,12 +59,10 @@ def states(
     for members in (order[k : k + _BATCH] for k in range(0, len(order), _BATCH)):
         begins = [
             begin_at(
-                catalogue.satellites[k],
+                KnownSet(float(t[k]), float(known[k]), catalogue.satellites[k]),
                 forces.epoch,
-                set_epoch=float(t[k]),
-                known=float(known[k]),
-                ballistic=float(first[k]),
-                reflection=float(light[k]),
+                float(first[k]),
+                float(light[k]),
             )
             for k in members
         ]
@@ -95,7 +94,7 @@ def _solved(
     orbits = orbits_beside(forces, begins, back=spans[:, 0] + EVERY, ahead=spans[:, 1] + EVERY)
     solved = []
     for at, (before, after), orbit in zip(t, spans, orbits, strict=True):
-        equations = orbit.equations(orbit.displacements(orbit.beginning.satellite))
+        equations = orbit.equations(orbit.beginning.satellite)
         try:
             numbers = solve(orbit, [equations.over(at - before, at + after)])
         except NoOrbitError:

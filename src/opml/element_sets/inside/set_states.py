@@ -41,13 +41,14 @@ def build(
     """
     satellites = catalogue.satellites
     epochs = [elements_epoch(one) for one in satellites]
+    sigmas = np.array([inside_sizes.at_epoch(one) for one in satellites]).reshape(-1, 3)
     table = pd.DataFrame(
         {
             "number": catalogue.table["number"],
             "utc": epochs,
             **dict.fromkeys(_NUMBERS, np.nan),
             "half_span": [usual_half_span(one) / HOUR for one in satellites],
-            **_sigmas(catalogue),
+            **dict(zip(("sigma_r", "sigma_s", "sigma_w"), sigmas.T, strict=True)),
             "why": [
                 inside_now.unsuited(one) or (OLD if epoch < inside_now.MODERN else "")
                 for one, epoch in zip(satellites, epochs, strict=True)
@@ -60,26 +61,18 @@ def build(
     for month in np.unique(months):
         rows = sought[months == month]
         progress(f"the orbits inside {len(rows)} sets of 30 days from {table['utc'][rows].min()[:10]} on")
-        table.loc[rows, _NUMBERS] = _states(catalogue.take(rows), weather, ballistic[rows])
+        part = catalogue.take(rows)
+        forces = inside_forces.read(weather, first=part.table["t"].min(), last=part.table["t"].max())
+        spans = set_orbits.usual_spans(part)
+        table.loc[rows, _NUMBERS] = set_orbits.states(part, forces, ballistic[rows], spans)[
+            _NUMBERS
+        ].to_numpy()
     table.loc[(table["why"] == "") & table[_NUMBERS].isna().any(axis=1), "why"] = NO_ORBIT
     published = table["why"] != ""
     table.loc[published, [*_NUMBERS, "half_span", "sigma_r", "sigma_s", "sigma_w"]] = np.nan
     for reason, count in table.loc[published, "why"].value_counts().items():
         _log.warning("sets as published: %d: %s", count, reason)
     return table
-
-
-def _states(catalogue: ElementCatalogue, weather: str | Path, ballistic: np.ndarray) -> np.ndarray:
-    t = catalogue.table["t"]
-    forces = inside_forces.read(weather, first=t.min(), last=t.max())
-    spans = set_orbits.usual_spans(catalogue)
-    return set_orbits.states(catalogue, forces, ballistic, spans)[_NUMBERS].to_numpy()
-
-
-def _sigmas(catalogue: ElementCatalogue) -> dict[str, np.ndarray]:
-    """Return standard deviations (sets,) at the epochs [m], which are typical of the drag of each set."""
-    sizes = np.array([inside_sizes.at_epoch(one) for one in catalogue.satellites]).reshape(-1, 3)
-    return {f"sigma_{axis}": sizes[:, k] for k, axis in enumerate("rsw")}
 
 
 def read_before(path: FilePath) -> pd.Series:
