@@ -74,7 +74,7 @@ def test_what_is_taken_from_a_facade_is_its_own(facade):
 
 MOST = {
     "lines of the package": 41_730,
-    "lines of tests": 31_455,
+    "lines of tests": 31_453,
     "classes": 303,
     "docstrings that begin with what, which, how, where, of": 39,
     "variables called found, one, made, told": 49,

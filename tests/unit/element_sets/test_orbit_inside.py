@@ -127,8 +127,7 @@ def test_sizes_are_those_of_the_past_and_grow(past, forces):
     off = replace(now, calibration=now.calibration._replace(errors=errors))
     worse = inside_sizes.sizes(off, inside_sizes.rms(off))
     assert (worse["w"] > 200.0).all()
-    pd_equal = worse[["r", "s"]] == sizes[["r", "s"]]
-    assert pd_equal.all(axis=None)
+    assert (worse[["r", "s"]] == sizes[["r", "s"]]).all(axis=None)
 
 
 def test_what_no_orbit_fits_says_so(forces, sets):
