@@ -18,7 +18,7 @@ from benchmarks import case, measure
 from opml.base.seeds import derive
 from opml.learning.data import splits
 from opml.learning.judge import metrics
-from opml.learning.models import kernel_scale, svr
+from opml.learning.models import gaussian_kernel, svr
 from opml.learning.models.training_inputs import Training, standardisation
 
 DATASET = Path(__file__).parents[1] / "results" / "dataset" / "iss" / "eglin-clear-kaena.parquet"
@@ -147,7 +147,7 @@ def shared(data: Data, settings: dict) -> str:
     (mean, deviation), standardise = _timed(lambda: standardisation(rows.x))
     z = (rows.x - mean) / deviation
     rng = derive(0, "benchmarks", "svr")
-    scale, choose = _timed(lambda: kernel_scale.distance_quantile(z, 0.1, rng=rng))
+    scale, choose = _timed(lambda: gaussian_kernel.distance_quantile(z, 0.1, rng=rng))
     _, apart = _timed(lambda: [_fit(rows, y, settings | {"kernel_scale": scale}) for y in rows.y.T])
     _, build = _timed(lambda: np.exp(_exponents(z / scale), dtype=np.float32))
     lines = [

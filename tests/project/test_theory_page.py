@@ -16,7 +16,7 @@ from opml.catalog.fit import apriori
 from opml.conjunctions import likeliest_collision, long_encounter, probability
 from opml.element_sets import corrector, features, weighting
 from opml.learning.judge import error_sizes, metrics
-from opml.learning.models import kernel_scale, svr
+from opml.learning.models import gaussian_kernel, svr
 
 TEXT = (REPOSITORY / "docs" / "theory.md").read_text(encoding="utf-8")
 PLAIN = " ".join(TEXT.split())
@@ -47,8 +47,8 @@ def test_the_learning_variables_are_those_of_the_settings():
         f"(q_3 - q_1) / {svr.NORMAL_IQR}",
         f"$C = {SETTINGS['learners']['svr']['c']:g}$ and "
         f"$\\varepsilon = {SETTINGS['learners']['svr']['epsilon']}$",
-        f"{kernel_scale.QUANTILES['sigest']} quantile of the distances",
-        f"in {kernel_scale.DISTANCE_ROWS} rows (`sigest`)",
+        f"{gaussian_kernel.QUANTILES['sigest']} quantile of the distances",
+        f"in {gaussian_kernel.DISTANCE_ROWS} rows (`sigest`)",
         f"dual differ by {SETTINGS['learners']['svr']['tol']}.",
         f"({innovations.CD_SPREAD}\\,\\bar{{c}})^2",
         f"({apriori.APRIORI_SIGMA}\\,C_0)^2",

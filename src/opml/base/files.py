@@ -5,6 +5,7 @@ import gzip
 import io
 import os
 import tempfile
+import zlib
 from collections.abc import Collection, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -56,6 +57,19 @@ def unpacked(content: bytes) -> bytes:
     if len(plain) > most:
         raise gzip.BadGzipFile(f"a gzip of more than {_MOST_PACKED} times its size")
     return plain
+
+
+def read_text(path: FilePath, what: str, *, encoding: str = "utf-8") -> str:
+    """Read a file as text, plain or gzipped. Raises InputError where it is missing, or not what it should be.
+
+    what: the file should be, in words
+    """
+    try:
+        return unpacked(Path(path).read_bytes()).decode(encoding)
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file") from None
+    except (EOFError, OSError, ValueError, zlib.error) as reason:
+        raise InputError(f"{path}: expected {what} ({reason})") from None
 
 
 def suffix_of(path: FilePath, allowed: Collection[str]) -> str:

@@ -2,13 +2,12 @@
 
 import json
 import re
-from pathlib import Path
 from typing import Any
 
 import yaml
 
 from opml.base.errors import InputError
-from opml.base.files import FilePath
+from opml.base.files import FilePath, read_text
 
 _INTEGER = re.compile(r"[-+]?(?:0|[1-9][0-9_]*)$")
 _FLOAT = re.compile(
@@ -46,12 +45,7 @@ _Loader.yaml_implicit_resolvers = {
 
 def read_yaml(path: FilePath) -> Any:
     """Read a YAML file, safely. Raises InputError where it is missing, not YAML or has a key twice."""
-    try:
-        text = Path(path).read_text(encoding="utf-8")
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such file") from None
-    except (OSError, ValueError) as error:
-        raise InputError(f"{path}: expected YAML in UTF-8 ({error})") from None
+    text = read_text(path, "YAML in UTF-8")
     try:
         values = yaml.load(text, Loader=_Loader)
         json.dumps(values, skipkeys=True, default=str)  # raises where an alias stands for what it is in

@@ -1,18 +1,15 @@
 """Kinds of measurement: each is one value of KINDS, which settings, checks, jobs and fits ask.
 
-The module of a kind, of its name in `opml.catalog.measure`, has `check(request)`, which raises InputError
-where files hold no measurements. Measurements of fits are in `opml.catalog.fit.fixes.MEASUREMENTS`.
+Their files are checked and read in `opml.catalog.measured_files`; measurements of fits are in
+`opml.catalog.fit.fixes.MEASUREMENTS`.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from importlib import import_module
-from typing import Any
 
 import pandas as pd
 
 from opml.base.errors import InputError
-from opml.orbits.sheets import Station
 from opml.tables import SCHEMAS
 
 
@@ -28,22 +25,6 @@ class Kind:
     beneath: str = ""  # file of the settings beneath a user's; '' without any
     tells_orbit: bool = True  # whether a first orbit can be determined from the measurements alone
     for_mornings: bool = True  # whether mornings read it
-
-    @property
-    def module(self) -> Any:
-        """Its module, with compiled kernels: half a second that no plan without such files waits for."""
-        return import_module(f"opml.catalog.measure.{self.name}")
-
-
-@dataclass(frozen=True)
-class MeasurementRequest:
-    """A request for the measurements in an object's files."""
-
-    paths: Sequence[str]  # of them
-    options: Any  # the validated options of reading them
-    stations: Mapping[str, Station]  # all that there are, by name
-    epoch: str  # UTC text
-    duration: float  # of the run [s]
 
 
 TRACKS = Kind("tracks", "tracking")

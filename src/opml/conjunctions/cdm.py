@@ -20,6 +20,7 @@ from opml.dynamics.frames import states_to_gcrf
 from opml.environment import earth_orientation
 from opml.interop import ccsds
 from opml.interop.object_ids import ObjectId
+from opml.interop.orbit_arcs import line_error
 from opml.orbits.density_error import DensityError
 
 _log = logging.getLogger(__name__)
@@ -181,9 +182,9 @@ def _conjunction(message: ccsds.Message, epoch: str, radius: float | None) -> Co
     t = head.time("TCA", np.nan, epoch=epoch, scale="UTC")
     if not np.isfinite(t):
         raise InputError(f"{message.path}: expected TCA before the objects, got none")
-    first, second = (_participant(message, block, epoch, t) for block in parts)
+    first, second = (_participant(block, epoch, t) for block in parts)
     for key, part in _STATED.items():
-        _check_stated(message, head, key, float(np.linalg.norm((second.state - first.state)[part])))
+        _check_stated(head, key, float(np.linalg.norm((second.state - first.state)[part])))
     radius = _radius(message.path, radii) if radius is None else radius
     check_radius(radius)
     known = head.time("CREATION_DATE", t, epoch=epoch, scale="UTC")
@@ -191,27 +192,27 @@ def _conjunction(message: ccsds.Message, epoch: str, radius: float | None) -> Co
     with suppress(ValueError):  # it is not needed, and some messages have N/A
         stated = float(head.text("COLLISION_PROBABILITY", ""))
     read = Conjunction(t, first, second, radius, known=known, stated=stated)
-    _tell_of_relative(message, head, read.relative[:3])
+    _tell_of_relative(head, read.relative[:3])
     return read
 
 
-def _tell_of_relative(message: ccsds.Message, head: ccsds.KeyValues, found: np.ndarray) -> None:
+def _tell_of_relative(head: ccsds.KeyValues, relative: np.ndarray) -> None:
     """Log a relative position in RTN that is not that of the states: one of the frames may be another."""
     with suppress(ValueError):  # a message may have none, or N/A
         stated = np.array([float(head.text(key, "")) for key in _RELATIVE])
-        apart = min(np.linalg.norm(stated - found), np.linalg.norm(stated + found))
+        apart = min(np.linalg.norm(stated - relative), np.linalg.norm(stated + relative))
         if apart > _ROUGH * np.linalg.norm(stated) + 1.0:
-            of_states, of_message = (" ".join(f"{value:.0f}" for value in one) for one in (found, stated))
-            told = "%s: RELATIVE_POSITION is %s m, that of the states %s m: is REF_FRAME right?"
-            _log.warning(told, message.path, of_message, of_states)
+            texts = [" ".join(f"{value:.0f}" for value in vector) for vector in (stated, relative)]
+            warning = "%s: RELATIVE_POSITION is %s m, that of the states %s m: is REF_FRAME right?"
+            _log.warning(warning, head.path, *texts)
 
 
-def _check_stated(message: ccsds.Message, head: ccsds.KeyValues, key: str, value: float) -> None:
+def _check_stated(head: ccsds.KeyValues, key: str, value: float) -> None:
     """Raise InputError where states contradict the distance or speed under a key of the message."""
-    line = head.line(key)
-    stated = message.scale(head.text(key, repr(value)), 0, line)
+    stated = head.number(key, default=repr(value))
     if abs(stated - value) > _ROUGH * stated + 1.0:
-        raise message.error(f"states of {key} = {stated:g} {_UNITS_OF[key]}", f"{value:g}", line)
+        expected = f"states of {key} = {stated:g} {_UNITS_OF[key]}"
+        raise line_error(head.path, head.line(key), expected, f"{value:g}")
 
 
 def _blocks(message: ccsds.Message, radii: set[str]) -> list[ccsds.KeyValues]:
@@ -219,27 +220,26 @@ def _blocks(message: ccsds.Message, radii: set[str]) -> list[ccsds.KeyValues]:
 
     radii: takes what comments have for the sum of the radii, which may be there several times
     """
-    blocks: list[dict[str, tuple[int, str]]] = [{}]
+    blocks = [ccsds.KeyValues(message.path)]
     while not message.is_over:
         number, key, value = message.pair()
         if key == _RADIUS:
             radii.add(value)
             continue
         if key == "OBJECT":
-            blocks.append({})
-        if key in blocks[-1]:
-            raise message.error(f"{key} once", "it twice", number)
+            blocks.append(ccsds.KeyValues(message.path))
         if (unit := _UNIT.search(value)) and unit[1] != _UNITS_OF.get(key, unit[1]):
             raise message.error(f"{key} in [{_UNITS_OF[key]}]", unit[0].strip(), number)
-        blocks[-1][key] = number, _UNIT.sub("", value)
-    if not blocks[0]:
+        blocks[-1].add(number, key, _UNIT.sub("", value))
+        blocks[-1].last = number
+    if not blocks[0].last:
         raise message.error("KEY = value", message.peek())
-    return [ccsds.KeyValues(message, block, max(number for number, _ in block.values())) for block in blocks]
+    return blocks
 
 
-def _participant(message: ccsds.Message, block: ccsds.KeyValues, epoch: str, t: float) -> Participant:
+def _participant(block: ccsds.KeyValues, epoch: str, t: float) -> Participant:
     frame = block.choice("REF_FRAME", (*ccsds.FRAMES, _TERRESTRIAL))
-    state = np.array([message.scale(block.text(key), _KILO, block.line(key)) for key in _STATE])
+    state = np.array([block.number(key, _KILO) for key in _STATE])
     keys = ("OBJECT_DESIGNATOR", "INTERNATIONAL_DESIGNATOR")
     identity = ObjectId.of(block.text("OBJECT_NAME"), *(block.text(key, "") for key in keys))
     if frame == _TERRESTRIAL:
@@ -248,18 +248,18 @@ def _participant(message: ccsds.Message, block: ccsds.KeyValues, epoch: str, t: 
         state = np.kron(np.eye(2), ccsds.FRAMES[frame]) @ state
     if not any(block.has(_covariance_key(row, column)) for row, column in _LOWER):
         return Participant(identity, state)
-    covariance, left_out = _covariance(message, block)
+    covariance, left_out = _covariance(block)
     remarks = list(remarks_on(identity.name, covariance))
     if left_out:
         remarks.append(f"covariance of {identity.name} of its position alone: {left_out}")
-    density = None if left_out else _density(message, block)
+    density = None if left_out else _density(block)
     if density is not None and not density.is_part_of(covariance):
         density = None
         remarks.append(f"density error of {identity.name} too large")
     return Participant(identity, state, covariance, tuple(remarks), density, bool(left_out))
 
 
-def _covariance(message: ccsds.Message, block: ccsds.KeyValues) -> tuple[np.ndarray, str]:
+def _covariance(block: ccsds.KeyValues) -> tuple[np.ndarray, str]:
     """Return the covariance (6, 6) of an object, and why its velocities' parts do not count, '' if they do.
 
     Positions are all that the miss and a probability in two dimensions need.
@@ -268,15 +268,15 @@ def _covariance(message: ccsds.Message, block: ccsds.KeyValues) -> tuple[np.ndar
     whole = all(block.has(_covariance_key(row, column)) for row, column in _LOWER)
     for row, column in _LOWER if whole else _LOWER[:_OF_POSITION]:
         key = _covariance_key(row, column)
-        covariance[row, column] = message.scale(block.text(key), 0, block.line(key))
-        covariance[column, row] = covariance[row, column]
+        covariance[row, column] = covariance[column, row] = block.number(key)
         if row == column and covariance[row, row] < 0.0:
-            raise message.error("a variance of 0 or more", block.text(key), block.line(key))
-    message.check_correlations(covariance[:3, :3], block.line(_covariance_key(0, 0)))
+            raise line_error(block.path, block.line(key), "a variance of 0 or more", block.text(key))
+    first = block.line(_covariance_key(0, 0))
+    ccsds.check_correlations(block.path, first, covariance[:3, :3])
     if not whole:
         return covariance, "no rows of velocities"
     try:
-        message.check_correlations(covariance, block.line(_covariance_key(0, 0)))
+        ccsds.check_correlations(block.path, first, covariance)
     except InputError:
         covariance[3:] = covariance[:, 3:] = 0.0
         return covariance, "correlations of velocities beyond 1"
@@ -290,16 +290,18 @@ def _from_earth(state: np.ndarray, epoch: str, t: float) -> np.ndarray:
     return np.asarray(turned)
 
 
-def _density(message: ccsds.Message, block: ccsds.KeyValues) -> DensityError | None:
+def _density(block: ccsds.KeyValues) -> DensityError | None:
     """Return what the forecast density's error does to an object, None where that is not given."""
     uncertainty, *vectors = _DENSITY_KEYS.values()
     if not all(block.has(key) for key in _DENSITY_KEYS.values()):
         return None
-    line = block.line(vectors[0])
-    numbers = [message.scale(text, 0, block.line(key)) for key in vectors for text in block.text(key).split()]
+    lines = {key: block.line(key) for key in vectors}
+    texts = [(lines[key], text) for key in vectors for text in block.text(key).split()]
+    numbers = [ccsds.scaled(block.path, line, text, 0) for line, text in texts]
     if len(numbers) != len(_STATE):
-        raise message.error("three numbers in each vector of sensitivity", f"{len(numbers)} in both", line)
-    return DensityError(message.scale(block.text(uncertainty), 0, line), np.array(numbers))
+        expected = "three numbers in each vector of sensitivity"
+        raise line_error(block.path, lines[vectors[0]], expected, f"{len(numbers)} in both")
+    return DensityError(block.number(uncertainty), np.array(numbers))
 
 
 def _radius(path: FilePath, stated: set[str]) -> float:

@@ -13,7 +13,7 @@ import numpy as np
 from opml.base import epochs
 from opml.base.errors import InputError
 from opml.environment import nrlmsis
-from opml.environment.forecasts.radio_bursts import remove_bursts
+from opml.environment.forecasts.similar_days import remove_bursts
 from opml.environment.space_weather import INTERVALS, MEASURED, ROUNDING
 from opml.environment.weather import Weather
 

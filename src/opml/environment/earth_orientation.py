@@ -19,7 +19,7 @@ import pandas as pd
 from opml.base import epochs
 from opml.base.constants import DAY, EARTH_RATE
 from opml.base.errors import InputError
-from opml.base.files import data_folder
+from opml.base.files import data_folder, read_text
 
 _ABOUT = 4.0  # days beyond the ends of a run that its table may need
 _ARCSECOND = np.pi / 648000.0
@@ -111,11 +111,7 @@ def read_finals2000a(path: str | Path) -> pd.DataFrame:
     Columns: mjd (UTC midnights), x_pole, y_pole, dx, dy [rad], ut1_utc [s]; from Bulletin B, where it has the
     day, else A. Raises InputError where the file cannot be read or a figure is malformed.
     """
-    try:
-        lines = Path(path).read_text(encoding="ascii").splitlines()
-    except (OSError, UnicodeDecodeError) as reason:
-        raise InputError(f"{path}: expected an IERS finals2000A file, got {reason}") from None
-    return daily_values(path, lines)
+    return daily_values(path, read_text(path, "an IERS finals2000A file", encoding="ascii").splitlines())
 
 
 def daily_values(path: str | Path, lines: Sequence[str]) -> pd.DataFrame:

@@ -16,6 +16,7 @@ import pandas as pd
 from opml.base import epochs
 from opml.base.constants import DAY, JULIAN_YEAR
 from opml.base.errors import InputError
+from opml.base.files import read_text
 
 MAX_DEGREE = 10_000  # nearly twice the degree of any published field; a header with a larger one is damaged
 
@@ -156,7 +157,8 @@ def read_icgem(path: str | Path) -> GravityField:
     Raises InputError, naming file and key or row, for a missing or truncated file, a header without a
     required key, a field that is not fully normalised, and a malformed row.
     """
-    lines = _lines(path)
+    # Headers hold people's names in whatever encoding; the figures are ASCII.
+    lines = read_text(path, "an ICGEM file", encoding="latin-1").splitlines()
     header, head_length = _read_header(path, lines)
     text = header["max_degree"]
     if not (text.isascii() and text.isdigit() and int(text) <= MAX_DEGREE):
@@ -184,14 +186,6 @@ def read_icgem(path: str | Path) -> GravityField:
         s=s,
         variations=tuple(variations),
     )
-
-
-def _lines(path: str | Path) -> list[str]:
-    try:
-        # Headers hold people's names in whatever encoding; the figures are ASCII.
-        return Path(path).read_text(encoding="latin-1").splitlines()
-    except OSError as reason:
-        raise InputError(f"{path}: expected an ICGEM file, got {reason}") from None
 
 
 def _rows(

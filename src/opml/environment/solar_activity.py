@@ -6,8 +6,7 @@ OBSERVED: measured activity, see `space_weather`. NEWEST: that which `opml fetch
 """
 
 import re
-import zlib
-from importlib.resources import files
+from importlib import resources
 from pathlib import Path
 from typing import Any
 
@@ -15,10 +14,10 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
 
-from opml.base import epochs
+from opml.base import epochs, files
 from opml.base.constants import DAY
 from opml.base.errors import InputError
-from opml.base.files import data_folder, unpacked
+from opml.base.files import data_folder
 from opml.environment import space_weather
 
 MSAFE = "MSAFE"
@@ -101,7 +100,7 @@ def resolve(source: str | Path) -> Path:
     if str(source) == NEWEST and (fetched := fetched_weather()).exists():
         return fetched
     packaged = PACKAGED.get(OBSERVED if str(source) == NEWEST else str(source))
-    return Path(str(files("opml") / "data" / packaged)) if packaged else Path(source)
+    return Path(str(resources.files("opml") / "data" / packaged)) if packaged else Path(source)
 
 
 def fetched_weather() -> Path:
@@ -119,15 +118,8 @@ def read(path: str | Path) -> pd.DataFrame:
 
 
 def read_text(path: str | Path) -> str:
-    """Read a file of solar activity as text, gzipped or not.
-
-    Raises InputError where the file is missing or no text.
-    """
-    try:
-        return unpacked(Path(path).read_bytes()).decode("utf-8-sig")
-    except (OSError, EOFError, zlib.error, UnicodeDecodeError) as reason:
-        got = getattr(reason, "strerror", None) or reason
-        raise InputError(f"{path}: expected a table of solar activity, got {got}") from None
+    """Read a file of solar activity as text. Raises InputError where the file is missing or no text."""
+    return files.read_text(path, "a table of solar activity", encoding="utf-8-sig")
 
 
 def _read_months(path: str | Path, text: str) -> pd.DataFrame:

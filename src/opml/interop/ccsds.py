@@ -23,10 +23,11 @@ from opml.base import epochs
 from opml.base.errors import InputError
 from opml.base.files import FilePath, replacing
 from opml.interop import ndm_xml, orbit_arcs
+from opml.interop.orbit_arcs import line_error
 
 _TIME = re.compile(r"(\d{4})-(?:(\d\d)-(\d\d)|(\d{3}))T(\d\d):(\d\d):(\d\d(?:\.\d*)?)Z?", re.ASCII)
 _NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+))(?:[eE]([+-]?\d{1,4}))?", re.ASCII)
-_PAIR = re.compile(r"([A-Z][A-Z0-9_]*)\s*=\s*(\S.*)", re.ASCII)
+_PAIR = re.compile(r"([A-Z][A-Z0-9_]*)\s*=\s*(.*)", re.ASCII)
 
 _ROUNDED = 1.01  # what digits that were cut off may make of a correlation of 1
 _FINE, _DOUBLE = Context(prec=40), Context(prec=17)
@@ -39,6 +40,31 @@ FRAMES = {"GCRF": np.eye(3), "ICRF": np.eye(3), "EME2000": _BIAS, "J2000": _BIAS
 
 DENSITY_COMMENT, DENSITY_KEY = "DCP Density Forecast Uncertainty", "DENSITY_FORECAST_UNCERTAINTY"
 """The standard deviation of the density forecast, in comments and as the key of CDM 2.0."""
+
+
+def lines_of(
+    path: FilePath, text: str, in_comments: Mapping[str, str] = MappingProxyType({})
+) -> list[ndm_xml.NumberedLine]:
+    """Return the numbered lines of messages in KVN or XML, without empty ones and comments.
+
+    in_comments: keys whose values comments have, by the names that they have there
+
+    Raises InputError, naming the line, for broken XML.
+    """
+    lines = [(n, _of_comment(line.strip(), in_comments)) for n, line in ndm_xml.lines(path, text)]
+    return [(n, line) for n, line in lines if line and not re.match(r"COMMENT\b", line)]
+
+
+def _of_comment(line: str, keys: Mapping[str, str]) -> str:
+    """Return the pair that a comment makes of one of `keys`, any other line as it is."""
+    name, _, value = line.removeprefix("COMMENT").partition("=")
+    return f"{keys[name.strip()]} = {value.strip()}" if name.strip() in keys and value.strip() else line
+
+
+def pair(line: str) -> tuple[str, str] | None:
+    """Return key and value of a line, the latter may be empty; None for another line."""
+    match = _PAIR.fullmatch(line)
+    return match and (match[1], match[2].rstrip())
 
 
 class Message:
@@ -65,17 +91,14 @@ class Message:
             text = orbit_arcs.contents(path).decode("utf-8-sig")
         except UnicodeDecodeError as reason:
             raise InputError(f"{path}: expected a message in UTF-8 text ({reason})") from None
-        lines = [
-            (number, _of_comment(line.strip(), in_comments)) for number, line in ndm_xml.lines(path, text)
-        ]
-        self._lines = [(n, line) for n, line in lines if line and not re.match(r"COMMENT\b", line)]
+        self._lines = lines_of(path, text, in_comments)
         self._next = 0
         self._begin()
 
     def _begin(self) -> None:
         """Pass the first line of a message. Raises InputError for any other line."""
-        match = _PAIR.fullmatch(self.peek())
-        if match is None or match[1] != self._version_key or match[2] not in self._versions:
+        key, version = pair(self.peek()) or ("", "")
+        if key != self._version_key or version not in self._versions:
             raise self.error(f"{self._version_key} = {' or '.join(self._versions)}", self.peek())
         self.take()
 
@@ -125,106 +148,114 @@ class Message:
 
     def header(self) -> "KeyValues":
         """Return the pairs before the first segment. Raises InputError for a line that is no pair."""
-        values = {}
-        while self.peek() not in ("", "META_START"):
-            number, key, value = self.pair()
-            values[key] = number, value
-        return KeyValues(self, values, self.number)
+        return self.pairs("META_START", "")
+
+    def metadata(self) -> "KeyValues":
+        """Return the pairs of a block of metadata and pass it. Raises InputError for anything else."""
+        self.expect("META_START")
+        values = self.pairs("META_STOP")
+        self.take()
+        return values
 
     def pair(self) -> tuple[int, str, str]:
         """Return number, key and value of a line and pass it. Raises InputError for any other line."""
-        match = _PAIR.fullmatch(self.peek())
-        if match is None:
+        key, value = pair(self.peek()) or ("", "")
+        if not value:
             raise self.error("KEY = value", self.peek())
-        return self.take()[0], match[1], match[2].rstrip()
+        return self.take()[0], key, value
 
-    def pairs(self, end: str) -> "KeyValues":
-        """Return the pairs before the line `end` and pass it. Raises InputError for a repeated key."""
-        values: dict[str, tuple[int, str]] = {}
-        while self.peek() != end:
+    def pairs(self, *ends: str) -> "KeyValues":
+        """Return the pairs before a line of `ends`. Raises InputError for a repeated key."""
+        values = KeyValues(self.path)
+        while self.peek() not in ends:
             if not self.peek():
-                raise self.error(end, "")
-            number, key, value = self.pair()
-            if key in values:
-                raise self.error(f"{key} once", "it twice", number)
-            values[key] = number, value
-        closing, _ = self.take()
-        return KeyValues(self, values, closing)
+                raise self.error(ends[0], "")
+            values.add(*self.pair())
+        values.last = self.number
+        return values
 
     def error(self, expected: str, got: str, number: int | None = None) -> InputError:
         """Return the error of a line, by default of the next line."""
-        return InputError(
-            f"{self.path}: line {number or self.number}: expected {expected}, got {got or 'nothing'}"
-        )
-
-    def scale(self, text: str, power: int, number: int) -> float:
-        """Return the number in a text, times 10**power, rounded once; `number` is the text's line.
-
-        Raises InputError for any other text.
-        """
-        match = _NUMBER.fullmatch(text)
-        value = float(f"{match[1]}e{int(match[2] or 0) + power}") if match else math.inf
-        if not math.isfinite(value):
-            raise self.error("a finite number", text, number)
-        return value
-
-    def check_correlations(self, covariance: np.ndarray, number: int) -> None:
-        """Raise InputError for a covariance (k, k) whose correlations are beyond 1, but for rounding."""
-        variances = np.diag(covariance)
-        wrong = np.argwhere(np.abs(covariance) > _ROUNDED * np.sqrt(np.outer(variances, variances)))
-        if len(wrong):
-            one, other = wrong[0]
-            got = f"{covariance[one, other]:g} for variances of {variances[one]:g} and {variances[other]:g}"
-            raise self.error("covariances with correlations of -1 to 1", got, number)
-
-    def radians(self, text: str, number: int) -> float:
-        """Return the angle in a text [deg] in radians, rounded once; `number` is the text's line.
-
-        Raises InputError for any other text.
-        """
-        self.scale(text, 0, number)
-        return float(_FINE.multiply(Decimal(text), _DEGREE))
-
-    def times(self, texts: Sequence[str], numbers: Sequence[int], *, epoch: str, scale: str) -> np.ndarray:
-        """Return the times (n,) [s since `epoch`] of texts.
-
-        numbers: (n,) lines of the texts
-        scale: time system, one of SCALES
-
-        Raises InputError, naming the line, for a text that is no time.
-        """
-        calendar = []
-        for text, number in zip(texts, numbers, strict=True):
-            fields = _calendar(text)
-            if fields is None:
-                raise self.error("a time like 2016-09-28T12:09:45", text, number)
-            calendar.append(fields)
-        if not texts:
-            return np.empty(0)
-        try:
-            return orbit_arcs.seconds_since(epoch, np.array(calendar), scale)
-        except orbit_arcs.NoSuchTime as time:
-            raise self.error("a time that exists", texts[time.index], numbers[time.index]) from None
+        return line_error(self.path, number or self.number, expected, got)
 
 
-def _of_comment(line: str, keys: Mapping[str, str]) -> str:
-    """Return the pair that a comment makes of one of `keys`, any other line as it is."""
-    name, _, value = line.removeprefix("COMMENT").partition("=")
-    return f"{keys[name.strip()]} = {value.strip()}" if name.strip() in keys and value.strip() else line
+def scaled(path: FilePath, line: int, text: str, power: int) -> float:
+    """Return the number in a text, times 10**power, rounded once. Raises InputError for any other text."""
+    match = _NUMBER.fullmatch(text)
+    value = float(f"{match[1]}e{int(match[2] or 0) + power}") if match else math.inf
+    if not math.isfinite(value):
+        raise line_error(path, line, "a finite number", text)
+    return value
+
+
+def radians(path: FilePath, line: int, text: str) -> float:
+    """Return the angle in a text [deg] in radians, rounded once. Raises InputError for any other text."""
+    scaled(path, line, text, 0)
+    return float(_FINE.multiply(Decimal(text), _DEGREE))
+
+
+def times(
+    path: FilePath, lines: Sequence[int], texts: Sequence[str], *, epoch: str, scale: str
+) -> np.ndarray:
+    """Return the times (n,) [s since `epoch`] of texts.
+
+    scale: time system, one of SCALES
+
+    Raises InputError, naming the line, for a text that is no time.
+    """
+    calendar = []
+    for line, text in zip(lines, texts, strict=True):
+        fields = _calendar(text)
+        if fields is None:
+            raise line_error(path, line, "a time like 2016-09-28T12:09:45", text)
+        calendar.append(fields)
+    if not calendar:
+        return np.empty(0)
+    return orbit_arcs.times(path, lines, texts, np.array(calendar), epoch=epoch, scale=scale)
+
+
+def check_correlations(path: FilePath, line: int, covariance: np.ndarray) -> None:
+    """Raise InputError for a covariance (k, k) whose correlations are beyond 1, but for rounding."""
+    variances = np.diag(covariance)
+    wrong = np.argwhere(np.abs(covariance) > _ROUNDED * np.sqrt(np.outer(variances, variances)))
+    if len(wrong):
+        row, column = wrong[0]
+        got = f"{covariance[row, column]:g} for variances of {variances[row]:g} and {variances[column]:g}"
+        raise line_error(path, line, "covariances with correlations of -1 to 1", got)
 
 
 class KeyValues:
-    """The values of a header or of metadata by their keys, with their lines."""
+    """Values by their keys, with their lines: of a header, of metadata, of a set of elements.
 
-    def __init__(self, message: Message, values: Mapping[str, tuple[int, str]], closing: int) -> None:
-        self._message, self._values, self._closing = message, values, closing
+    last: the line that errors of absent keys name
+    """
+
+    def __init__(self, path: FilePath, last: int = 0) -> None:
+        self.path, self.last = path, last
+        self._values: dict[str, tuple[int, str]] = {}
+
+    def add(self, line: int, key: str, value: str) -> None:
+        """Take a value. Raises InputError for a key that is there already."""
+        if key in self._values:
+            raise line_error(self.path, line, f"{key} once", "it twice")
+        self._values[key] = line, value
+
+    @property
+    def texts(self) -> dict[str, str]:
+        """Values by their keys, without empty ones."""
+        return {key: value for key, (_, value) in self._values.items() if value}
 
     def choice(self, key: str, allowed: Collection[str], default: str | None = None) -> str:
         """Return the value of a key, in upper case. Raises InputError where it is not among `allowed`."""
         number, value = self._value(key, default)
         if value.upper() not in allowed:
-            raise self._message.error(f"{key} = {' or '.join(allowed)}", value, number)
+            raise line_error(self.path, number, f"{key} = {' or '.join(allowed)}", value)
         return value.upper()
+
+    def number(self, key: str, power: int = 0, default: str | None = None) -> float:
+        """Return the number of a key times 10**power. Raises InputError as `text` and `scaled` do."""
+        line, text = self._value(key, default)
+        return scaled(self.path, line, text, power)
 
     def has(self, key: str) -> bool:
         """Return whether there is a value of a key."""
@@ -232,7 +263,7 @@ class KeyValues:
 
     def line(self, key: str) -> int:
         """Return the line of a key; for an absent key, the last line of the block."""
-        return self._values[key][0] if key in self._values else self._closing
+        return self._values[key][0] if key in self._values else self.last
 
     def text(self, key: str, default: str | None = None) -> str:
         """Return the value of a key. Raises InputError for an absent key without a default."""
@@ -245,19 +276,19 @@ class KeyValues:
         """
         if key not in self._values:
             return default
-        number, text = self._values[key]
-        return float(self._message.times([text], [number], epoch=epoch, scale=scale)[0])
+        line, text = self._values[key]
+        return float(times(self.path, [line], [text], epoch=epoch, scale=scale)[0])
 
     def _value(self, key: str, default: str | None) -> tuple[int, str]:
         if key in self._values:
             return self._values[key]
         if default is None:
-            raise self._message.error(f"the key {key} before this line", "none", self._closing)
-        return self._closing, default
+            raise line_error(self.path, self.last, f"the key {key} before this line", "none")
+        return self.last, default
 
 
 def number_text(value: float, power: int) -> str:
-    """Return the shortest text of a number times 10**power from which `Message.scale` restores the number."""
+    """Return the shortest text of a number times 10**power from which `scaled` restores the number."""
     return str(Decimal(repr(float(value))).scaleb(power))
 
 
@@ -269,9 +300,9 @@ def number_texts(values: np.ndarray, power: int) -> list[str]:
     sign, whole, rest = (pc.struct_field(parts, name) for name in ("sign", "whole", "rest"))
     whole = pc.utf8_lpad(whole, 1 - power, "0")
     before, behind = pc.utf8_slice_codeunits(whole, 0, power), pc.utf8_slice_codeunits(whole, power)
-    found = pc.binary_join_element_wise(sign, before, ".", behind, rest, "").to_pylist()
+    moved = pc.binary_join_element_wise(sign, before, ".", behind, rest, "").to_pylist()
     return [
-        number_text(value, power) if text is None else text for value, text in zip(values, found, strict=True)
+        number_text(value, power) if text is None else text for value, text in zip(values, moved, strict=True)
     ]
 
 
@@ -282,7 +313,7 @@ def lines(times: Sequence[str], numbers: np.ndarray, power: int) -> list[str]:
 
 
 def degrees_text(angle: float) -> str:
-    """Return the text in degrees of an angle [rad], in 17 digits; `Message.radians` restores the angle."""
+    """Return the text in degrees of an angle [rad], in 17 digits; `radians` restores the angle."""
     return str(_DOUBLE.plus(_FINE.divide(Decimal(float(angle)), _DEGREE)))
 
 

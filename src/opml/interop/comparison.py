@@ -49,8 +49,9 @@ def compare(ours: KnownOrbit, other: KnownOrbit) -> pd.DataFrame:
     theirs[:, 3:] = np.where(np.isfinite(theirs[:, 3:]), theirs[:, 3:], mine[:, 3:])
     both &= np.isfinite(theirs[:, 3:]).all(axis=1)
     if not both.any():
-        spans = " and ".join(_span(one) for one in (ours, other))
-        raise InputError(f"compare: expected two orbits of the same time, got {spans}")
+        spans = [(one.source, *ccsds.utc_texts(EPOCH, one.t[[0, -1]])) for one in (ours, other)]
+        got = " and ".join("{} from {} to {}".format(*span) for span in spans)
+        raise InputError(f"compare: expected two orbits of the same time, got {got}")
     t, mine, theirs = t[both], mine[both], theirs[both]
     difference = bent_rsw(mine[:, :3], theirs)
     covariances = ours.covariances(t)[:, :3, :3]
@@ -129,8 +130,3 @@ def _times(ours: KnownOrbit, other: KnownOrbit) -> np.ndarray:
     if isinstance(other, Sets) or not np.isfinite(ours.at(other.t)).any():
         return ours.t
     return other.t
-
-
-def _span(orbit: KnownOrbit) -> str:
-    begin, end = ccsds.utc_texts(EPOCH, orbit.t[[0, -1]])
-    return f"{orbit.source} from {begin} to {end}"

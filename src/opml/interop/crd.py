@@ -12,16 +12,15 @@ from dataclasses import dataclass, field
 import numpy as np
 import pandas as pd
 
+from opml.base import epochs
 from opml.base.constants import DAY, SPEED_OF_LIGHT
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.interop.orbit_arcs import (
-    NoSuchTime,
     choose_satellites,
     contents,
     line_error,
     numbers,
-    seconds_since,
 )
 
 _HECTO, _NANO, _PICO, _PERCENT = 1e2, 1e-9, 1e-12, 1e-2
@@ -196,10 +195,10 @@ def _points(path: FilePath, one: _Pass, epoch: str) -> pd.DataFrame:
 def _midnight(path: FilePath, one: _Pass, epoch: str) -> float:
     """Return when the day of the pass's beginning began [s since `epoch`]."""
     number, words = one.head["H4"]
-    calendar = numbers(path, np.array([words[2:5]]), np.array([number]))
+    year, month, day = numbers(path, np.array([words[2:5]]), np.array([number]))[0]
     try:
-        return float(seconds_since(epoch, np.append(calendar, np.zeros((1, 3)), axis=1), "UTC")[0])
-    except NoSuchTime:
+        return epochs.seconds_between(epoch, f"{year:04.0f}-{month:02.0f}-{day:02.0f}T00:00:00")
+    except InputError:
         raise line_error(path, number, "a date", " ".join(words[2:5])) from None
 
 
@@ -220,7 +219,7 @@ def _scatter(one: _Pass) -> np.ndarray:
 
 def _wavelengths(path: FilePath, one: _Pass) -> np.ndarray:
     """Return the wavelength (n,) of each point [m], by the system that its record names."""
-    found = []
+    lengths = []
     for number, words in one.points:
         if words[3] not in one.wavelengths:
             raise line_error(path, number, f"a record C0 of {words[3]} in the pass", "none")
@@ -228,8 +227,8 @@ def _wavelengths(path: FilePath, one: _Pass) -> np.ndarray:
         length = numbers(path, np.array([[setup[2]]]), np.array([line]))[0, 0]
         if not _LIGHT[0] <= length <= _LIGHT[1]:
             raise line_error(path, line, f"a wavelength of {_LIGHT[0]:g} to {_LIGHT[1]:g} nm", setup[2])
-        found.append(length * _NANO)
-    return np.array(found)
+        lengths.append(length * _NANO)
+    return np.array(lengths)
 
 
 def _weather(path: FilePath, one: _Pass, seconds: np.ndarray) -> dict[str, np.ndarray]:

@@ -25,11 +25,10 @@ from opml.base.files import FilePath
 from opml.interop.orbit_arcs import (
     EVERY,
     Arc,
-    NoSuchTime,
     check_ascending,
     line_error,
     numbers,
-    seconds_since,
+    times,
 )
 
 PASSED_OVER = "-"  # name of a column that is not read
@@ -142,8 +141,11 @@ def _without_comments(text: str) -> Iterator[tuple[int, str]]:
 def _cells(path: FilePath, number: int, line: str, separator: str) -> list[str]:
     if "\0" in line:
         raise line_error(path, number, "text", "bytes that are none")
+    if len(separator) > 1:
+        cells = re.split(separator, line.strip())
+        return [cell.replace(",", ".") for cell in cells]
     try:
-        cells = _split(line, separator)
+        cells = next(csv.reader([line], strict=True, delimiter=separator))
     except csv.Error as reason:
         raise line_error(path, number, "cells of CSV", str(reason)) from None
     return cells if separator == "," else [cell.replace(",", ".") for cell in cells]
@@ -153,12 +155,6 @@ def _separator(first: str) -> str:
     """Return what is between the cells of a file by its first line: a character, or a pattern of blanks."""
     blanks = r"\s\s+" if len(re.split(r"\s\s+", first.strip())) > len(_GROUPS[0]) else r"\s+"
     return next((one for one in "\t;," if one in first), blanks)
-
-
-def _split(line: str, separator: str) -> list[str]:
-    if len(separator) > 1:
-        return re.split(separator, line.strip())
-    return next(csv.reader([line], strict=True, delimiter=separator))
 
 
 def _meaning(name: str) -> dict[str, str]:
@@ -272,11 +268,8 @@ def _times(path: FilePath, texts: np.ndarray, lines: np.ndarray, columns: _Colum
             calendar.append(fields(text.strip(), columns.scale))
         except ValueError as expected:
             raise line_error(path, int(line), str(expected), str(text)) from None
-    try:
-        return seconds_since(epoch, np.array(calendar, dtype=float), columns.calendar_scale)
-    except NoSuchTime as time:
-        wrong = int(lines[time.index]), "a time that exists", str(texts[time.index])
-        raise line_error(path, *wrong) from None
+    fields_of_all = np.array(calendar, dtype=float)
+    return times(path, lines, texts, fields_of_all, epoch=epoch, scale=columns.calendar_scale)
 
 
 def _calendar_fields(text: str, scale: str) -> list[str]:

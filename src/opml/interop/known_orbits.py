@@ -156,8 +156,8 @@ def segments(path: FilePath, *, epoch: str) -> list[Ephemeris]:
     """
     arcs = formats.read(path, contents(path), formats.ORBIT, epoch=epoch, satellite=EVERY)
     newest = float(arcs[0].t[0])
-    found = [_in_gcrf(arc, epoch) for arc in arcs]
-    return [replace(one, known=newest) if one.known is None else one for one in found]
+    ephemerides = [_in_gcrf(arc, epoch) for arc in arcs]
+    return [replace(one, known=newest) if one.known is None else one for one in ephemerides]
 
 
 def _in_gcrf(arc: Arc, epoch: str) -> Ephemeris:

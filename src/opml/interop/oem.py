@@ -10,7 +10,6 @@ import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from itertools import islice
-from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -113,14 +112,14 @@ def read(path: FilePath, _: bytes, *, epoch: str, satellite: str | None = None) 
     on Earth, another frame, times that do not ascend and negative variances.
     """
     message = ccsds.Message(path, version_key=_KEY, versions=_VERSIONS, in_comments=_DENSITY_KEYS)
-    found = []
+    segments = []
     for header in message.segments():
         names, arc = _named_arc(message, epoch)
         known = header.time("CREATION_DATE", np.nan, epoch=epoch, scale="UTC")
-        found.append((names, replace(arc, known=None if np.isnan(known) else known)))
-    objects = list(dict.fromkeys(names for names, _ in found))
+        segments.append((names, replace(arc, known=None if np.isnan(known) else known)))
+    objects = list(dict.fromkeys(names for names, _ in segments))
     wanted = [objects[k] for k in choose_satellites(path, objects, satellite)]
-    arcs = [arc for names, arc in found if names in wanted and arc.t.size]
+    arcs = [arc for names, arc in segments if names in wanted and arc.t.size]
     if not arcs:
         raise InputError(f"{path}: expected states within the useable times, got none")
     return arcs
@@ -168,20 +167,15 @@ def _density_lines(density: DensityErrors, epoch: str) -> Iterator[str]:
         yield f"COMMENT {sensitivity} = {time} {' '.join(map(repr, numbers))}"
 
 
-class _States(NamedTuple):
-    """The states (n, 6) of a segment [m, m/s] in its frame at times (n,) [s], and which are useable."""
-
-    metadata: ccsds.KeyValues
-    scale: str
-    t: np.ndarray
-    states: np.ndarray
-    lines: np.ndarray
-    useable: np.ndarray
-
-
 def _named_arc(message: ccsds.Message, epoch: str) -> tuple[tuple[str, str], Arc]:
     """Return name and id of a segment's object, and the arc of its states, with their covariances."""
-    metadata, scale, t, states, lines, useable = _states(message, epoch)
+    metadata = message.metadata()
+    metadata.choice("CENTER_NAME", ("EARTH",))
+    scale = metadata.choice("TIME_SYSTEM", ccsds.SCALES)
+    t, states, lines = _states(message, metadata, scale, epoch)
+    begin = metadata.time("USEABLE_START_TIME", t[0], epoch=epoch, scale=scale)
+    end = metadata.time("USEABLE_STOP_TIME", t[-1], epoch=epoch, scale=scale)
+    useable = (begin <= t) & (t <= end)
     realisation, name = metadata.text("REF_FRAME"), metadata.text("OBJECT_NAME")
     frame = "ITRF" if _TERRESTRIAL.fullmatch(realisation) else metadata.choice("REF_FRAME", _FRAMES)
     covariance_t, covariances, axes, density = _covariances(message, frame, scale, epoch)
@@ -211,12 +205,13 @@ def _named_arc(message: ccsds.Message, epoch: str) -> tuple[tuple[str, str], Arc
     return (name, number), arc
 
 
-def _states(message: ccsds.Message, epoch: str) -> _States:
-    """Return the states of the next segment. Raises InputError where it has none, or is cut."""
-    message.expect("META_START")
-    metadata = message.pairs("META_STOP")
-    metadata.choice("CENTER_NAME", ("EARTH",))
-    scale = metadata.choice("TIME_SYSTEM", ccsds.SCALES)
+def _states(
+    message: ccsds.Message, metadata: ccsds.KeyValues, scale: str, epoch: str
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return times (n,) [s], states (n, 6) [m, m/s] in their frame, and lines (n,) of a segment.
+
+    Raises InputError where it has none, or is cut.
+    """
     lines, times, states = [], [], []
     while not message.is_over and message.peek() not in ("META_START", "COVARIANCE_START"):
         number, line = message.take()
@@ -225,16 +220,14 @@ def _states(message: ccsds.Message, epoch: str) -> _States:
             raise message.error("a time, position and velocity", line, number)
         lines.append(number)
         times.append(time)
-        states.append([message.scale(text, _KILO, number) for text in values[:6]])
+        states.append([ccsds.scaled(message.path, number, text, _KILO) for text in values[:6]])
     if not lines:
         raise message.error("a state", message.peek())
-    t = message.times(times, lines, epoch=epoch, scale=scale)
+    t = ccsds.times(message.path, lines, times, epoch=epoch, scale=scale)
     check_ascending(message.path, t, np.array(lines))
     if t[-1] < metadata.time("STOP_TIME", t[-1], epoch=epoch, scale=scale) - MOST_APART:  # the file is cut
         raise message.error(f"states up to STOP_TIME = {metadata.text('STOP_TIME')}", times[-1], lines[-1])
-    begin = metadata.time("USEABLE_START_TIME", t[0], epoch=epoch, scale=scale)
-    end = metadata.time("USEABLE_STOP_TIME", t[-1], epoch=epoch, scale=scale)
-    return _States(metadata, scale, t, np.array(states), np.array(lines), (begin <= t) & (t <= end))
+    return t, np.array(states), np.array(lines)
 
 
 def _covariances(
@@ -259,13 +252,13 @@ def _covariances(
             frames.append(message.pair()[2].upper().removesuffix("_INERTIAL") if has_frame else frame)
             covariances.append(_covariance(message))
         message.take()
-    t = message.times(times, numbers, epoch=epoch, scale=scale)
+    t = ccsds.times(message.path, numbers, times, epoch=epoch, scale=scale)
     check_ascending(message.path, t, np.array(numbers))
     axes = np.array([_AXES.get(own, "") for own in frames], dtype=str)
     if (wrong := np.flatnonzero(axes == "")).size:
-        told = "%s: line %d: covariances left out: %d: expected COV_REF_FRAME = %s, got %s"
+        warning = "%s: line %d: covariances left out: %d: expected COV_REF_FRAME = %s, got %s"
         first = int(wrong[0])
-        _log.warning(told, message.path, numbers[first], wrong.size, " or ".join(_AXES), frames[first])
+        _log.warning(warning, message.path, numbers[first], wrong.size, " or ".join(_AXES), frames[first])
     for own in {frame for frame in frames if _AXES.get(frame) == "GCRF"}:
         rows = [k for k, frame in enumerate(frames) if frame == own]
         for k, turn in zip(rows, _turns(own, epoch, t[rows]), strict=True):
@@ -281,7 +274,7 @@ def _density(message: ccsds.Message, scale: str, epoch: str) -> DensityErrors | 
     if not message.peek().startswith(ccsds.DENSITY_KEY):
         return None
     number, _, value = message.pair()
-    uncertainty = message.scale(value, 0, number)
+    uncertainty = ccsds.scaled(message.path, number, value, 0)
     numbers, times, sensitivities = [], [], []
     while message.peek().startswith(_SENSITIVITY):
         number, _, value = message.pair()
@@ -290,10 +283,10 @@ def _density(message: ccsds.Message, scale: str, epoch: str) -> DensityErrors | 
             raise message.error("a time and six numbers of sensitivity", value, number)
         numbers.append(number)
         times.append(time)
-        sensitivities.append([message.scale(text, 0, number) for text in texts])
+        sensitivities.append([ccsds.scaled(message.path, number, text, 0) for text in texts])
     if not times:
         raise message.error(f"{_SENSITIVITY} after the uncertainty of the density", message.peek())
-    t = message.times(times, numbers, epoch=epoch, scale=scale)
+    t = ccsds.times(message.path, numbers, times, epoch=epoch, scale=scale)
     check_ascending(message.path, t, np.array(numbers))
     return DensityErrors(uncertainty, t, np.array(sensitivities))
 
@@ -305,11 +298,11 @@ def _covariance(message: ccsds.Message) -> np.ndarray:
         values = line.split()
         if len(values) != k + 1:
             raise message.error(f"row {k + 1} of a covariance's lower triangle", line, number)
-        row = [message.scale(value, 2 * _KILO, number) for value in values]
+        row = [ccsds.scaled(message.path, number, value, 2 * _KILO) for value in values]
         if row[-1] < 0.0:
             raise message.error("a variance of 0 or more", values[-1], number)
         covariance[k, : k + 1] = covariance[: k + 1, k] = row
-    message.check_correlations(covariance, number)
+    ccsds.check_correlations(message.path, number, covariance)
     return covariance
 
 

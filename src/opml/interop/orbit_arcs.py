@@ -26,6 +26,7 @@ BEHIND_TAI = {"TAI": 0.0, "TT": -32.184, "GPS": 19.0, "GAL": 19.0, "QZS": 19.0}
 
 _MOST_SHOWN = 100  # characters of a line in an error
 
+_ANY = "2000-01-01T00:00:00"
 _NO_SUCH_TIME = (erfa.ErfaError, erfa.ErfaWarning, ValueError)
 
 
@@ -61,15 +62,6 @@ class Arc:
         names = ("t", "positions", "velocities", "lines", *(() if self.sigmas is None else ("sigmas",)))
         columns = {name: getattr(self, name)[rows] for name in names}
         return replace(self, **columns)
-
-
-class NoSuchTime(ValueError):
-    """A calendar time that does not exist."""
-
-    def __init__(self, index: int) -> None:
-        super().__init__(f"time {index}")
-        self.index = index
-        """Index of the time in the array."""
 
 
 def contents(path: FilePath) -> bytes:
@@ -133,22 +125,31 @@ def check_ascending(path: FilePath, t: np.ndarray, lines: np.ndarray) -> None:
         raise line_error(path, int(lines[back[0] + 1]), "a later epoch than before", got)
 
 
-def seconds_since(epoch: str, calendar: np.ndarray, scale: str) -> np.ndarray:
-    """Return the seconds (n,) from an epoch to calendar times.
+def times(
+    path: FilePath,
+    lines: Sequence[int] | np.ndarray,
+    texts: Sequence[str | bytes] | np.ndarray,
+    calendar: np.ndarray,
+    *,
+    epoch: str,
+    scale: str,
+) -> np.ndarray:
+    """Return the times (n,) of a file [s since `epoch`].
 
-    calendar: (n, 6) year, month, day, hour, minute, second
+    lines, texts: (n,) where they stand, for errors
+    calendar: (n, 6) their year, month, day, hour, minute, second
     scale: time system of `calendar`, UTC or a key of BEHIND_TAI
 
-    Raises NoSuchTime.
+    Raises InputError, naming the line, for a time that does not exist.
     """
     try:
         return _seconds_since(epoch, calendar, scale)
     except _NO_SUCH_TIME:
-        for index in range(len(calendar)):
+        for line, text, fields in zip(lines, texts, calendar, strict=True):
             try:
-                _seconds_since("2000-01-01T00:00:00", calendar[index : index + 1], scale)
+                _seconds_since(_ANY, fields[None], scale)
             except _NO_SUCH_TIME:
-                raise NoSuchTime(index) from None
+                raise line_error(path, int(line), "a time that exists", text) from None
         raise
 
 
@@ -172,7 +173,13 @@ def choose_satellites(path: FilePath, satellites: Sequence[Sequence[str]], wante
 
     Raises InputError where no satellite has the name, or several have it, or are there without a name.
     """
-    chosen = [k for k, names in enumerate(satellites) if wanted in (None, EVERY) or _has(names, wanted)]
+    chosen = [
+        k
+        for k, names in enumerate(satellites)
+        if wanted in (None, EVERY)
+        or wanted.upper() in map(str.upper, names)
+        or ObjectId.of(*names).is_called(wanted)
+    ]
     if len(chosen) == 1 or wanted == EVERY:
         return chosen
     if not chosen:
@@ -181,10 +188,6 @@ def choose_satellites(path: FilePath, satellites: Sequence[Sequence[str]], wante
     expected = "the name of one of its satellites" if wanted is None else f"one satellite {wanted}"
     got = ", ".join(str(ObjectId.of(*satellites[k])) for k in chosen)
     raise InputError(f"{path}: expected {expected}, got {got}")
-
-
-def _has(names: Sequence[str], wanted: str) -> bool:
-    return wanted.upper() in map(str.upper, names) or ObjectId.of(*names).is_called(wanted)
 
 
 def _number(text: bytes | str) -> float:

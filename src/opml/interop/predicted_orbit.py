@@ -54,7 +54,7 @@ class PredictedOrbit(ABC):
     @property
     @abstractmethod
     def way(self) -> str:
-        """What was used, in words."""
+        """Model that was used, in words."""
 
     @property
     @abstractmethod
@@ -63,7 +63,7 @@ class PredictedOrbit(ABC):
 
     @property
     def past_in_words(self) -> str:
-        """What SGP4 and the improved set missed on past mornings, '' where that is unknown."""
+        """Errors of SGP4 and of the improved set on past mornings, '' where that is unknown."""
         return ""
 
     def __repr__(self) -> str:
@@ -72,7 +72,7 @@ class PredictedOrbit(ABC):
 
     @property
     def remark(self) -> str:
-        """What a message says of it."""
+        """Comment on it in a message."""
         return self.way
 
     @abstractmethod

@@ -19,6 +19,7 @@ from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.interop import ccsds
 from opml.interop.object_ids import ObjectId
+from opml.interop.orbit_arcs import line_error
 from opml.orbits.elements import wrap_turn
 
 _KEY = "CCSDS_TDM_VERS"
@@ -169,9 +170,8 @@ def _has(rows: pd.DataFrame, name: str) -> bool:
 
 def _segment(message: ccsds.Message, epoch: str, number: int) -> pd.DataFrame:
     """Return the measurements of a segment; an empty table where it holds other types of data only."""
-    message.expect("META_START")
-    metadata = message.pairs("META_STOP")
-    _check_meaning(message, metadata)
+    metadata = message.metadata()
+    _check_meaning(metadata)
     data = _data(message)
     if not data:
         return pd.DataFrame()
@@ -185,14 +185,14 @@ def _segment(message: ccsds.Message, epoch: str, number: int) -> pd.DataFrame:
     lines = [next(iter(measured.values()))[1] for measured in data.values()]
     nothing = np.nan, 0
     values = np.array([[measured.get(kind, nothing)[0] for kind in kinds] for measured in data.values()])
-    values += _corrections(message, metadata, kinds)
+    values += _corrections(metadata, kinds)
     return pd.DataFrame(
         {
-            "t": message.times(list(data), lines, epoch=epoch, scale=scale),
+            "t": ccsds.times(message.path, lines, list(data), epoch=epoch, scale=scale),
             "station": station,
             "rso": rso,
             "scale": scale,
-            **_in_gcrf(message, metadata, dict(zip(names, values.T, strict=True))),
+            **_in_gcrf(metadata, dict(zip(names, values.T, strict=True))),
             "corrected": metadata.text("CORRECTIONS_APPLIED", "") == "YES",
             "two_way": len(metadata.text("PATH").split(",")) > 2,
             "track_id": metadata.text("TRACK_ID", ""),
@@ -203,14 +203,13 @@ def _segment(message: ccsds.Message, epoch: str, number: int) -> pd.DataFrame:
     )
 
 
-def _check_meaning(message: ccsds.Message, metadata: ccsds.KeyValues) -> None:
+def _check_meaning(metadata: ccsds.KeyValues) -> None:
     """Raise InputError where times or values of a segment need what is not done here: they would be off."""
     metadata.choice("TIMETAG_REF", ("RECEIVE",), "RECEIVE")
     not_applied = metadata.text("CORRECTIONS_APPLIED", "") != "YES"
     for key in (*_DELAYS, *(_ABERRATIONS if not_applied else ())):
-        text, number = metadata.text(key, "0"), metadata.line(key)
-        if message.scale(text, 0, number) != 0.0:
-            raise message.error(f"{key} = 0", text, number)
+        if metadata.number(key, default="0") != 0.0:
+            raise line_error(metadata.path, metadata.line(key), f"{key} = 0", metadata.text(key))
 
 
 def _observables(metadata: ccsds.KeyValues, kinds: Sequence[str]) -> list[str]:
@@ -223,9 +222,7 @@ def _observables(metadata: ccsds.KeyValues, kinds: Sequence[str]) -> list[str]:
     return [names[kind] for kind in kinds]
 
 
-def _in_gcrf(
-    message: ccsds.Message, metadata: ccsds.KeyValues, columns: dict[str, np.ndarray]
-) -> dict[str, np.ndarray]:
+def _in_gcrf(metadata: ccsds.KeyValues, columns: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     """Return measurements with angles within a turn, right ascension and declination on the axes of GCRF."""
     if "azimuth" in columns:
         columns["azimuth"] = wrap_turn(columns["azimuth"])
@@ -233,7 +230,7 @@ def _in_gcrf(
         return columns
     rotation = _FRAMES[metadata.choice("REFERENCE_FRAME", tuple(_FRAMES))]
     if len({"right_ascension", "declination"} & columns.keys()) < 2:
-        raise message.error("ANGLE_1 and ANGLE_2", "one of them", metadata.line("ANGLE_TYPE"))
+        raise line_error(metadata.path, metadata.line("ANGLE_TYPE"), "ANGLE_1 and ANGLE_2", "one of them")
     right_ascension, declination = columns["right_ascension"], columns["declination"]
     if not np.array_equal(rotation, np.eye(3)):
         level = np.cos(declination)
@@ -250,25 +247,25 @@ def _participants(metadata: ccsds.KeyValues) -> tuple[str, str]:
     return metadata.text(f"PARTICIPANT_{receiver}"), metadata.text(f"PARTICIPANT_{other}")
 
 
-def _corrections(message: ccsds.Message, metadata: ccsds.KeyValues, kinds: Sequence[str]) -> np.ndarray:
+def _corrections(metadata: ccsds.KeyValues, kinds: Sequence[str]) -> np.ndarray:
     """Return the corrections that are not applied yet to each type of a segment (kinds,) [rad, m, m/s]."""
     keys = [f"CORRECTION_{kind.removesuffix('_INSTANTANEOUS')}" for kind in kinds]
     texts = [metadata.text(key, "") for key in keys]
     if not any(texts) or metadata.choice("CORRECTIONS_APPLIED", ("YES", "NO")) == "YES":
         return np.zeros(len(kinds))
-    numbers = [metadata.line(key) for key in keys]
+    rows = zip(kinds, keys, texts, strict=True)
     return np.array(
-        [_value(message, k, text or "0", n) for k, text, n in zip(kinds, texts, numbers, strict=True)]
+        [_value(metadata.path, metadata.line(key), kind, text or "0") for kind, key, text in rows]
     )
 
 
-def _value(message: ccsds.Message, kind: str, text: str, number: int) -> float:
+def _value(path: FilePath, line: int, kind: str, text: str) -> float:
     """Return a measurement [rad, m, m/s] from its text in degrees, kilometres or kilometres per second."""
     if kind in _DISTANCES:
-        return message.scale(text, _KILO, number)
-    angle = message.radians(text, number)
+        return ccsds.scaled(path, line, text, _KILO)
+    angle = ccsds.radians(path, line, text)
     if abs(angle) > 2.0 * np.pi:
-        raise message.error("an angle of -360 to 360 deg", text, number)
+        raise line_error(path, line, "an angle of -360 to 360 deg", text)
     return angle
 
 
@@ -287,7 +284,7 @@ def _data(message: ccsds.Message) -> dict[str, dict[str, tuple[float, int]]]:
         if _PASSED_OVER.fullmatch(kind):
             continue
         if kind in _CLOCKS and len(values) == 1:
-            if message.scale(values[0], 0, number) != 0.0:
+            if ccsds.scaled(message.path, number, values[0], 0) != 0.0:
                 raise message.error(f"{kind} of 0, as times count as they are", values[0], number)
             continue
         if kind not in _TYPES or len(values) != 1:
@@ -295,7 +292,7 @@ def _data(message: ccsds.Message) -> dict[str, dict[str, tuple[float, int]]]:
         measured = data.setdefault(time, {})
         if kind in measured:
             raise message.error(f"{kind} once at a time", f"{kind} = {text}", number)
-        measured[kind] = _value(message, kind, values[0], number), number
+        measured[kind] = _value(message.path, number, kind, values[0]), number
     message.take()
     usual = [kind for kind in _TOGETHER if any(kind in measured for measured in data.values())]
     for time, measured in data.items():

@@ -132,9 +132,9 @@ def _breaks(
                 manoeuvres.append({"t": event.t, "dv_mps": event.velocity})
             elif event.is_seam:
                 seams.append({"t": event.t, "step_m": event.step})
-    found = np.array([one["t"] for one in manoeuvres])
+    shown = np.array([one["t"] for one in manoeuvres])
     manoeuvres += [
-        {"t": t} for t in marked if grid[0] <= t <= grid[-1] and not (np.abs(found - t) <= MOST_APART).any()
+        {"t": t} for t in marked if grid[0] <= t <= grid[-1] and not (np.abs(shown - t) <= MOST_APART).any()
     ]
     return {
         "seams": sorted(seams, key=lambda seam: seam["t"]),

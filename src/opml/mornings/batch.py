@@ -17,8 +17,9 @@ from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.base.provenance import settings_digest
 from opml.base.section import JobSettings
-from opml.catalog import kinds
+from opml.catalog import kinds, measured_files
 from opml.catalog.fit.estimation_settings import Estimation
+from opml.catalog.measured_files import MeasurementSource, Span
 from opml.catalog.predict import weather_spread
 from opml.catalog.predict.weather_spread import Weathers
 from opml.catalog.propagator import Propagator, near_part
@@ -33,11 +34,10 @@ from opml.element_sets.inside import kept_calibrations
 from opml.interop.element_sets import known_sets
 from opml.interop.element_sets.element_set import ElementSet
 from opml.learning.models.learners import JobLearner
-from opml.mornings import days, measurement_files
+from opml.mornings import days
 from opml.mornings.calendar import Calendar
 from opml.mornings.days import UnderWay
 from opml.mornings.kept.store import Store
-from opml.mornings.measurement_files import MeasurementSource, Span
 from opml.mornings.morning import TrackedObject
 from opml.mornings.outcomes import FAILED
 from opml.mornings.set_mornings import ObjectOfSets, RunSets, history_of
@@ -298,8 +298,8 @@ def _tracked(
 ) -> TrackedObject:
     """Return an object of tracks or fixes; since: earlier tracks are left out [s]."""
     span = Span(plan.epoch, plan.end)
-    found = measurement_files.read(one, span, surroundings.stations, surroundings.orientation, since=since)
+    found = measured_files.read(one, span, surroundings.stations, surroundings.orientation, since=since)
     model = surroundings.model(one.rso)
-    given = measurement_files.given_state(one, span, one.rso, found.tracking, model.predictions.model.gm)
+    given = measured_files.given_state(one, span, one.rso, found.tracking, model.predictions.model.gm)
     stations, burns = surroundings.stations, found.manoeuvres
     return TrackedObject(Watched(model, plan, found.tracking, stations, burns, given, found.identity))

@@ -21,7 +21,9 @@ from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.base.progress import Progress, counted, with_time_left
 from opml.base.section import JobSettings
+from opml.catalog import measured_files
 from opml.catalog.fit.estimation_settings import Estimation
+from opml.catalog.measured_files import MeasurementSource, Span
 from opml.catalog.predict import weather_spread
 from opml.catalog.predict.weather_spread import Weathers
 from opml.catalog.propagator import Propagator, near_part
@@ -39,8 +41,7 @@ from opml.interop.predicted_orbit import STEP, PredictedOrbit, check_days
 from opml.learning.models import learners
 from opml.learning.models.contract import ResolvedSettings
 from opml.learning.models.learners import JobLearner, arc_of
-from opml.mornings import issued, measurement_files, usual_errors, verdicts
-from opml.mornings.measurement_files import MeasurementSource, Span
+from opml.mornings import issued, usual_errors, verdicts
 from opml.mornings.morning import TrackMorning, morning
 from opml.mornings.records import Records
 from opml.mornings.verdicts import OLDEST, Verdict
@@ -288,7 +289,7 @@ def _watched(request: Request, settings: OrbitSettings, times: _Times) -> Watche
     files = list(map(str, request.files))
     source = MeasurementSource(kind=request.kind, files=files, options=sampling, satellite=request.object)
     span = Span(times.epoch, times.date)
-    found = measurement_files.read(source, span, request.stations, model.orientation, since=0.0)
+    found = measured_files.read(source, span, request.stations, model.orientation, since=0.0)
     estimation = settings.estimation
     if request.kind == "tracks":
         windows = sorted({estimation.window_hours, *learners.arc_windows(settings.models.values())})

@@ -15,6 +15,7 @@ from typing import Any
 from opml import naming
 from opml.base.constants import WGS84_A
 from opml.base.errors import InputError
+from opml.base.files import read_text
 
 NAME = re.compile(r"[a-z][a-z0-9]{0,59}")  # names in sheets; files have several in theirs
 
@@ -257,12 +258,7 @@ def _check_name(where: str, name: str, numbers: Mapping[str, int]) -> None:
 
 def _lines(path: str | Path) -> list[tuple[int, list[str]]]:
     """Return the numbers and cells of a sheet's lines; of an empty sheet one empty line."""
-    try:
-        text = Path(path).read_text(encoding="utf-8-sig")
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such file") from None
-    except (OSError, ValueError) as error:
-        raise InputError(f"{path}: expected a sheet in UTF-8 text ({error})") from None
+    text = read_text(path, "a sheet in UTF-8 text", encoding="utf-8-sig")
     lines = [
         (number, _cells(f"{path}: line {number}", line))
         for number, line in enumerate(text.splitlines(), start=1)

@@ -13,7 +13,7 @@ from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.files import PACKAGED
 from opml.catalog import kinds
-from opml.catalog.kinds import KINDS, Kind, MeasurementRequest
+from opml.catalog.kinds import KINDS, Kind
 from opml.environment import known_weather
 from opml.interop import first_state, orbit_from_files
 from opml.learning.data.dataset import MEASUREMENT
@@ -227,14 +227,14 @@ def _check_measured(source: Source, settings: Settings, kind: Kind) -> None:
             rso = sheets.parse_rso(name, settings.rsos)
             if others := [other for other in KINDS if other is not kind and name in settings.files_of(other)]:
                 raise InputError(f"expected one of {kinds.names()}, got {kind.name} and {others[0].name}")
-            request = MeasurementRequest(
-                paths,
-                settings.options(kind, name),
-                settings.stations,
-                settings.run.epoch,
-                DAY * settings.run.duration_days,
+            # With compiled kernels: half a second that no plan without such files waits for.
+            from opml.catalog import measured_files
+
+            span = measured_files.Span(settings.run.epoch, DAY * settings.run.duration_days)
+            source_files = measured_files.MeasurementSource(
+                kind=kind.name, files=paths, options=settings.options(kind, name)
             )
-            kind.module.check(request)
+            measured_files.check(source_files, span, settings.stations)
         if not kind.tells_orbit and name not in settings.starts and not math.isfinite(rso.a):
             expected = f"expected elements, or a file under starts, as {kind.name} alone give no first orbit"
             raise source.wrong(("rsos", name), f"{expected}, got neither")

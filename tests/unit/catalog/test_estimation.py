@@ -11,7 +11,7 @@ from support import rsos
 
 from opml.base.constants import DAY, HOUR
 from opml.catalog.fit import estimation, neighbour_arcs, observations, start_states
-from opml.catalog.fit.least_squares import NOT_CONVERGED, UNDERDETERMINED
+from opml.catalog.fit.least_squares import UNDERDETERMINED
 from opml.catalog.fit.starts import Solution, Starts
 from opml.catalog.propagator import Propagator
 from opml.catalog.simulate import tracking, truth
@@ -203,14 +203,6 @@ def test_too_few_measurements_for_seven_parameters(fitted, rows):
     assert not found["converged"]
     assert found["reason"] == UNDERDETERMINED
     assert np.isfinite(found[[*PARAMETERS, *PARAMETER_COVARIANCES]].to_numpy(float)).all()
-
-
-def test_no_time_to_converge(fitted, rows):
-    first = rows[rows["track"] < 2]
-    found = fitted(first, max_iterations=2)
-    assert found["iterations"].tolist() == [2, 2]
-    assert not found["converged"].any()
-    assert set(found["reason"]) == {NOT_CONVERGED}
 
 
 def test_a_start_that_decays_is_a_row_and_spoils_no_other(fitted, rows):

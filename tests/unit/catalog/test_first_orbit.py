@@ -1,6 +1,5 @@
 """A first orbit without a truth: determined from tracks, or carried from a state; and fits from it."""
 
-import logging
 from dataclasses import replace
 
 import numpy as np
@@ -13,13 +12,13 @@ from support import EPOCH, kepler_orbit, refusal, rsos
 
 from opml.base.constants import DAY
 from opml.base.errors import InputError
-from opml.catalog.fit import estimation, measured_tracks, start_states
+from opml.catalog.fit import estimation, start_states
 from opml.catalog.fit.estimation import Run
 from opml.catalog.fit.first import first_orbit
 from opml.catalog.fit.observations import Measured
 from opml.catalog.propagator import Propagator
 from opml.catalog.simulate import tracking, truth
-from opml.interop import first_state, oem, tdm
+from opml.interop import first_state, oem
 from opml.interop.object_ids import ObjectId
 from opml.tables import STATE
 
@@ -75,16 +74,6 @@ def test_fits_from_it_are_those_from_the_perturbed_truth(propagator, starts, mea
     assert np.abs(ours[STATE] - theirs[STATE])[many].to_numpy().max() < 0.01
 
 
-def test_what_was_exported_and_read_gives_the_same_estimates_to_the_bit(
-    propagator, starts, rows, earth_orientation, three_stations, tmp_path
-):
-    tdm.write(tmp_path / "iss.tdm", rows, epoch=EPOCH, rso="iss")
-    back = measured_tracks.tracks(tdm.measurements([tmp_path / "iss.tdm"], epoch=EPOCH), three_stations)
-    both = (Measured(one, earth_orientation, three_stations) for one in (rows, back))
-    found = [estimation.estimate_all(propagator, starts, one, settings=SETTINGS) for one in both]
-    pd.testing.assert_frame_equal(*found, check_exact=True)
-
-
 def test_elements_are_carried_to_every_track(propagator, measured, orbit):
     table = first_orbit.starts_from_state(
         propagator, measured, first_orbit.of_sheet(propagator.rso, propagator.model.gm)
@@ -113,14 +102,6 @@ def test_tracks_that_give_no_orbit_are_told(propagator, rows, earth_orientation,
     short = Measured(rows.groupby("track").head(2), earth_orientation, three_stations)
     with pytest.raises(InputError, match=r"iss: expected a track .* of two angles, 30 s long, with 5 ranges"):
         first_orbit.determined(propagator, short, settings=SETTINGS)
-
-
-def test_the_log_tells_what_was_done(propagator, measured, caplog):
-    caplog.set_level(logging.INFO)
-    first_orbit.starts_from_state(
-        propagator, measured, first_orbit.of_sheet(propagator.rso, propagator.model.gm)
-    )
-    assert "km from the first day's tracks" in caplog.text
 
 
 def test_the_perturbed_truth_depends_on_seed_and_track_only(rows, orbit):

@@ -113,13 +113,6 @@ def test_windows_restart_after_a_burn_that_is_known(orbit):
     assert unmoved.window(3, 20 * HOUR).tracks == 4
 
 
-def test_estimates_depend_neither_on_threads_nor_on_later_fixes(propagator, orbit):
-    table = stretched(orbit, sigmas=TEN, velocities=True, seed=3)
-    found = estimates(propagator, table)
-    other = estimates(replace(propagator, threads=2), table[table["track"] < 5])
-    pd.testing.assert_frame_equal(other, found.iloc[:5], check_exact=True)
-
-
 def test_stretches_are_cut_from_the_epoch_so_that_gaps_and_more_points_move_none(orbit):
     rows = points(orbit, sigmas=TEN)
     gappy = rows[(rows["t"] < 2 * HOUR) | (rows["t"] > 6.5 * HOUR)]

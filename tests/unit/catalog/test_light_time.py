@@ -6,7 +6,7 @@ from fits import fitted, without_noise
 from scipy.interpolate import CubicHermiteSpline
 from support import BOUNDED_ESTIMATION as SETTINGS
 
-from opml.base.constants import EARTH_RATE, HOUR, SPEED_OF_LIGHT
+from opml.base.constants import HOUR, SPEED_OF_LIGHT
 from opml.catalog.fit.observations import Measured
 from opml.catalog.propagator import Propagator
 from opml.catalog.simulate import tracking
@@ -81,16 +81,6 @@ def test_where_the_light_left(orbit, geometric, sites, followed, earth_orientati
     assert 10.0 < moved.min() < moved.max() < 70.0
     assert np.linalg.norm(found - followed[0], axis=1).max() < 2e-4
     np.testing.assert_allclose(travel, followed[1], atol=1e-12)
-
-
-def test_half_a_two_way_range_is_another_one_by_metres(geometric, sites, followed):
-    """The station moves on between sending and receiving; its sending place is seen from the Earth's axes."""
-    left, travel = followed
-    turned = EARTH_RATE * 2.0 * travel
-    east = np.column_stack([-sites[0][:, 1], sites[0][:, 0], np.zeros(len(travel))])
-    up = np.linalg.norm(left - (sites[0] - turned[:, None] * east), axis=1)
-    half = 0.5 * (up + SPEED_OF_LIGHT * travel)
-    assert 1.0 < np.abs(half - SPEED_OF_LIGHT * travel).max() < 4.0
 
 
 def test_a_fit_predicts_what_is_received(

@@ -266,16 +266,6 @@ def test_the_grid_hits_every_epoch_and_keeps_below_the_ceiling(sign):
         assert np.ptp(steps[begin:end]) < 1e-8
 
 
-@pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_the_grid_has_jumps_beside_the_epochs(sign):
-    epochs, jumps = sign * np.array([0.0, 300.0, 400.0]), sign * np.array([170.0, 100.0, 300.0])
-    grid = ensemble._Grid(epochs, jumps, 90.0)
-    np.testing.assert_array_equal(grid.times[grid.index], epochs)
-    expected = sign * np.array([0.0, 50.0, 100.0, 170.0, 235.0, 300.0, 350.0, 400.0])
-    np.testing.assert_array_equal(grid.times, expected)
-    assert np.flatnonzero(grid.wanted).tolist() == [0, 5, 7]
-
-
 @pytest.mark.parametrize("way", [1, -1])
 def test_no_step_has_midnight_in_it(assumed_model, way):
     """DTM2000's day of the year changes there, and the density with it."""

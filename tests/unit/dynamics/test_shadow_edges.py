@@ -7,7 +7,7 @@ from scipy.integrate import solve_ivp
 
 from opml.base.constants import SRP_DISTANCE, SRP_PRESSURE, WGS84_A
 from opml.dynamics.ensemble import Departures, propagate
-from opml.dynamics.kernels import shadow_edges, surroundings
+from opml.dynamics.kernels import surroundings
 from opml.dynamics.kernels.radiation_pressure import lit_part
 from opml.dynamics.kernels.surroundings import BODIES, SUN_ITRF
 from opml.dynamics.settings import Integrator
@@ -88,11 +88,3 @@ def test_long_steps_are_as_good_as_short_ones(kepler_model, altitude, across, ho
 def farthest(states, others):
     """The largest distance [m] between two paths (n, 6)."""
     return np.linalg.norm(states[:, :3] - others[:, :3], axis=1).max()
-
-
-def test_the_path_goes_hermite_weights():
-    """A polynomial of fifth degree is met exactly, from its values, slopes and curvatures at 0 and 1."""
-    course = np.polynomial.Polynomial([1.0, -2.0, 0.5, 3.0, -1.0, 0.7])
-    ends = [value for u in (0.0, 1.0) for value in (course(u), course.deriv(1)(u), course.deriv(2)(u))]
-    places = np.linspace(0.0, 1.0, 7)
-    np.testing.assert_allclose(shadow_edges._hermite_weights(places) @ ends, course(places), rtol=1e-12)

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from opml.base.errors import InputError
-from opml.environment.forecasts.radio_bursts import remove_bursts
 from opml.environment.forecasts.regression import Forecast
+from opml.environment.forecasts.similar_days import remove_bursts
 from opml.environment.weather import Weather
 
 FIRST, DAYS, AHEAD = 50000, 1500, 9

@@ -116,7 +116,7 @@ def test_a_malformed_row_of_the_packaged_table_is_refused(tmp_path):
 
 
 def test_a_missing_file_is_refused(tmp_path):
-    with pytest.raises(InputError, match=r"absent\.txt: expected a table of solar activity"):
+    with pytest.raises(InputError, match=r"absent\.txt: no such file"):
         solar_activity.read(tmp_path / "absent.txt")
 
 
@@ -127,5 +127,5 @@ def test_a_gzipped_file_is_read_and_a_broken_one_is_refused(tmp_path):
     (tmp_path / "half.gz").write_bytes(packed[: len(packed) // 2])
 
     assert solar_activity.read_text(tmp_path / "whole.gz") == content.decode()
-    with pytest.raises(InputError, match=r"half\.gz: expected a table of solar activity, got"):
+    with pytest.raises(InputError, match=r"half\.gz: expected a table of solar activity \("):
         solar_activity.read_text(tmp_path / "half.gz")

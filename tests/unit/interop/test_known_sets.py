@@ -456,24 +456,6 @@ def test_the_verification_of_sgp4_is_read(caplog):
     assert all("expected the checksum" in str(error) for error in damaged)
 
 
-def test_verified_states_are_those_of_the_sets(caplog):
-    """Rows of Vallado's answers: minutes, position [km]; sets of one number follow each other there, too."""
-    folder = Path(sgp4.__file__).parent
-    sets = {one.number: one for one in reversed(mean_elements.read_sets(folder / "SGP4-VER.TLE", []))}
-    answers = {}
-    for block in re.split(r"(?m)^(?=\d+ xx)", (folder / "tcppver.out").read_text())[1:]:
-        first, *rows = block.splitlines()
-        answers.setdefault(int(first.split()[0]), [list(map(float, row.split()[:4])) for row in rows])
-    rows = 0
-    for number, one in sets.items():
-        minutes, *positions = np.array(answers[number]).T
-        states, _ = element_set.propagate(one.satellite, minutes)
-        there = np.isfinite(states).all(axis=1)
-        np.testing.assert_allclose(states[there], np.transpose(positions)[there], rtol=0, atol=2e-7)
-        rows += np.count_nonzero(there)
-    assert rows > 500
-
-
 def test_columns_that_were_collapsed_are_shown_as_they_are(tmp_path):
     path = tmp_path / "sets.tle"
     path.write_text("\n".join(" ".join(line.split()) for line in tle()))

@@ -155,11 +155,6 @@ def test_the_arcs_that_a_learner_asks_for():
         arc_of(kind="linear_law", terms=["l_arc"])
 
 
-def test_no_correction_is_zero():
-    rows, _ = sample(5)
-    assert predicted(trained("none", rows, np.ones(5)), rows).tolist() == [0.0] * 5
-
-
 @pytest.mark.parametrize("terms", [["v_y", "v_y*cd"], ["v_y"], ["v_y", "v_y*cd", "duration*duration"]])
 def test_the_mechanism_minimises_absolute_deviations(terms):
     rows, y = sample(800)

@@ -120,31 +120,6 @@ def test_windows_take_decimal_days(table):
     assert table["t_j"][train(table, "days-0.5-1.25")].between(0.5 * DAY, 1.25 * DAY).all()
 
 
-@pytest.mark.parametrize(
-    "name",
-    ["random", "random-080", "random-8.0", "random-", "random--5", "rest", "days-0", "days-0-30-40", ""],
-)
-def test_bad_training_names(table, name):
-    expected = r"training split .*: expected random-<percent>, grouped-<percent> or days"
-    with pytest.raises(InputError, match=expected):
-        train(table, name)
-
-
-@pytest.mark.parametrize("name", ["random-20", "Rest", "days-30", "days-030-40", "all"])
-def test_bad_test_names(table, name):
-    with pytest.raises(InputError, match=r"test split '.*': expected seen, rest, days"):
-        to_test(table, name)
-
-
-@pytest.mark.parametrize("name", ["random-0", "random-101"])
-def test_percentages_out_of_range(table, name):
-    assert "percentage" in refusal(train, table, name)
-
-
-def test_window_backwards(table):
-    assert "first day before the last, got 40 and 30" in refusal(train, table, "days-40-30")
-
-
 def test_splits_without_rows(table):
     assert "'days-60-70': expected at least one kept row" in refusal(train, table, "days-60-70")
     with pytest.raises(InputError, match="'rest': expected at least one kept row"):

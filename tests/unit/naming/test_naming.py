@@ -35,11 +35,6 @@ def test_seed_in_a_name_and_back(text, seed, default):
     assert re.fullmatch(text + naming.seed_pattern(naming.NOISE, default=default), name)
 
 
-def test_own_seed_has_no_suffix():
-    assert naming.add_seed("random-80", naming.SPLIT, 42, default=42) == "random-80"
-    assert naming.add_seed("random-80", naming.SPLIT, 43, default=42) == "random-80_split43"
-
-
 @pytest.mark.parametrize("suffix", ["_noise42", "_noise043", "_noise", "_noise-1", "_split43", "_noise43.0"])
 def test_other_suffixes_are_no_seed(suffix):
     assert not re.fullmatch(naming.seed_pattern(naming.NOISE, default=42), suffix)
@@ -66,14 +61,6 @@ def test_window_in_a_name_and_back():
     pattern = naming.window_pattern(default=12)
     assert [one for one in ("", "_w24", "_w12.5", "_w120", "_w1") if not re.fullmatch(pattern, one)] == []
     assert [one for one in ("_w12", "_w0", "_w024", "_w", "_w24.0") if re.fullmatch(pattern, one)] == []
-
-
-def test_label_stands_with_the_stations():
-    one = naming.Experiment(
-        "iss", "eglin", "random-80", "svr", "e_y", "iss", "rest", window="_w24", label="_later"
-    )
-    assert one.path("metrics") == "metrics/iss/eglin_w24_later/random-80/svr/e_y/iss/rest.parquet"
-    assert naming.LABELS["truth"] == ""
 
 
 def test_other_texts_are_no_learner():
@@ -139,14 +126,6 @@ def test_a_station_set_in_another_order_is_told_its_spelling(text, spelling):
     assert refusal(parse_stations, text, STATIONS) == (
         f"stations '{text}': expected '{spelling}', each name once in the sheet's order"
     )
-
-
-def test_varied_rso():
-    varied = parse_rso("iss_i50_a+50.5", RSOS)
-    assert varied.name == "iss_i50_a+50.5"
-    assert varied.i == math.radians(50)
-    assert varied.a == pytest.approx(RSOS["iss"].a + 50.5e3, abs=1e-6)
-    assert (varied.e, varied.raan) == (RSOS["iss"].e, RSOS["iss"].raan)
 
 
 @pytest.mark.parametrize("text", refusals("rsos"))  # fmt: skip

@@ -33,7 +33,10 @@ def build(predictions: pd.DataFrame, estimates: pd.DataFrame, tracking: pd.DataF
         j=predictions["j"].to_numpy(),
         **dict(zip(COMPONENTS, error.T, strict=True)),
     )
-    table["reason"] = _reasons(predictions["reason"].to_numpy(), later)
+    unpredicted = predictions["reason"].to_numpy()
+    reason = later["reason"].fillna("none")
+    unfitted = np.where(reason == "", "", f"{NO_LATER_ESTIMATE}: " + reason)
+    table["reason"] = np.where(unpredicted != "", unpredicted, unfitted)
     table.loc[table["reason"] != "", [*COMPONENTS, *SIGMAS]] = np.nan
     return table[SCHEMAS["labels"].names]
 
@@ -54,10 +57,3 @@ def with_sigmas(estimates: pd.DataFrame) -> pd.DataFrame:
         for part in (slice(0, 3), slice(3, 6))
     ]
     return estimates.assign(**dict(zip(SIGMAS, np.hstack(deviations).T, strict=True)))
-
-
-def _reasons(unpredicted: np.ndarray, later: pd.DataFrame) -> np.ndarray:
-    failed = np.where(
-        later["reason"].isin([""]), "", f"{NO_LATER_ESTIMATE}: " + later["reason"].fillna("none")
-    )
-    return np.where(unpredicted != "", unpredicted, failed)

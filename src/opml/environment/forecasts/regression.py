@@ -17,8 +17,7 @@ from threadpoolctl import threadpool_limits
 
 from opml.base.errors import InputError
 from opml.environment.forecasts import similar_days
-from opml.environment.forecasts.radio_bursts import remove_bursts
-from opml.environment.forecasts.similar_days import SimilarDays
+from opml.environment.forecasts.similar_days import SimilarDays, remove_bursts
 from opml.environment.space_weather import INTERVALS
 from opml.environment.weather import HIGHEST_KP, Future, Weather, trailing_mean
 

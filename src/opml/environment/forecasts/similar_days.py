@@ -6,7 +6,6 @@ the Sun.
 
 import numpy as np
 
-from opml.environment.forecasts.radio_bursts import remove_bursts
 from opml.environment.space_weather import INTERVALS
 from opml.environment.weather import Future, Weather, trailing_mean
 
@@ -17,6 +16,19 @@ KP_LAGS = (0, 1, 2, 3, 19, 20, 21, 22, 23, 24, 25, 26)
 APART = 3  # least number of days between two similar ones, so that no event counts twice
 PAST = 60  # days of weather before the issue: for the lags, and for the removal of bursts
 _LEVEL = 2.0  # weight of the height of F10.7 relative to the weight of each of its changes
+
+_MEDIAN_DAYS = 5  # days up to a reading whose median it is compared with
+_HIGHEST = 60.0  # highest reading above the median that is no burst [sfu]
+
+
+def remove_bursts(flux: np.ndarray) -> np.ndarray:
+    """Return daily F10.7 (n,) [sfu] without flares' radio bursts, which the median of five days replaces.
+
+    Bursts are readings of minutes, which do not last into the next day.
+    """
+    before = np.concatenate([np.repeat(flux[:1], _MEDIAN_DAYS - 1), flux])
+    median = np.median(np.lib.stride_tricks.sliding_window_view(before, _MEDIAN_DAYS), axis=1)
+    return np.where(flux > median + _HIGHEST, median, flux)
 
 
 class SimilarDays:

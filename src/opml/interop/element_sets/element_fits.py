@@ -57,11 +57,11 @@ def fit(t: np.ndarray, positions: np.ndarray, *, at: float, known: np.ndarray, e
     start = _osculating(known)
     near = np.abs(since) < _FIRST_ARC
     osculating = _nearest(start, lambda x: _misses(np.append(x, 0.0), time, since[near], positions[near]))
-    found = _nearest(np.append(osculating, 0.0), lambda x: _misses(x, time, since, positions))
-    rms = math.sqrt(np.mean(np.sum(_misses(found, time, since, positions) ** 2, axis=1)))
+    mean = _nearest(np.append(osculating, 0.0), lambda x: _misses(x, time, since, positions))
+    rms = math.sqrt(np.mean(np.sum(_misses(mean, time, since, positions) ** 2, axis=1)))
     if not rms < _LOST:
         raise InputError(f"mean elements: expected an orbit that SGP4 can propagate about {time}, got none")
-    return _satellite(found, time)
+    return _satellite(mean, time)
 
 
 def _osculating(state: np.ndarray) -> np.ndarray:

@@ -147,10 +147,10 @@ def perturb_drag(satellite: Satrec, part: float) -> Satrec:
 def _initialised(days: float, elements: Sequence[float]) -> Satrec:
     """Return the satellite of mean elements as in `satellite`; days: from SGP4's zero to their epoch."""
     motion, eccentricity, inclination, node, perigee, anomaly, bstar = elements
-    made = Satrec()
+    satellite = Satrec()
     derivatives = 0.0, 0.0  # of the mean motion, which SGP4 does not use
     number = 0  # on which no orbit depends
-    made.sgp4init(
+    satellite.sgp4init(
         WGS72,
         "i",  # as TLEs are propagated
         number,
@@ -164,7 +164,7 @@ def _initialised(days: float, elements: Sequence[float]) -> Satrec:
         motion,
         node,
     )
-    return made
+    return satellite
 
 
 def _reduced(satellite: Satrec) -> tuple[Any, ...]:

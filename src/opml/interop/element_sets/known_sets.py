@@ -70,8 +70,8 @@ def readable(path: FilePath, leave_out_damaged: bool = False) -> list[ElementSet
     if damaged:
         _log.warning("%s: damaged sets left out: %d, the first: %s", path, len(damaged), damaged[0])
     if supplemental := sum(one.satellite.classification == "C" for one in sets):
-        told = "%s: sets of operators' ephemerides: %d: burns to come are in them, errors are of others"
-        _log.warning(told, path, supplemental)
+        warning = "%s: sets of operators' ephemerides: %d: burns to come are in them, errors are of others"
+        _log.warning(warning, path, supplemental)
     return sets
 
 
@@ -117,13 +117,13 @@ def since(
     until: those that were known later do not count [s]
     """
     t = seconds_since(epoch, [one.satellite for one in history])
-    made = [
+    published = [
         epochs.seconds_between(epoch, one.created) if one.created else own + DAY * latency
         for one, own in zip(history, t, strict=True)
     ]
     known = {
         own: KnownSet(own, at, one.satellite)
-        for own, at, one in zip(t, made, history, strict=True)
+        for own, at, one in zip(t, published, history, strict=True)
         if at <= until
     }
     return list(known.values())

@@ -9,16 +9,16 @@ import io
 import json
 import math
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from itertools import zip_longest
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from sgp4 import omm
 from sgp4.api import Satrec
 
 from opml.base.errors import InputError
 from opml.base.files import FilePath
-from opml.interop import ccsds, ndm_xml
+from opml.interop import ccsds
 from opml.interop.element_sets.element_set import (
     PER_DAY,
     ElementSet,
@@ -69,16 +69,10 @@ _UNITS = {
 _LONGEST = 10_000  # bytes of a line of columns
 _MOST_DIGITS = 9  # of a catalogue number
 _FIRST_YEAR, _LAST_YEAR = "1957", "2099"
-_PAIR = re.compile(r"([A-Z][A-Z0-9_]*)\s*=(.*)", re.ASCII)
 _VALUE = re.compile(r"[^\s\[\],]")
 
 
-class Pair(NamedTuple):
-    """A value by its key, with its line; None for what is not there."""
-
-    line: int
-    key: str | None
-    value: str | None
+Pair = tuple[int, str | None, str | None]  # line, key and value; None for what is not there
 
 
 class Record(NamedTuple):
@@ -90,40 +84,45 @@ class Record(NamedTuple):
 
 def element_set(path: FilePath, record: Record) -> ElementSet:
     """Return the set of a record. Raises InputError, naming line and key, for a damaged one."""
-    values = _Values(path, record)
+    values = _values(path, record)
+    known = values.texts
     for key, allowed in _REQUIRED.items():
-        values.check_choice(key, allowed)
-    for key in _NUMBERS:
-        values.check(key, _is_finite, "a finite number")
-    values.check_degrees()
-    for key in _DERIVATIVES:
-        values.check(key, _is_finite, "a finite number", "0")
+        text = known.get(key, allowed[0]).upper()
+        if (str(int(text)) if _is_whole(text) else text) not in allowed:
+            raise _error(values, key, " or ".join(allowed))
+    for key in (*_NUMBERS, *_DERIVATIVES):
+        if not _is_finite(known.get(key, "0" if key in _DERIVATIVES else "")):
+            raise _error(values, key, "a finite number")
+    # Angles within a circle of radians are those of one orbit in a million.
+    if all(0.0 < float(known[key]) <= 2.0 * math.pi for key, unit in _UNITS.items() if unit == "deg"):
+        raise _error(values, "INCLINATION", "degrees, and not all four angles between 0 and 6.3")
     for key in ("ELEMENT_SET_NO", "REV_AT_EPOCH", "NORAD_CAT_ID"):
-        values.check(key, _is_whole, f"a whole number of at most {_MOST_DIGITS} digits", "0")
-    number = int(values.known.get("NORAD_CAT_ID", "0"))
+        if not _is_whole(known.get(key, "0")):
+            raise _error(values, key, f"a whole number of at most {_MOST_DIGITS} digits")
+    number = int(known.get("NORAD_CAT_ID", "0"))
     identity = {
-        "EPOCH": values.time("EPOCH"),
+        "EPOCH": _time(values, "EPOCH"),
         "NORAD_CAT_ID": str(number if number <= LARGEST_NUMBER else 0),
-        "CLASSIFICATION_TYPE": values.known.get("CLASSIFICATION_TYPE", "U"),
+        "CLASSIFICATION_TYPE": known.get("CLASSIFICATION_TYPE", "U"),
     }
-    numbers = {key: values.known[key] for key in (*_NUMBERS, *_DERIVATIVES) if key in values.known}
-    made = satellite(numbers | identity)
-    check_orbit(path, record.line, made)
-    created = values.time("CREATION_DATE") if "CREATION_DATE" in values.known else ""
-    name, designator = (values.known.get(key, "") for key in ("OBJECT_NAME", "OBJECT_ID"))
-    return ElementSet(path, record.line, number, created, made, name, designator)
+    numbers = {key: known[key] for key in (*_NUMBERS, *_DERIVATIVES) if key in known}
+    elements = satellite(numbers | identity)
+    check_orbit(path, record.line, elements)
+    created = _time(values, "CREATION_DATE") if "CREATION_DATE" in known else ""
+    name, designator = (known.get(key, "") for key in ("OBJECT_NAME", "OBJECT_ID"))
+    return ElementSet(path, record.line, number, created, elements, name, designator)
 
 
 def satellite(values: Mapping[str, str]) -> Satrec:
     """Return what SGP4 propagates of a message's values, with all that a TLE has beside its orbit."""
-    made, fields = Satrec(), {**_UNUSED, **values}
+    elements, fields = Satrec(), {**_UNUSED, **values}
     kind = fields["CLASSIFICATION_TYPE"][:1]
     angles = {key: fields[key] for key, unit in _UNITS.items() if unit == "deg"}
     turned = {key: repr(float(text) % 360.0) for key, text in angles.items() if float(text) < 0.0}
-    omm.initialize(made, {**fields, **turned, "CLASSIFICATION_TYPE": kind})
-    made.classification = kind  # which sgp4 forgets
-    made.intldesg = ObjectId.of("", fields["OBJECT_ID"]).launch  # of UNKNOWN it would make KNOWN
-    return made
+    omm.initialize(elements, {**fields, **turned, "CLASSIFICATION_TYPE": kind})
+    elements.classification = kind  # which sgp4 forgets
+    elements.intldesg = ObjectId.of("", fields["OBJECT_ID"]).launch  # of UNKNOWN it would make KNOWN
+    return elements
 
 
 def write(path: FilePath, satellite: Satrec, *, identity: ObjectId, epoch: str, comment: str) -> None:
@@ -159,57 +158,30 @@ def write(path: FilePath, satellite: Satrec, *, identity: ObjectId, epoch: str, 
     ccsds.write(path, [version, f"COMMENT {comment}", *header, "", *lines])
 
 
-class _Values:
-    """The values of a record by their keys."""
+def _values(path: FilePath, record: Record) -> ccsds.KeyValues:
+    """Return the values of a record. Raises InputError where one lacks a key, or a key one or has two."""
+    values = ccsds.KeyValues(path, record.line)
+    for line, key, value in record.pairs:
+        if key is None:
+            raise line_error(path, line, "a key for each value", value or "")
+        if value is None:
+            raise line_error(path, line, f"a value for {key}", "none")
+        values.add(line, key, value)
+    return values
 
-    def __init__(self, path: FilePath, record: Record) -> None:
-        """Raise InputError where a key or a value is missing, or a key is there twice."""
-        self._path, self._line = path, record.line
-        self._lines: dict[str, int] = {}
-        self.known: dict[str, str] = {}
-        for line, key, value in record.pairs:
-            if key is None:
-                raise line_error(path, line, "a key for each value", value or "")
-            if value is None:
-                raise line_error(path, line, f"a value for {key}", "none")
-            if key in self._lines:
-                raise line_error(path, line, f"{key} once", "it twice")
-            self._lines[key] = line
-            if value:
-                self.known[key] = value
 
-    def check(
-        self, key: str, is_valid: Callable[[str], bool], expected: str, default: str | None = None
-    ) -> None:
-        """Raise InputError where the value of a key is not valid; one without a default must be there."""
-        text = self.known.get(key, default)
-        if text is None or not is_valid(text):
-            raise self._error(key, expected)
+def _error(values: ccsds.KeyValues, key: str, expected: str) -> InputError:
+    got = excerpt(values.text(key, ""))
+    return InputError(f"{values.path}: line {values.line(key)}: {key}: expected {expected}, got {got}")
 
-    def check_choice(self, key: str, allowed: Sequence[str]) -> None:
-        """Raise InputError where the value of a key is there, but not allowed."""
-        text = self.known.get(key, allowed[0]).upper()
-        if (str(int(text)) if _is_whole(text) else text) not in allowed:
-            raise self._error(key, " or ".join(allowed))
 
-    def check_degrees(self) -> None:
-        """Raise InputError where all angles are within a circle of radians, as one in a million orbits is."""
-        angles = [float(self.known[key]) for key, unit in _UNITS.items() if unit == "deg"]
-        if all(0.0 < angle <= 2.0 * math.pi for angle in angles):
-            raise self._error("INCLINATION", "degrees, and not all four angles between 0 and 6.3")
-
-    def time(self, key: str) -> str:
-        """Return the time of a key as UTC text, to the microsecond. Raises InputError where it is none."""
-        text = time_text(self.known, key)
-        if text is None or not _FIRST_YEAR <= text[:4] <= _LAST_YEAR:
-            years = f"a time from {_FIRST_YEAR} to {_LAST_YEAR}, in no leap second"
-            raise self._error(key, f"{years}, like 2016-09-28T12:09:45")
-        return text
-
-    def _error(self, key: str, expected: str) -> InputError:
-        line = self._lines.get(key, self._line)
-        got = excerpt(self.known.get(key, ""))
-        return InputError(f"{self._path}: line {line}: {key}: expected {expected}, got {got}")
+def _time(values: ccsds.KeyValues, key: str) -> str:
+    """Return the time of a key as UTC text, to the microsecond. Raises InputError where it is none."""
+    text = time_text(values.texts, key)
+    if text is None or not _FIRST_YEAR <= text[:4] <= _LAST_YEAR:
+        years = f"a time from {_FIRST_YEAR} to {_LAST_YEAR}, in no leap second"
+        raise _error(values, key, f"{years}, like 2016-09-28T12:09:45")
+    return text
 
 
 def time_text(values: Mapping[str, str], key: str) -> str | None:
@@ -227,15 +199,10 @@ def read_messages(path: FilePath, text: str) -> Iterator[Record]:
     Raises InputError, naming the line, for broken XML.
     """
     record = None
-    for number, line in ndm_xml.lines(path, text):
-        line = line.strip()
-        if not line or re.match(r"COMMENT\b", line):
-            continue
-        match = _PAIR.fullmatch(line)
-        pair = (
-            Pair(number, match[1], _without_unit(match[1], match[2])) if match else Pair(number, None, line)
-        )
-        if record is None or pair.key == _VERSION:
+    for number, line in ccsds.lines_of(path, text):
+        key, value = ccsds.pair(line) or (None, line)
+        pair = number, key, _without_unit(key, value) if key else value
+        if record is None or key == _VERSION:
             if record is not None:
                 yield record
             record = Record(number, [])
@@ -262,33 +229,17 @@ def read_json(path: FilePath, text: str) -> Iterator[Record]:
     except (RecursionError, ValueError) as reason:
         raise line_error(path, getattr(reason, "lineno", 1), "OMMs in JSON", str(reason)) from None
     line, end = 1, 0
-    while (at := _after_separators(text, end)) < len(text):
+    while match := _VALUE.search(text, end):
+        at = match.start()
         line += text.count("\n", end, at)
         value, end = decoder.raw_decode(text, at)
-        for one in _wrapped(value):
-            yield Record(line, _pairs(line, one))
+        # An object is a tuple of its members. Space-Track may wrap sets with metadata of the request.
+        data = dict(value).get("data") if isinstance(value, tuple) else None
+        for each in data if isinstance(data, list) else [value]:
+            members = each if isinstance(each, tuple) else [(None, each)]
+            texts = ((key, "" if member is None else str(member)) for key, member in members)
+            yield Record(line, [(line, key, _in_one_line(member)) for key, member in texts])
         line += text.count("\n", at, end)
-
-
-def _after_separators(text: str, start: int) -> int:
-    """Return where the next value of a text begins that is valid JSON; its length where there is none."""
-    match = _VALUE.search(text, start)
-    return match.start() if match else len(text)
-
-
-def _wrapped(value: Any) -> list[Any]:
-    """Return the sets that Space-Track wraps together with metadata of the request; else the value alone.
-
-    An object is a tuple of its members, those of the same key among them.
-    """
-    data = dict(value).get("data") if isinstance(value, tuple) else None
-    return data if isinstance(data, list) else [value]
-
-
-def _pairs(line: int, value: Any) -> list[Pair]:
-    if not isinstance(value, tuple):
-        return [Pair(line, None, str(value))]
-    return [Pair(line, key, "" if member is None else _in_one_line(str(member))) for key, member in value]
 
 
 def _in_one_line(text: str) -> str:
@@ -312,7 +263,7 @@ def read_csv(path: FilePath, text: str) -> Iterator[Record]:
                 continue
             if columns:
                 pairs = zip_longest(columns, cells)
-                yield Record(reader.line_num, [Pair(reader.line_num, key, cell) for key, cell in pairs])
+                yield Record(reader.line_num, [(reader.line_num, key, cell) for key, cell in pairs])
             else:
                 columns = cells
                 for name in ("EPOCH", *_NUMBERS):

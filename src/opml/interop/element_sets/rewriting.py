@@ -131,7 +131,7 @@ def _better(piece: Piece, better: Better, header: Fields) -> _Tle | Fields:
         *name, (_, first), (_, second) = piece
         lines = (first, second) if is_same else change(first, second)
         return _Tle(name[0][1].removeprefix("0 ") if name else "", *lines, said)
-    fields = {pair.key: pair.value for pair in piece.pairs if pair.key and pair.value}
+    fields = {key: value for _, key, value in piece.pairs if key and value}
     if is_same:
         return fields
     if all(key in fields for key in _LINES):

@@ -15,12 +15,11 @@ from opml.base.files import FilePath
 from opml.interop.object_ids import ObjectId
 from opml.interop.orbit_arcs import (
     Arc,
-    NoSuchTime,
     check_ascending,
     choose_satellites,
     line_error,
     numbers,
-    seconds_since,
+    times,
 )
 
 _NAME = {"1": 9, "2": 10}  # word of the first line with the satellite's name, by version
@@ -110,22 +109,17 @@ def _times(path: FilePath, positions: Sequence[_Row], lines: np.ndarray, epoch: 
         (day % 1.0 != 0.0) | (day < 4e4) | (day > 9e4) | (second < 0.0) | (second >= DAY)
     )
     if strange.size:
-        raise _time_error(path, positions[strange[0]])
+        number, words = positions[strange[0]]
+        expected = "a modified Julian date and second of the day"
+        raise line_error(path, number, expected, " ".join(words[2:4]))
     date = (_MJD_ZERO + day.astype(int)).astype("M8[D]")
     year, month = date.astype("M8[Y]"), date.astype("M8[M]")
     calendar = [year.astype(int) + 1970, (month - year).astype(int) + 1, (date - month).astype(int) + 1]
     clock = [second // 3600.0, second % 3600.0 // 60.0, second % 60.0]
-    try:
-        t = seconds_since(epoch, np.stack([*calendar, *clock], axis=1), "UTC")
-    except NoSuchTime as time:
-        raise _time_error(path, positions[time.index]) from None
+    texts = [" ".join(words[2:4]) for _, words in positions]
+    t = times(path, lines, texts, np.stack([*calendar, *clock], axis=1), epoch=epoch, scale="UTC")
     check_ascending(path, t, lines)
     return t
-
-
-def _time_error(path: FilePath, row: _Row) -> InputError:
-    number, words = row
-    return line_error(path, number, "a modified Julian date and second of the day", " ".join(words[2:4]))
 
 
 def _velocities(path: FilePath, rows: Sequence[_Row | None]) -> np.ndarray:

@@ -16,13 +16,12 @@ from opml.base.files import FilePath
 from opml.interop.object_ids import ObjectId
 from opml.interop.orbit_arcs import (
     Arc,
-    NoSuchTime,
     check_ascending,
     choose_satellites,
     line_error,
     lower_triangles,
     numbers,
-    seconds_since,
+    times,
 )
 
 _HEAD = 4  # lines before the states; the last names the axes of covariances
@@ -88,9 +87,6 @@ def _times(path: FilePath, texts: list[bytes], lines: np.ndarray, epoch: str) ->
     days = [np.datetime64(f"{int(m[1])}-01-01") + (int(m[2]) - 1) for m in matches if m]
     dates = [[int(part) for part in str(day).split("-")] for day in days]
     clocks = [[float(m[k]) for k in (3, 4, 5)] for m in matches if m]
-    try:
-        t = seconds_since(epoch, np.hstack([dates, clocks]), "UTC")
-    except NoSuchTime as time:
-        raise line_error(path, int(lines[time.index]), "a time that exists", texts[time.index]) from None
+    t = times(path, lines, texts, np.hstack([dates, clocks]), epoch=epoch, scale="UTC")
     check_ascending(path, t, lines)
     return t

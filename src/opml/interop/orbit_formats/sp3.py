@@ -15,12 +15,11 @@ from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.interop.orbit_arcs import (
     Arc,
-    NoSuchTime,
     check_ascending,
     choose_satellites,
     line_error,
     numbers,
-    seconds_since,
+    times,
 )
 
 _SCALES = ("GPS", "UTC", "TAI", "GAL", "QZS")  # time systems for reading
@@ -152,10 +151,8 @@ def _epochs(path: FilePath, rows: np.ndarray, header: _Header, epoch: str) -> tu
     if not index.size:
         raise InputError(f"{path}: expected an epoch, got none")
     texts = np.stack([_column(rows[index], *field) for field in _FIELDS], axis=1)
-    try:
-        t = seconds_since(epoch, numbers(path, texts, index + 1), header.scale)
-    except NoSuchTime as time:
-        raise _row_error(path, rows, int(index[time.index]), "a time that exists") from None
+    calendar = numbers(path, texts, index + 1)
+    t = times(path, index + 1, rows[index], calendar, epoch=epoch, scale=header.scale)
     check_ascending(path, t, index + 1)
     return t, index
 

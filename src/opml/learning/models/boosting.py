@@ -13,8 +13,7 @@ from threadpoolctl import threadpool_limits
 
 from opml.base.seeds import derive
 from opml.base.setting_types import Count, Positive
-from opml.learning.models.contract import ChoosingSettings, Learner, Metadata, table_of
-from opml.learning.models.metadata import describe, restore
+from opml.learning.models.contract import ChoosingSettings, Learner, Metadata, describe, restore, table_of
 from opml.learning.models.training_inputs import Training, check_rows
 from opml.tables import count, real
 

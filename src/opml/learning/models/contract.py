@@ -47,7 +47,6 @@ class ResolvedSettings:
 
 
 S = TypeVar("S", bound=LearnerSettings)
-S_in = TypeVar("S_in", bound=LearnerSettings, contravariant=True)
 
 
 class Predictor(Protocol):
@@ -71,17 +70,8 @@ class Model(Predictor, Protocol):
         """Return the model as a table, and JSON-able metadata with its `kind` and `variables`."""
 
 
-class Resolve(Protocol[S_in]):
-    """Resolves settings for one error component."""
-
-    def __call__(self, settings: S_in, /, *, component: str, variables: Sequence[str]) -> ResolvedSettings:
-        """Return the settings with the variables to learn from spelled out.
-
-        variables: those to learn from by default
-        """
-
-
 Load = Callable[[pd.DataFrame, Metadata], Model]
+Resolve = Callable[..., ResolvedSettings]  # of settings for a component, with the default variables
 Table = Callable[[Metadata], Schema]
 
 
@@ -102,7 +92,7 @@ def choose_variables(
     return ResolvedSettings(type(settings).model_validate(own), chosen)
 
 
-def fixed(*names: str) -> Resolve[LearnerSettings]:
+def fixed(*names: str) -> Resolve:
     """Return how settings are resolved that leave no choice of variables."""
 
     def resolve(
@@ -125,6 +115,20 @@ def table_of(row: str, *columns: Column) -> Table:
     return table
 
 
+def describe(model: Predictor, kind: str, *fields: str) -> dict[str, Any]:
+    """Return the metadata of a model: kind, variables and these of its fields, arrays as lists."""
+    values = {name: getattr(model, name) for name in fields}
+    lists = {name: value.tolist() for name, value in values.items() if isinstance(value, np.ndarray)}
+    return {"kind": kind, "variables": list(model.variables), **values, **lists}
+
+
+def restore(metadata: Metadata, *fields: str) -> dict[str, Any]:
+    """Return `variables` and these fields of a model from its metadata, lists as arrays of floats."""
+    values = {name: metadata[name] for name in fields}
+    arrays = {name: np.array(value, dtype=float) for name, value in values.items() if isinstance(value, list)}
+    return {"variables": tuple(metadata["variables"]), **values, **arrays}
+
+
 ARC_MEMORY_DAYS = 30.0
 """Memory of the arcs' mean Cd where a learner does not ask for another [days]: about a turn of the Sun."""
 
@@ -139,5 +143,5 @@ class Learner(Generic[S]):
     table: Table  # the schema of a model's table from the metadata with it; `table_of` makes a plain one
     fit: Callable[[Training, S], Model]
     load: Load  # makes the model again from its table and metadata, bit for bit
-    resolve: Resolve[S] = choose_variables  # finds the variables to learn from
+    resolve: Resolve = choose_variables  # finds the variables to learn from
     learns: bool = True  # whether it takes anything from the errors that it is trained on

@@ -11,8 +11,15 @@ import numpy as np
 import pandas as pd
 
 from opml.base.setting_types import Positive
-from opml.learning.models.contract import Learner, LearnerSettings, Metadata, fixed, table_of
-from opml.learning.models.metadata import describe, restore
+from opml.learning.models.contract import (
+    Learner,
+    LearnerSettings,
+    Metadata,
+    describe,
+    fixed,
+    restore,
+    table_of,
+)
 from opml.learning.models.training_inputs import Training, check_rows
 
 

@@ -144,9 +144,9 @@ def of_job(values: Mapping[str, Any] | ResolvedSettings) -> ResolvedSettings:
     """Return resolved settings, where they stand as the JSON values that `ResolvedSettings.of_job` made."""
     if isinstance(values, ResolvedSettings):
         return values
-    section = by_kind(values["kind"]).settings
-    own = {key: value for key, value in values.items() if key in section.model_fields and key != "variables"}
-    return ResolvedSettings(section.model_validate(own), list(values["variables"]))
+    own = dict(values)
+    variables = list(own.pop("variables"))
+    return ResolvedSettings(by_kind(own.get("kind", "")).settings.model_validate(own), variables)
 
 
 JobLearner = Annotated[ResolvedSettings, PlainValidator(of_job), PlainSerializer(ResolvedSettings.of_job)]

@@ -23,9 +23,10 @@ from opml.learning.models.contract import (
     Metadata,
     ResolvedSettings,
     component_columns,
+    describe,
+    restore,
     table_of,
 )
-from opml.learning.models.metadata import describe, restore
 from opml.learning.models.training_inputs import Training, check_rows
 from opml.tables import real, text
 

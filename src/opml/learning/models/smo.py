@@ -1,9 +1,9 @@
 """The dual problem of epsilon support vector regression with a Gaussian kernel, by decomposition.
 
 With beta = alpha - alpha*, minimise 1/2 beta' K beta - y' beta + epsilon sum |beta_k| over |beta_k| <= c_k
-and sum beta_k = 0, where K_kl = exp(-|z_k - z_l|^2). A sweep takes a working set of about a thousand
-variables: the worst violators of the optimality conditions, and all free variables (neither 0 nor at a
-limit). It computes their kernel entries by one matrix product and moves pairs of them until they are ten
+and sum beta_k = 0, with the entries K_kl of `gaussian_kernel`. A sweep takes a working set of about a
+thousand variables: the worst violators of the optimality conditions, and all free variables (neither 0 nor
+at a limit). It computes their kernel entries by one matrix product and moves pairs of them until they are ten
 times nearer to the optimum, as ThunderSVM does (Wen, Shi, Li, He & Chen 2018, J. Mach. Learn. Res. 19(21)).
 Only variables that moved need a whole row of the kernel matrix, for the gradient of all others.
 
@@ -20,6 +20,7 @@ from threadpoolctl import threadpool_limits
 
 from opml.base.errors import InputError
 from opml.learning.models import smo_kernels as kernels
+from opml.learning.models.gaussian_kernel import exponent_factors
 
 WORKING = 1024  # least number of variables in a working set
 ENTERING = 512  # worst violators in a working set
@@ -64,10 +65,7 @@ class _KernelRows:
 
     def __init__(self, z: np.ndarray) -> None:
         count = len(z)
-        squares, ones = np.sum(z**2, axis=1), np.ones(count)
-        # One product gives the whole exponent -|z_k - z_l|^2, in double because its terms cancel.
-        self._left = np.column_stack([2.0 * z, -squares, -ones])
-        self._right = np.ascontiguousarray(np.column_stack([z, ones, squares]).T)
+        self._left, self._right = exponent_factors(z)  # in double, because terms of their product cancel
         kept = min(count, KEPT)
         self._kept = np.empty((kept, count), dtype=np.float32)
         self._owner = np.full(kept, -1)  # the variable whose row is kept in a place

@@ -134,14 +134,19 @@ def _move(up, down, step, first, second, least, most):
 
 
 @compiled
+def curvature(entry, two, least):
+    """Return K_ii + K_kk - 2 K_ik of a pair with the entry K_ik, as K(x, x) = 1, in the precision of 2."""
+    return max(two - two * entry, least)
+
+
+@compiled
 def _largest_gain(down, lowest, row, gains, largest):
     """Write the gain of a free step of each variable against that of `row`; return the largest gain."""
     for k in range(len(gains)):
         gains[k] = down[k] - lowest
     for k in range(len(gains)):
         slope = max(gains[k], _SINGLE(0.0))
-        # As K(x, x) = 1: the curvature of a pair is K_ii + K_kk - 2 K_ik = 2 - 2 K_ik.
-        gains[k] = slope * slope / max(_SINGLE(2.0) - _SINGLE(2.0) * row[k], _SINGLE(LEAST_CURVATURE))
+        gains[k] = slope * slope / curvature(row[k], _SINGLE(2.0), _SINGLE(LEAST_CURVATURE))
     largest[:] = _SINGLE(0.0)
     whole = len(gains) // _LANES * _LANES
     for start in range(0, whole, _LANES):
@@ -197,8 +202,8 @@ def descend(kernel, beta, gradient, limits, epsilon, tol, most_steps):
             return taken
         i = _find(up, lowest)
         j = _find(gains, _largest_gain(down, lowest, kernel[i], gains, largest))
-        curvature = max(2.0 - 2.0 * kernel[i, j], LEAST_CURVATURE)  # K(x, x) = 1 again
-        step = min((down[j] - lowest) / curvature, _room(beta[i], limits[i]), _room(-beta[j], limits[j]))
+        bend = curvature(kernel[i, j], 2.0, LEAST_CURVATURE)
+        step = min((down[j] - lowest) / bend, _room(beta[i], limits[i]), _room(-beta[j], limits[j]))
         for k, sign in ((i, 1.0), (j, -1.0)):
             if k == i:
                 bare = up[k] - _above(beta[k], limits[k], epsilon)

@@ -16,10 +16,8 @@ import pandas as pd
 from opml.base.seeds import derive
 from opml.base.setting_types import Expected, NotNegative, OneOf, Positive
 from opml.learning.data.cleaning import quartiles
-from opml.learning.models import kernel_scale as scales
-from opml.learning.models.contract import ChoosingSettings, Learner, Metadata
-from opml.learning.models.gaussian_kernel import expansion
-from opml.learning.models.metadata import describe, restore
+from opml.learning.models.contract import ChoosingSettings, Learner, Metadata, describe, restore
+from opml.learning.models.gaussian_kernel import QUANTILES, distance_quantile, expansion
 from opml.learning.models.training_inputs import Training, check_rows, standardisation
 from opml.tables import Schema, real
 
@@ -84,7 +82,7 @@ class SvrSettings(ChoosingSettings):
     """Settings of a machine."""
 
     kernel_scale: Annotated[
-        Annotated[str, OneOf(tuple(scales.QUANTILES))] | Positive,
+        Annotated[str, OneOf(tuple(QUANTILES))] | Positive,
         Expected("sigest, median or a number above 0"),
     ]
     c: Positive
@@ -124,8 +122,8 @@ def fit(training: Training, settings: SvrSettings) -> SvrModel:
 
 def _kernel_scale(scaled: Training, settings: SvrSettings) -> float:
     rule, rng = settings.kernel_scale, derive(scaled.seed, "svr", "kernel_scale")
-    if rule in scales.QUANTILES:
-        return scales.distance_quantile(scaled.x, scales.QUANTILES[rule], rng=rng)
+    if rule in QUANTILES:
+        return distance_quantile(scaled.x, QUANTILES[rule], rng=rng)
     return float(rule)
 
 

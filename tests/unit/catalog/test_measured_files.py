@@ -1,12 +1,12 @@
-"""What mornings read of an object."""
+"""Files of what was measured of an object."""
 
 import pytest
 from support import EPOCH, EXCERPTS, environment, stations
 
 from opml.base.constants import DAY
+from opml.catalog import measured_files
+from opml.catalog.measured_files import MeasurementSource, Span
 from opml.interop.object_ids import ObjectId
-from opml.mornings import measurement_files
-from opml.mornings.measurement_files import MeasurementSource, Span
 
 
 @pytest.mark.parametrize(
@@ -19,4 +19,4 @@ def test_the_participant_of_tracks_tells_the_object(tmp_path, participant, ident
     source = MeasurementSource(kind="tracks", files=[str(tmp_path / "mine.tdm")], options={})
     span = Span(EPOCH, 2 * DAY)
     sheet, orientation = list(stations().values()), environment()["earth_orientation"]
-    assert measurement_files.read(source, span, sheet, orientation, since=0.0).identity == identity
+    assert measured_files.read(source, span, sheet, orientation, since=0.0).identity == identity

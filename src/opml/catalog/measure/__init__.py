@@ -1,1 +1,0 @@
-"""Checks of files, by kind of measurement."""
