@@ -14,7 +14,8 @@ import numpy as np
 from benchmarks import case, measure
 from opml.base.constants import DAY
 from opml.base.seeds import derive
-from opml.catalog.fit import estimation, observations, start_states
+from opml.catalog.associate import quarantine
+from opml.catalog.fit import observations, start_states
 from opml.catalog.propagator import Propagator
 from opml.catalog.simulate import tracking, truth
 from opml.dynamics.ensemble import REASONS, Departures, propagate
@@ -124,7 +125,7 @@ def least_squares(progress: Callable[[str], None]) -> str:
     tracks = tracking.simulate(true, orientation, stations, rso=rso.name, seed=seed)
     progress("least squares")
     begin = time.perf_counter()
-    found = estimation.estimate_all(
+    found = quarantine.estimate_all(
         Propagator(case.force_model("assumed", days=days), rso, paper.integrator, threads=2),
         start_states.perturbed(true, tracks, rso=rso.name, settings=paper.estimation, seed=seed),
         observations.Measured(tracks, orientation, stations),

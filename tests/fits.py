@@ -3,26 +3,17 @@
 import numpy as np
 import pandas as pd
 
-from opml.catalog.fit import estimation, observations, start_states
+from opml.catalog.associate import quarantine
+from opml.catalog.fit import observations, start_states
 from opml.orbits.elements import cartesian_from_coe
 from opml.tables import PARAMETER_COVARIANCES, STATE
 
 
-def fitted(
-    propagator,
-    orbit,
-    rows,
-    earth_orientation,
-    stations,
-    settings,
-    *,
-    seed=42,
-    estimate=estimation.estimate_all,
-):
+def fitted(propagator, orbit, rows, earth_orientation, stations, settings, *, seed=42):
     """The table of estimates of rows that stations measured of an orbit, and how far they are `off` [m]."""
     starts = start_states.perturbed(orbit, rows, rso=propagator.rso.name, settings=settings, seed=seed)
     measured = observations.Measured(rows, earth_orientation, stations)
-    found = estimate(propagator, starts, measured, settings=settings)
+    found = quarantine.estimate_all(propagator, starts, measured, settings=settings)
     return found.assign(off=distances(found, orbit))
 
 

@@ -9,7 +9,8 @@ import pandas as pd
 
 from opml.base.constants import DAY, HOUR
 from opml.base.seeds import derive
-from opml.catalog.fit import estimation, observations, start_states
+from opml.catalog.associate import quarantine
+from opml.catalog.fit import observations, start_states
 from opml.catalog.propagator import Propagator
 from opml.catalog.simulate import tracking
 from opml.catalog.simulate.truth import simulate
@@ -61,7 +62,7 @@ def opmls(
 ) -> pd.DataFrame:
     """Return our estimates at the start of every track."""
     seed = case.values["seed"]["noise"]
-    return estimation.estimate_all(
+    return quarantine.estimate_all(
         Propagator(assumed, case.rsos[RSO], integrator),
         start_states.perturbed(truth, measured, rso=RSO, settings=case.estimation, seed=seed),
         observations.Measured(measured, earth_orientation, list(case.stations.values())),

@@ -73,11 +73,11 @@ def test_what_is_taken_from_a_facade_is_its_own(facade):
 
 
 MOST = {
-    "lines of the package": 41_730,
-    "lines of tests": 31_453,
-    "classes": 303,
-    "docstrings that begin with what, which, how, where, of": 39,
-    "variables called found, one, made, told": 49,
+    "lines of the package": 41_531,
+    "lines of tests": 31_305,
+    "classes": 297,
+    "docstrings that begin with what, which, how, where, of": 36,
+    "variables called found, one, made, told": 37,
 }
 """Limits of the house. A change that adds pays in the same change; a change that removes lowers them."""
 

@@ -6,7 +6,8 @@ import pytest
 from support import ASSUMED_BODIES, EPOCH, ESTIMATION, EXCERPTS, force_model
 
 from opml.base.constants import DAY
-from opml.catalog.fit import estimation, measured_tracks, observations
+from opml.catalog.associate import quarantine
+from opml.catalog.fit import measured_tracks, observations
 from opml.catalog.fit.first import first_orbit
 from opml.catalog.predict import prediction
 from opml.catalog.propagator import Propagator
@@ -45,7 +46,7 @@ def starts(propagator, measured):
 
 @pytest.fixture(scope="module")
 def estimates(propagator, starts, measured):
-    return estimation.estimate_all(propagator, starts, measured, settings=ESTIMATION)
+    return quarantine.estimate_all(propagator, starts, measured, settings=ESTIMATION)
 
 
 def errors(table, orbit):

@@ -7,7 +7,8 @@ from support import ASSUMED_BODIES, EPOCH, environment, refusal, rsos, stations
 
 from opml.base.constants import BODIES, GM, HOUR
 from opml.base.errors import InputError
-from opml.catalog.fit import estimation, observations, start_states
+from opml.catalog.associate import quarantine
+from opml.catalog.fit import observations, start_states
 from opml.catalog.propagator import Propagator
 from opml.dynamics.settings import Integrator
 from opml.environment import earth_orientation
@@ -105,7 +106,7 @@ def test_orbits_are_orekits_after_a_week(product, name):
 
 def test_the_estimate_from_the_same_measurements_is_orekits(product):
     case, rows, expected = Case.read(), tables.read("measurements"), tables.read("estimate")
-    found = estimation.estimate_all(
+    found = quarantine.estimate_all(
         Propagator(product.model(MODELS["assumed"]), rsos()["iss"], Integrator(position_tolerance_m=1e-4)),
         start_states.perturbed(expected, rows, rso="iss", settings=case.estimation, seed=1),
         observations.Measured(rows, environment()["earth_orientation"], list(stations().values())),

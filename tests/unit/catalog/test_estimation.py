@@ -10,6 +10,7 @@ from support import BOUNDED_ESTIMATION as SETTINGS
 from support import rsos
 
 from opml.base.constants import DAY, HOUR
+from opml.catalog.associate import quarantine
 from opml.catalog.fit import estimation, neighbour_arcs, observations, start_states
 from opml.catalog.fit.least_squares import UNDERDETERMINED
 from opml.catalog.fit.starts import Solution, Starts
@@ -263,7 +264,7 @@ def test_a_fit_without_a_start_takes_the_newest_estimate_whatever_it_says_of_cd(
     measured = observations.Measured(first, earth_orientation, three_stations)
     settings = SETTINGS.evolve(cd_bounds=(9.0, 9.1))
     found, known, none = (
-        estimation.estimate_all(Propagator(assumed_model, iss), table, measured, settings=settings)
+        quarantine.estimate_all(Propagator(assumed_model, iss), table, measured, settings=settings)
         for table in (lost, starts, lost.assign(x=np.nan))
     )
     assert found["converged"].all()

@@ -12,7 +12,8 @@ from support import EPOCH, kepler_orbit, refusal, rsos
 
 from opml.base.constants import DAY
 from opml.base.errors import InputError
-from opml.catalog.fit import estimation, start_states
+from opml.catalog.associate import quarantine
+from opml.catalog.fit import start_states
 from opml.catalog.fit.estimation import Run
 from opml.catalog.fit.first import first_orbit
 from opml.catalog.fit.observations import Measured
@@ -66,7 +67,7 @@ def test_the_first_orbit_is_near_the_true_one_at_every_track(starts, rows, orbit
 def test_fits_from_it_are_those_from_the_perturbed_truth(propagator, starts, measured, rows, orbit):
     with_truth = start_states.perturbed(orbit, rows, rso="iss", settings=SETTINGS, seed=1)
     ours, theirs = (
-        estimation.estimate_all(propagator, one, measured, settings=SETTINGS) for one in (starts, with_truth)
+        quarantine.estimate_all(propagator, one, measured, settings=SETTINGS) for one in (starts, with_truth)
     )
     assert ours["converged"].all()
     assert theirs["converged"].all()

@@ -9,7 +9,8 @@ from support import BOUNDED_ESTIMATION
 
 from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
-from opml.catalog.fit import estimation, fixes
+from opml.catalog.associate import quarantine
+from opml.catalog.fit import fixes
 from opml.catalog.fit.first import first_orbit
 from opml.catalog.propagator import Propagator
 from opml.catalog.simulate import truth
@@ -53,7 +54,7 @@ def estimates(propagator, table, **settings):
     settings = SETTINGS.evolve(**settings)
     measured = fixes.Fixes(table)
     starts = first_orbit.starts(propagator, measured, known=None, settings=settings)
-    return estimation.estimate_all(propagator, starts, measured, settings=settings)
+    return quarantine.estimate_all(propagator, starts, measured, settings=settings)
 
 
 def off(found, orbit):

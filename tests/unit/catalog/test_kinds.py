@@ -12,7 +12,8 @@ from opml.base.errors import InputError
 from opml.base.provenance import closure
 from opml.base.yaml_files import read_yaml
 from opml.catalog import kinds
-from opml.catalog.fit import estimation, fixes
+from opml.catalog.associate import quarantine
+from opml.catalog.fit import fixes
 from opml.catalog.fit.first import first_orbit
 from opml.catalog.propagator import Propagator
 from opml.catalog.simulate import truth
@@ -53,7 +54,7 @@ def test_fits_are_made_to_a_kind_that_is_declared(toy, assumed_model, iss):
     settings = BOUNDED_ESTIMATION.evolve(window_hours=9.0)
     measured = fixes.measurements(table, pd.DataFrame(), [])
     starts = first_orbit.starts(propagator, measured, known=None, settings=settings)
-    last = estimation.estimate_all(propagator, starts, measured, settings=settings).iloc[-1]
+    last = quarantine.estimate_all(propagator, starts, measured, settings=settings).iloc[-1]
     at = orbit.loc[orbit["t"] == last["t"], STATE[:3]].to_numpy()[0]
     assert last["converged"]
     assert np.linalg.norm(last[PARAMETERS[:3]].to_numpy(float) - at) < 1.0

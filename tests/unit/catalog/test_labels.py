@@ -6,7 +6,8 @@ import pytest
 from support import BOUNDED_ESTIMATION as SETTINGS
 
 from opml.base.constants import DAY
-from opml.catalog.fit import estimation, observations, start_states
+from opml.catalog.associate import quarantine
+from opml.catalog.fit import observations, start_states
 from opml.catalog.predict import labels, other_windows, prediction, sensitivity
 from opml.catalog.propagator import Propagator
 from opml.catalog.simulate import truth
@@ -95,7 +96,8 @@ def test_typical_labels_weigh_one_and_useless_ones_nothing():
 def test_equal_weights_change_nothing_and_useless_rows_no_model(name):
     rng = np.random.default_rng(3)
     variables = ["a", "b"]
-    settings = learners.of_job({**LEARNERS[name], "terms": ["a", "b"], "variables": variables})
+    terms = {"terms": variables} if name == "law" else {}
+    settings = learners.of_job({**LEARNERS[name], **terms, "variables": variables})
     x, noise = rng.normal(size=(200, len(variables))), rng.normal(size=200)
     y = x.sum(axis=1) + 0.1 * noise
 
@@ -125,7 +127,7 @@ def chain(assumed_model, orbit, earth_orientation, three_stations, iss):
         settings = SETTINGS.evolve(cd_bounds=None, **settings)
         starts = start_states.perturbed(orbit, tracks, rso="iss", settings=settings, seed=42)
         measured = observations.Measured(tracks, earth_orientation, three_stations)
-        return estimation.estimate_all(propagator, starts, measured, settings=settings)
+        return quarantine.estimate_all(propagator, starts, measured, settings=settings)
 
     def predicted(estimates):
         return prediction.predict_all(propagator, orbit, estimates, max_days=0.5)

@@ -9,7 +9,7 @@ from support import BOUNDED_ESTIMATION as SETTINGS
 
 from opml.base.constants import DAY, EARTH_GM
 from opml.base.errors import InputError
-from opml.catalog.fit import estimation
+from opml.catalog.associate import quarantine
 from opml.catalog.fit.estimation import Run
 from opml.catalog.fit.first import first_orbit
 from opml.catalog.fit.first.round_orbits import eccentricity, round_orbits
@@ -113,7 +113,7 @@ def test_fits_go_on_from_telescopes_tracks(assumed_model, iss, orbits, seen, ear
     measured = Measured(rows, earth_orientation, stations)
     propagator = Propagator(assumed_model, iss)
     starts = first_orbit.determined(propagator, measured, settings=SETTINGS)
-    found = estimation.estimate_all(propagator, starts, measured, settings=SETTINGS)
+    found = quarantine.estimate_all(propagator, starts, measured, settings=SETTINGS)
     many = found["tracks_used"] >= 3
     assert found["converged"][many].all()
     assert distances(found[many], orbits["iss"]).max() < 1e3

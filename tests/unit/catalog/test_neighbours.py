@@ -6,8 +6,9 @@ from support import BOUNDED_ESTIMATION, force_model, precise_model
 
 from opml.base.constants import DAY
 from opml.catalog import propagator as propagators
-from opml.catalog.fit import estimation, observations, start_states
+from opml.catalog.associate import quarantine
 from opml.catalog.fit import iterations as iterations_of_fits
+from opml.catalog.fit import observations, start_states
 from opml.catalog.predict import prediction, sensitivity
 from opml.catalog.propagator import Propagator, neighbour_paths
 from opml.catalog.simulate import tracking, truth
@@ -35,7 +36,7 @@ def fit(propagator, orbit, earth_orientation, three_stations):
     starts = start_states.perturbed(orbit, rows, rso="iss", settings=BOUNDED_ESTIMATION, seed=42)
     measured = observations.Measured(rows, earth_orientation, three_stations)
 
-    return lambda: estimation.estimate_all(propagator, starts, measured, settings=BOUNDED_ESTIMATION)
+    return lambda: quarantine.estimate_all(propagator, starts, measured, settings=BOUNDED_ESTIMATION)
 
 
 @pytest.fixture(scope="module")

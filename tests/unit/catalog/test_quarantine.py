@@ -58,8 +58,7 @@ def estimates(propagator, earth_orientation, three_stations):
     """The table of estimates of rows, with settings, and how far they are off."""
 
     def made(orbit, rows, settings=WATCHING):
-        watched = {"estimate": quarantine.estimate_all}
-        return fitted(propagator, orbit, rows, earth_orientation, three_stations, settings, **watched)
+        return fitted(propagator, orbit, rows, earth_orientation, three_stations, settings)
 
     return made
 

@@ -11,7 +11,8 @@ from weather_files import other_after, up_to
 from opml.base import epochs
 from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
-from opml.catalog.fit import estimation, observations, start_states
+from opml.catalog.associate import quarantine
+from opml.catalog.fit import observations, start_states
 from opml.catalog.predict import prediction
 from opml.catalog.propagator import Propagator
 from opml.catalog.simulate import tracking
@@ -120,7 +121,7 @@ def test_fits_and_predictions_know_nothing_measured_after_they_start(tmp_path, i
             Propagator(one, iss),
             observations.Measured(tracks, orientation, three_stations),
         )
-        estimates = estimation.estimate_all(propagator, starts, measured, settings=settings)
+        estimates = quarantine.estimate_all(propagator, starts, measured, settings=settings)
         predictions = prediction.predict_all(propagator, truth, estimates, max_days=1)
         results.append((estimates, predictions))
     (estimates, predictions), (other_estimates, other_predictions) = results

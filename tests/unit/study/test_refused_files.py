@@ -112,7 +112,7 @@ OVERLAYS = [
     ({"epoch": "1957-10-04T19:28:34"}, "finals2000A"),
     ({"environment": {"ephemerides": "week.bsp"}}, "week.bsp: "),
     ({"environment": {"gravity_field": "none.gfc"}}, "none.gfc: no such file"),
-    ({"environment": {"solar_activity": "none.txt"}}, "none.txt: expected a table"),
+    ({"environment": {"solar_activity": "none.txt"}}, "none.txt: no such file"),
     ({"force_models": {"truth": {"degree": 71, "order": 71}}}, "EGM2008: degree: expected 0 to 70, got 71"),
 ]
 

@@ -254,9 +254,9 @@ def _agreements(tracks: Sequence[int]) -> Iterator[list[int]]:
 def estimate_all(
     propagator: Propagator, starts: pd.DataFrame, measured: Measurements, *, settings: Estimation
 ) -> pd.DataFrame:
-    """Return the `estimates` table as `estimation.estimate_all` does, without tracks that do not belong.
+    """Return the `estimates` table, fitted without tracks that do not belong.
 
-    Where no setting asks for it, all tracks count.
+    Where no setting asks for it, all tracks count. starts: as of `estimation.with_noise`
     """
     return with_noise(propagator, starts, measured, settings=settings)[0]
 

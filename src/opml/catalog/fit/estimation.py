@@ -201,20 +201,15 @@ def in_turn(
         yield from estimates
 
 
-def estimate_all(
-    propagator: Propagator, starts: pd.DataFrame, measured: Measurements, *, settings: Estimation
-) -> pd.DataFrame:
-    """Return the `estimates` table: one row per track, converged or with the reason why not.
-
-    starts: the table, a state at each track's start for fits where no estimate is at hand
-    """
-    return with_noise(propagator, starts, measured, settings=settings)[0]
-
-
 def with_noise(
     propagator: Propagator, starts: pd.DataFrame, measured: Measurements, *, settings: Estimation
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """Return the `estimates` table as `estimate_all`, and the noise by the fits, see `biases`."""
+    """Return the `estimates` table and the noise by the fits, see `biases`.
+
+    The table has a row for each track, converged or with the reason why not.
+
+    starts: the table, a state at each track's start for fits where no estimate is at hand
+    """
     run = Run.of_starts(propagator, starts, measured, settings)
     windows = [run.window(track) for track in range(measured.tracks)]
     estimates: list[Estimate] = []
@@ -235,7 +230,7 @@ def estimate_further(
     tracks: Sequence[int],
     earlier: pd.DataFrame,
 ) -> pd.DataFrame:
-    """Return the rows of `estimates` of some tracks, ascending, as `estimate_all` does of all.
+    """Return the rows of `estimates` of some tracks, ascending, as `with_noise` does of all.
 
     earlier: rows of tracks before these that were estimated already, which fits may start from
     """
