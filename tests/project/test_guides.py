@@ -69,17 +69,6 @@ def test_errors_of_points_and_ranges_are_those_of_their_page():
     assert f"0.14, {day}, 1.1, 3.1, {week} from later fits after 0.4, 1, 2, 4, 7 days" in text
 
 
-def test_coverage_of_mornings_is_that_of_real_satellites():
-    table = page_tables.rows("docs/uncertainty")
-    for case in ("Swarm A", "Larets"):
-        (name, *cells), (_, mornings, *shares) = (
-            next(row for row in rows if row[0].startswith(case))
-            for rows in (page_tables.rows("docs/reality")[2:4], table)
-        )
-        assert name == f"{case}, {mornings}"
-        assert [cell.split(", ")[1] for cell in cells] == shares
-
-
 def cells(heading):
     """Rows of the first table under a heading of the page that `make validate` writes."""
     text = page("tables/orekit").split(f"## {heading}\n")[1].split("\n## ")[0]

@@ -73,9 +73,9 @@ def test_what_is_taken_from_a_facade_is_its_own(facade):
 
 
 MOST = {
-    "lines of the package": 41_531,
-    "lines of tests": 31_305,
-    "classes": 297,
+    "lines of the package": 41_235,
+    "lines of tests": 31_120,
+    "classes": 296,
     "docstrings that begin with what, which, how, where, of": 36,
     "variables called found, one, made, told": 37,
 }

@@ -3,7 +3,6 @@
 import csv
 import re
 
-import numpy as np
 import pytest
 from support import REPOSITORY
 
@@ -12,7 +11,6 @@ from opml.conjunctions import screening
 from opml.element_sets import catalogue as catalogue_of_sets
 from opml.element_sets import features, improved_sizes, prediction, weighting
 from opml.interop.curves import orbit_breaks
-from opml.learning.judge import error_sizes
 from opml.mornings import days, verdicts
 from validation.pictures import every_week, where_learning_helps
 from validation.pictures.page_tables import catalogue, rows, tsv
@@ -199,7 +197,6 @@ def test_every_conjunction_of_cara_is_counted_once():
         ("orbits", f"step if above {1e2 * orbit_breaks.LEAST_SEAM:.0f} cm"),
         ("tracks", f"five measurements over {first_orbit.SHORTEST:.0f} s"),
         ("tracks", f"tracks over {first_orbit.FARTHEST / 1e3:.0f} km from the orbit"),
-        ("uncertainty", f"by at most {error_sizes.widening(np.zeros(1), 0.0)[0]:.1f}, when"),
     ],
 )
 def test_limits_on_pages_are_those_of_the_code(name, phrase):

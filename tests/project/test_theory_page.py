@@ -4,18 +4,17 @@ import importlib
 import math
 import re
 
-import numpy as np
 import pytest
 from support import REPOSITORY
 
-from opml.base.constants import DAY
 from opml.base.yaml_files import read_yaml
 from opml.benchmark import scores
 from opml.catalog.associate import innovations
 from opml.catalog.fit import apriori
 from opml.conjunctions import likeliest_collision, long_encounter, probability
 from opml.element_sets import corrector, features, weighting
-from opml.learning.judge import error_sizes, metrics
+from opml.ephemerides import fit_sizes
+from opml.learning.judge import metrics, model_choice
 from opml.learning.models import gaussian_kernel, svr
 
 TEXT = (REPOSITORY / "docs" / "theory.md").read_text(encoding="utf-8")
@@ -52,10 +51,12 @@ def test_the_learning_variables_are_those_of_the_settings():
         f"dual differ by {SETTINGS['learners']['svr']['tol']}.",
         f"({innovations.CD_SPREAD}\\,\\bar{{c}})^2",
         f"({apriori.APRIORI_SIGMA}\\,C_0)^2",
-        f"e^{{-(t - t_j) / {error_sizes.MEMORY_DAYS:g}\\,\\mathrm d}}",
-        f"{error_sizes.OVERLAP}\\,T / (1 + D)",
+        f"e^{{-(t - t_j) / {model_choice.MEMORY_DAYS:g}\\,\\mathrm d}}",
+        f"({fit_sizes.WEATHER}\\,w)^2",
+        f"0.6 \\sqrt{{{fit_sizes.LONG:g} / h}}$",
+        f"({fit_sizes.GIVEN}, of a guessed area to mass {fit_sizes.GUESSED})",
+        f"formal error of Cd; at most {fit_sizes.VAGUE:g}.",
         f"({metrics.DRAWS} draws, {metrics.PERCENTILES[0]:g} to {metrics.PERCENTILES[1]:g} %",
-        f"at $q = {error_sizes.LEVEL}$",
         f"{probability.SHORT}\\,P",
         f"{features.FLOOR:g}\\,\\mathrm{{m/d}}",
         f"$j > {corrector.JUMP:g}$",
@@ -85,13 +86,3 @@ def test_the_terms_of_the_mechanism_are_counted():
     assert "of thirteen coefficients" in PLAIN
     for k, m in SETTINGS["mechanism"]["resonances"]:
         assert f"({k}, {m})" in PLAIN
-
-
-def test_intervals_widen_by_the_formula_of_the_page():
-    from scipy.stats import norm, t
-
-    days, duration = 10.0, 3.0 * DAY
-    freedom = max(2.0, 1.5 * days / (1.0 + 3.0))
-    assert error_sizes.widening(np.array([duration]), days)[0] == pytest.approx(
-        t.ppf(0.95, freedom) / norm.ppf(0.95)
-    )

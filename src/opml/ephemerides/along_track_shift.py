@@ -92,17 +92,13 @@ def _derivative(t: np.ndarray, values: np.ndarray) -> np.ndarray:
     return make_interp_spline(t, values, _FAST, axis=-1).derivative()(t)
 
 
-class NotSmoothError(InputError):
-    """A correction with steps, and so no velocity."""
-
-
 def check_smooth(t: np.ndarray, along_track: np.ndarray) -> None:
-    """Raise NotSmoothError for a correction (n,) [m] at t (n,) [s] that has steps, and so no velocity."""
+    """Raise InputError for a correction (n,) [m] at t (n,) [s] that has steps, and so no velocity."""
     off = np.abs(make_interp_spline(t[::2], along_track[::2], _FAST)(t) - along_track)
     # Near its ends a spline is off what is smooth, too.
     step = float(off[_FAST + 1 : -_FAST - 1].max())
     if step > ROUGH * float(np.median(np.diff(t))):
-        raise NotSmoothError(
-            "ephemeris: expected a correction that is smooth in time, as that of a kernel or a law, "
-            f"got one with steps of {step:.3g} m (another learner, or a smaller step_s)"
+        raise InputError(
+            "ephemeris: expected a correction that is smooth in time, got fits over several windows that "
+            f"differ too fast: one with steps of {step:.3g} m"
         )

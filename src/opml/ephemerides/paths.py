@@ -17,8 +17,8 @@ from opml.ephemerides.along_track_shift import (
     corrected_by_each,
     through,
 )
+from opml.ephemerides.fit_sizes import FitSizes
 from opml.ephemerides.start_arcs import StartArcs
-from opml.learning.judge.error_sizes import Sizes
 from opml.learning.models.contract import ResolvedSettings
 from opml.orbits.elements import in_rsw
 from opml.orbits.rsw_covariance import rates, rsw_covariances
@@ -73,7 +73,7 @@ class Paths:
         corrections = np.stack([self.along(model) for model in self.models])
         return differences(self.table, corrections, later, now=self.made_at)
 
-    def ephemeris(self, model: str, sizes: Sizes, *, at: np.ndarray | None = None) -> pd.DataFrame:
+    def ephemeris(self, model: str, sizes: FitSizes, *, at: np.ndarray | None = None) -> pd.DataFrame:
         """Return the table `corrected` of a model.
 
         sizes: of its errors

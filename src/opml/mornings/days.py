@@ -17,15 +17,16 @@ from opml.base.errors import InputError
 from opml.base.progress import counted
 from opml.element_sets import station_passes
 from opml.interop import ccsds
-from opml.learning.judge.error_sizes import INSIDE, along_track
 from opml.mornings import verdicts
 from opml.mornings.calendar import Calendar
+from opml.mornings.fits import sigmas_off
 from opml.mornings.kept.batch_day import FinishedMorning
 from opml.mornings.kept.store import Store
 from opml.mornings.outcomes import NOTHING, rounded
 from opml.mornings.records import Records
 from opml.mornings.verdicts import OLDEST, Verdict
 from opml.mornings.watched_object import MorningPlan
+from opml.orbits.rsw_covariance import INSIDE
 
 STRIP = 30  # mornings whose verdicts the page of a day shows in a row
 
@@ -244,7 +245,7 @@ def _selected(judged: pd.DataFrame) -> pd.DataFrame:
 def scores(selected: pd.DataFrame) -> list[dict[str, Any]]:
     """Return how ephemerides were off along the track, by day of their duration."""
     size, lead = selected["e_y"].abs().to_numpy(), np.ceil(selected["duration"].to_numpy() / DAY).astype(int)
-    inside = size < INSIDE * along_track(selected)
+    inside = sigmas_off(selected) < INSIDE
     by_day = {day: lead == day for day in np.unique(lead).tolist()}
     return [
         {

@@ -24,7 +24,6 @@ from opml.catalog.fit.first import first_orbit
 from opml.catalog.fit.first.first_orbit import TimedState
 from opml.catalog.fit.measurements import Measurements
 from opml.catalog.propagator import Propagator
-from opml.learning.judge.error_sizes import along_track
 from opml.mornings.records import Records
 from opml.mornings.watched_object import Watched
 from opml.orbits.manoeuvres import Manoeuvre
@@ -189,7 +188,9 @@ def are_far(judged: pd.DataFrame) -> bool:
 
 def sigmas_off(rows: pd.DataFrame) -> np.ndarray:
     """Return how far off (n,) along the track ephemerides were, in the standard deviations of that."""
-    off: np.ndarray = rows["e_y"].abs().to_numpy(float) / along_track(rows)
+    off: np.ndarray = rows["e_y"].abs().to_numpy(float) / np.hypot(
+        rows["sigma_y"].to_numpy(float), rows["doubt_y"].to_numpy(float)
+    )
     return off
 
 

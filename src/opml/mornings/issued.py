@@ -4,24 +4,23 @@ The row of the model that is selected is of the table `issued`. The ephemeris is
 covariances, on a message's epochs.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from opml.base.constants import DAY
-from opml.base.errors import InputError
 from opml.base.progress import counted
+from opml.ephemerides.fit_sizes import VAGUE, FitSizes
 from opml.learning.data.splits import are_over
-from opml.learning.judge.error_sizes import LEAST_ROWS, Sizes
 from opml.learning.judge.model_choice import best_model
+from opml.learning.models.contract import ResolvedSettings
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import SIGMA_STATE, SIZES
 
-_GROUPS = {"constant": "xyz", "rate": "xyz", "drag": "xyz", "velocity": "xyz", "inflation": "01234"}
-_TIMES = ("days", "reach")
+LEAST_ROWS = 20  # judged predictions of a model that choose it
+USUAL = "typical errors of such fits: their own covariance, density, and the weather ahead"
 
 
 @dataclass(frozen=True)
@@ -29,37 +28,49 @@ class SelectedModel:
     """The model that is selected."""
 
     model: str
-    past: pd.DataFrame  # rows of `judged` of its ephemerides of earlier mornings
-    sizes: Sizes
+    past: pd.DataFrame  # rows of `judged` of its ephemerides of earlier mornings, known by now
+    sizes: FitSizes
+
+    @property
+    def basis(self) -> str:
+        """What covariances rest on, in words."""
+        if self.past.empty:
+            return f"from {USUAL}"
+        mornings, longest = self.past["morning"].nunique(), self.past["duration"].max() / DAY
+        judged = f"{counted(len(self.past), 'prediction')} on {counted(mornings, 'morning')}"
+        return f"from {judged} before, up to {longest:.1f} days long, and {USUAL}"
 
 
-def choose_model(judged: pd.DataFrame, models: Sequence[str], *, now: float) -> SelectedModel:
-    """Return the model that left the least by `now` [s]; raise InputError where the past is too short.
+def select(
+    judged: pd.DataFrame,
+    models: Mapping[str, ResolvedSettings],
+    formal: pd.Series,
+    past_formal: pd.DataFrame,
+    *,
+    now: float,
+) -> SelectedModel:
+    """Return the model that left the least by `now` [s], with the sizes of its errors.
 
     judged: rows of that table of all mornings
+    formal: errors of the ephemeris, of `fit_sizes.formal_errors`
+    past_formal: those of the ephemerides that were judged, by the track that they start from
+
+    Where the past is too short, it is a fit's own Cd, or the mean of the past where the fit hardly knows it.
     """
-    past = judged[judged["model"].isin(models) & are_over(judged, now)]
-    if past.empty:
-        raise InputError("no ephemeris of an earlier morning was judged yet")
+    past = judged[judged["model"].isin([*models]) & are_over(judged, now)]
     over = past["model"].value_counts()
-    if (most := over.max()) < LEAST_ROWS:
-        judged_so_far = f"judged so far: {counted(most, 'prediction')}"
-        raise InputError(f"{judged_so_far}, fewer than the {LEAST_ROWS} needed for sizes of errors")
-    # A model that is new in the menu waits for a past of its own.
-    judged_often = [name for name in models if over.get(name, 0) >= LEAST_ROWS]
-    model = best_model(past, judged_often, now=now)
-    own = judged[judged["model"] == model].drop(columns="model")
-    return SelectedModel(model, own, Sizes.learned(own, now=now))
+    if often := [name for name in models if over.get(name, 0) >= LEAST_ROWS]:
+        model = best_model(past, often, now=now)
+    else:
+        is_vague = bool(formal["c"] >= VAGUE)
+        model = next((name for name in models if holds_cd(models[name]) == is_vague), next(iter(models)))
+    own = past[past["model"] == model].drop(columns="model")
+    return SelectedModel(model, own, FitSizes.learned(formal, own, past_formal))
 
 
-def basis(past: pd.DataFrame, now: float) -> str:
-    """Return what covariances as of `now` [s] rest on, in words; past: rows of `judged`."""
-    past = past[are_over(past, now)]
-    mornings, longest = past["morning"].nunique(), past["duration"].max() / DAY
-    return (
-        f"covariances from {len(past)} predictions of {mornings} mornings that were over by "
-        f"day {now / DAY:g}, up to {longest:.1f} days long"
-    )
+def holds_cd(model: ResolvedSettings) -> bool:
+    """Return whether a model's drag is the mean of its past."""
+    return "cd_past" in model.variables
 
 
 def row(
@@ -76,7 +87,7 @@ def row(
     """
     begin = {"i": int(start["track"].iloc[0]), "t_i": float(start["t"].iloc[0])}
     what = {"model": selected.model if selected else "", "verdict": verdict}
-    sizes = _columns(selected.sizes) if selected else dict.fromkeys([*SIZES, *_TIMES], np.nan)
+    sizes = selected.sizes.row if selected else dict.fromkeys(SIZES, np.nan)
     found = {"burn_t": burn.t if burn else np.nan}
     return pd.DataFrame([{"morning": now, **begin, **what, **found, **sizes}])
 
@@ -92,24 +103,8 @@ def with_sigmas(judged: pd.DataFrame, issued: pd.DataFrame) -> pd.DataFrame:
     selected = issued[(issued["model"] != "") & issued["morning"].isin(judged["morning"])]
     for row in selected.to_dict("records"):
         rows = ((judged["model"] == row["model"]) & (judged["morning"] == row["morning"])).to_numpy()
-        sigmas[rows] = _sizes(row).sigmas(judged[rows])
+        sigmas[rows] = FitSizes.from_row(row).sigmas(judged[rows])
     return judged.assign(**dict(zip(SIGMA_STATE, sigmas.T, strict=True)))
-
-
-def _columns(sizes: Sizes) -> dict[str, float]:
-    values = {
-        f"{group}_{part}": float(value)
-        for group, parts in _GROUPS.items()
-        for part, value in zip(parts, getattr(sizes, group), strict=True)
-    }
-    return values | {name: getattr(sizes, name) for name in _TIMES}
-
-
-def _sizes(row: Mapping[str, Any]) -> Sizes:
-    values: dict[str, Any] = {
-        group: np.array([row[f"{group}_{part}"] for part in parts]) for group, parts in _GROUPS.items()
-    }
-    return Sizes(**values, **{name: row[name] for name in _TIMES})
 
 
 def epochs(paths: pd.DataFrame, step: float) -> np.ndarray:

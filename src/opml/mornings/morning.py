@@ -15,6 +15,7 @@ import pandas as pd
 from opml.base.constants import DAY, HOUR
 from opml.base.errors import InputError
 from opml.base.provenance import settings_digest
+from opml.ephemerides.fit_sizes import formal_errors
 from opml.ephemerides.paths import Paths
 from opml.interop import oem
 from opml.mornings import candidates, fits, issued, outcomes, verdicts
@@ -156,7 +157,16 @@ class TrackMorning:
         plan, burns = self.watched.plan, self.watched.manoeuvres
         past = self.whole.rows_unaffected_by_burns(plan.base, self.watched.known_by(self.now))
         self.verdict = verdicts.verdict(past, self.starts, now=self.now, burns=burns, window=plan.base * HOUR)
-        selected = issued.choose_model(past, paths.models, now=self.now)
+        formal = formal_errors(
+            self.whole.estimates,
+            pd.Series({paths.start: paths.drag_after(DAY)}),
+            base=plan.base,
+            rso=self.watched.model.fits.rso,
+            light=plan.light,
+        )
+        selected = issued.select(
+            past, plan.models, formal.loc[paths.start], self.earlier.formal, now=self.now
+        )
         at = issued.epochs(paths.table, plan.step)
         if not plan.has_message:
             at = issued.next_to_whole_days(at, float(self.starts["t"].iloc[0]))
@@ -189,4 +199,4 @@ class TrackMorning:
         assert self.ephemeris is not None
         assert self.selected is not None
         segments = oem.segments_of(self.ephemeris, "corrected", replace(self.watched.identity, name=name))
-        oem.write(path, segments, epoch=epoch, comment=issued.basis(self.selected.past, self.now))
+        oem.write(path, segments, epoch=epoch, comment=f"covariances {self.selected.basis}")

@@ -1,8 +1,7 @@
 """Where an object will be by what measured it, points or tracks, and how surely: its mornings run again.
 
 The mornings up to a date fit what was measured by then, under the forces and the weather that were known, and
-judge what they issued. The last one's ephemeris, of the model that erred least, is the prediction. Its
-covariance has the usual sizes of errors, scaled by those of that past (`usual_sizes`).
+judge what they issued. The last one's ephemeris is the prediction.
 """
 
 import logging
@@ -19,7 +18,7 @@ from opml.base import epochs
 from opml.base.constants import DAY, HOUR, WGS84_A
 from opml.base.errors import InputError
 from opml.base.files import FilePath
-from opml.base.progress import Progress, counted, with_time_left
+from opml.base.progress import Progress, with_time_left
 from opml.base.section import JobSettings
 from opml.catalog import measured_files
 from opml.catalog.fit.estimation_settings import Estimation
@@ -33,7 +32,8 @@ from opml.element_sets import improve
 from opml.environment import known_weather, nodes
 from opml.environment.known_weather import Issues
 from opml.environment.settings import EnvironmentSettings
-from opml.ephemerides.along_track_shift import NotSmoothError, through
+from opml.ephemerides.along_track_shift import through
+from opml.ephemerides.fit_sizes import GIVEN, GUESSED
 from opml.interop import ccsds, formats, points_from_files, tdm
 from opml.interop.object_ids import ObjectId
 from opml.interop.orbit_from_files import OrbitFiles
@@ -41,7 +41,7 @@ from opml.interop.predicted_orbit import STEP, PredictedOrbit, check_days
 from opml.learning.models import learners
 from opml.learning.models.contract import ResolvedSettings
 from opml.learning.models.learners import JobLearner, arc_of
-from opml.mornings import issued, usual_errors, verdicts
+from opml.mornings import issued
 from opml.mornings.morning import TrackMorning, morning
 from opml.mornings.records import Records
 from opml.mornings.verdicts import OLDEST, Verdict
@@ -68,9 +68,7 @@ _NO_ORBIT = 50.0  # root mean square of the weighted residuals of what no orbit 
 _ROUGH_FIT = 10.0  # the same of what forces hardly explain: 30 with a sign wrong, 20 across a burn
 _FEWEST_TRACKS = 3  # in a fit: of fewer its state is hardly known
 _MOST_WITH_FEWER = 0.1  # part of the fits that may have fewer
-_JUDGED = 3.0  # longest prediction that tells the verdict, as few mornings have longer ones [days]
 _NO_ELEMENTS = dict.fromkeys(("a", "e", "i", "argp", "raan", "mean_anomaly"), np.nan)
-_USUAL = "typical errors of such fits: their own covariance, density, and the weather ahead"
 
 
 _log = logging.getLogger(__name__)
@@ -129,7 +127,7 @@ class FittedOrbit(PredictedOrbit):
         """What was used, in words."""
         arc = arc_of(self.model)
         hours = arc[0] if arc else 0.0
-        of_mean = ", its drag the mean of such fits" if _holds_cd(self.model) else ""
+        of_mean = ", its drag the mean of such fits" if issued.holds_cd(self.model) else ""
         return f"fit over {hours:g} h under all forces{of_mean}"
 
     @property
@@ -210,10 +208,11 @@ def predict(request: Request, settings: OrbitSettings, *, progress: Progress) ->
     watched = _watched(request, settings, times)
     # What is too old to be propagated from the date on is propagated no farther than it can be judged.
     judged_alone = replace(watched, plan=replace(watched.plan, end=times.date + _AFTER))
-    records = Records.empty()
+    records, newest = Records.empty(), None
     for now in with_time_left(times.mornings.tolist(), "morning", progress):
         left = morning(judged_alone if now < times.date - OLDEST else watched, records, now=now)
         records = records.and_then(left.records, since=now - DAY * watched.plan.max_days)
+        newest = newest if left.ephemeris is None else left
     if not records.paths:
         asked = "are frame, axes and units right, points more than a few, the body's area to mass possible?"
         why = left.verdict.reason if request.kind == "tracks" else asked
@@ -236,11 +235,9 @@ def predict(request: Request, settings: OrbitSettings, *, progress: Progress) ->
         told = "area to mass is a guess, %g m2/kg: light presses by it, more than drag: give --area-to-mass"
         _log.warning(f"%s: {told}", request.files[0], GUESS)
     expected = f"{request.files[0]}: expected an orbit for {request.days:g} days, got"
-    try:
-        light = usual_errors.GUESSED if request.area_to_mass is None else usual_errors.GIVEN
-        orbit = _fitted_orbit(request, times, watched, left, records, light=light)
-    except NotSmoothError:
-        raise InputError(f"{expected} fits over several windows that differ too fast") from None
+    if newest is None:
+        raise InputError(f"{expected} none: {left.verdict.reason}")
+    orbit = _fitted_orbit(request, times, newest)
     if (end := float(orbit.table["t"].iloc[-1])) < DAY * request.days:
         ends = f"after {end / DAY:.1f}" if end > 0.0 else "as little was measured before the date"
         raise InputError(f"{expected} one that comes down, or is hardly determined, {ends}")
@@ -301,6 +298,7 @@ def _watched(request: Request, settings: OrbitSettings, times: _Times) -> Watche
         STEP,
         times.duration,
         times.epoch,
+        light=GUESSED if request.area_to_mass is None else GIVEN,
     )
     identity = found.identity if found.identity.name else ObjectId(Path(request.files[0]).stem)
     return Watched(model, plan, found.tracking, request.stations, found.manoeuvres, None, identity)
@@ -351,61 +349,21 @@ def _object_propagators(
     )
 
 
-def _fitted_orbit(
-    request: Request, times: _Times, watched: Watched, left: TrackMorning, records: Records, *, light: float
-) -> FittedOrbit:
-    """Return what the newest morning issued that could: the orbit of the model that erred least.
-
-    Where that is not known, it is a fit's own Cd, or the mean of the past where the fit hardly knows it.
-    """
-    now = times.date
-    base, paths, models = watched.plan.base, records.paths[-1], watched.plan.models
-    rso = watched.model.fits.rso
-    formal = usual_errors.formal_errors(records.estimates, records.paths, base=base, rso=rso, light=light)
-    known = records.rows_unaffected_by_burns(base, watched.known_by(now))
-    try:
-        model = issued.choose_model(known, list(models), now=now).model
-    except InputError:
-        is_vague = bool(formal.loc[paths.start, "c"] >= usual_errors.VAGUE)
-        model = next((name for name in models if _holds_cd(models[name]) == is_vague), next(iter(models)))
-    past = usual_errors.with_sigmas(known[known["model"] == model], formal)
-    sizes = usual_errors.sizes(past, formal, start=paths.start, now=now)
-    at = issued.epochs(paths.table, STEP)
-    table = paths.ephemeris(model, sizes, at=at)
+def _fitted_orbit(request: Request, times: _Times, newest: TrackMorning) -> FittedOrbit:
+    """Return what the newest morning issued that could."""
+    assert newest.ephemeris is not None
+    assert newest.selected is not None
+    watched, past, table = newest.watched, newest.selected.past, newest.ephemeris
     errors = past.assign(lead=past["duration"] / DAY, left=past["e_y"])
+    burns = [one.t for one in watched.known_by(times.date)]
     return FittedOrbit(
         watched.identity,
-        _text(times.epoch, now),
+        _text(times.epoch, times.date),
         request.days,
         errors[["morning", "lead", "left"]].reset_index(drop=True),
-        _basis(past),
-        table.assign(t=table["t"] - now),
-        models[model],
-        _verdict(watched, left, records, past, now=now),
-        sum(times.mornings[0] <= one.t for one in [*watched.known_by(now), *records.burns]),
+        newest.selected.basis,
+        table.assign(t=table["t"] - times.date),
+        watched.plan.models[newest.selected.model],
+        newest.verdict,
+        sum(times.mornings[0] <= t for t in burns),
     )
-
-
-def _holds_cd(model: ResolvedSettings) -> bool:
-    """Return whether a model's drag is the mean of its past."""
-    return "cd_past" in model.variables
-
-
-def _verdict(
-    watched: Watched, left: TrackMorning, records: Records, past: pd.DataFrame, *, now: float
-) -> Verdict:
-    """Return the verdict on the last morning's ephemeris, by these sizes; its own where it has none."""
-    start = left.records.issued.rename(columns={"t_i": "t"})
-    if start["t"].isna().all():
-        return left.verdict
-    burns, often = [*watched.manoeuvres, *records.burns], past[past["duration"] <= DAY * _JUDGED]
-    return verdicts.verdict(often, start, now=now, burns=burns, window=watched.plan.base * HOUR)
-
-
-def _basis(past: pd.DataFrame) -> str:
-    """Return what covariances rest on, in words."""
-    if past.empty:
-        return f"from {_USUAL}"
-    mornings, longest = past["morning"].nunique(), past["duration"].max() / DAY
-    judged = f"{counted(len(past), 'prediction')} on {counted(mornings, 'morning')}"
-    return f"from {judged} before, up to {longest:.1f} days long, and {_USUAL}"

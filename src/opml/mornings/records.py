@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 
 from opml.base.constants import HOUR
+from opml.ephemerides.fit_sizes import FORMAL
 from opml.ephemerides.paths import Paths
 from opml.orbits.manoeuvres import Manoeuvre, are_unaware
 from opml.tables import SCHEMAS
@@ -39,6 +40,11 @@ class Records:
         """The burns that mornings found, which windows of fits begin anew behind."""
         times = self.issued["burn_t"].dropna()
         return [Manoeuvre(float(t), restarts=True) for t in times]
+
+    @property
+    def formal(self) -> pd.DataFrame:
+        """Formal errors of the ephemerides that were issued, by the track that they start from."""
+        return self.issued.dropna(subset="c").drop_duplicates("i", keep="last").set_index("i")[FORMAL]
 
     def estimates_over(self, hours: float) -> pd.DataFrame:
         """Return the estimates over a window [h] in the order of tracks.

@@ -11,13 +11,13 @@ from opml.base.constants import DAY, HOUR
 from opml.base.progress import counted
 from opml.catalog.predict import labels
 from opml.ephemerides.paths import spread_at
-from opml.learning.judge.error_sizes import INSIDE, LEVEL
 from opml.mornings import issued
 from opml.mornings.fits import FAR, Recent, sigmas_off
 from opml.mornings.outcomes import DO_NOT_USE, GOOD, UNPROVEN, WIDE
 from opml.mornings.records import Records
 from opml.mornings.watched_object import Watched
 from opml.orbits.manoeuvres import Manoeuvre, contain_any
+from opml.orbits.rsw_covariance import INSIDE, LEVEL
 from opml.tables import DOUBT, SIGMA_STATE, SIGMAS, STATE
 
 

@@ -11,6 +11,7 @@ from opml.catalog.fit.first.first_orbit import TimedState
 from opml.catalog.predict.weather_spread import Weathers
 from opml.catalog.propagator import Propagator
 from opml.element_sets.station_passes import Place
+from opml.ephemerides.fit_sizes import GIVEN
 from opml.interop.object_ids import UNKNOWN, ObjectId
 from opml.learning.models import learners
 from opml.learning.models.contract import ResolvedSettings
@@ -42,6 +43,7 @@ class MorningPlan:
     step: float  # between its epochs [s]
     end: float  # of the run [s]
     epoch: str  # UTC text
+    light: float = GIVEN  # part of light's pressure on the body that errs
     has_message: bool = True  # whether its ephemerides are written as messages
     passes: Sequence[Place] = ()  # over which passes are written beside them
 

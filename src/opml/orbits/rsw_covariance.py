@@ -11,39 +11,32 @@ import numpy as np
 
 AXES = ("x", "y", "z")  # radial, along-track, cross-track
 
+LEVEL = 0.9  # share of the errors that intervals and ellipsoids are to hold
+
 
 def half_width(level: float) -> float:
     """Return half the width of a normal interval that holds the share `level`, in standard deviations."""
     return NormalDist().inv_cdf(0.5 + 0.5 * level)
 
 
+INSIDE = half_width(LEVEL)  # half the width of that interval, in standard deviations
+
+
 def rsw_covariances(sigma: np.ndarray, rate: np.ndarray) -> np.ndarray:
     """Return covariances (n, 6, 6) of positions and velocities in RSW [m, m/s].
 
-    sigma: (n, 6) standard deviations of the `free_parts` [m, m/s], taken as independent
-    rate: (n,) angular rate of the orbit [rad/s]
+    sigma: (n, 6) standard deviations [m, m/s] of the position, and of the velocity without the part that
+        follows from the position, taken as independent
+    rate: (n,) angular rate w of the orbit [rad/s]
 
-    RSW gives the axes only: velocities are inertial, not those in a turning frame.
+    On a nearly circular orbit a satellite ahead by y has turned by y / r, so its radial velocity errs by
+    -w y. A satellite too high by x is slower by w x (angular momentum). RSW gives the axes only: velocities
+    are inertial, not those in a turning frame.
     """
     mixing = np.tile(np.eye(6), (len(sigma), 1, 1))
     mixing[:, 3, 1] = mixing[:, 4, 0] = -rate
     covariance: np.ndarray = (mixing * sigma[:, None, :] ** 2) @ mixing.transpose(0, 2, 1)
     return np.asarray(0.5 * (covariance + covariance.transpose(0, 2, 1)))
-
-
-def free_parts(errors: np.ndarray, rate: np.ndarray) -> np.ndarray:
-    """Return errors (n, 6) without the part of the velocity that follows from the position.
-
-    errors: (n, 6) in RSW [m, m/s]
-    rate: (n,) angular rate w of the orbit [rad/s]
-
-    On a nearly circular orbit a satellite ahead by y has turned by y / r, so its radial velocity errs by
-    -w y. A satellite too high by x is slower by w x (angular momentum).
-    """
-    free: np.ndarray = errors.copy()
-    free[:, 3] += rate * errors[:, 1]
-    free[:, 4] += rate * errors[:, 0]
-    return free
 
 
 def rates(states: np.ndarray) -> np.ndarray:

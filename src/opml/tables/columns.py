@@ -36,10 +36,6 @@ IMPROVED_LEADS = (1, 3, 5, 7)  # days from the date to the errors that the table
 MECHANISM_AXES = ("s", "v", "r", "l", "v_long", "l_arc", "v_arc")
 """Prefixes of the mechanism's columns for each error component, such as `v_y` for e_y."""
 
-PLANE, ELLIPSOID, WHOLE = "plane", "ellipsoid", "state"
-"""Quantities of a calibration with several components: e_x and e_y, the position, the whole state."""
-
-
 TRUTH_GROUPS = "truth_groups"  # kind of the tables that list the RSOs whose truths one job made
 
 ENVIRONMENT = ("earth_orientation", "ephemerides", "solar_activity", "gravity_field")

@@ -6,17 +6,16 @@ import numpy as np
 import pandas as pd
 import pytest
 from fits import estimates_on, on_orbit
-from mornings import replays
 from support import force_model
 
 from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.catalog.predict import other_windows, prediction
 from opml.catalog.propagator import Propagator
+from opml.ephemerides.fit_sizes import FORMAL, FitSizes
 from opml.ephemerides.paths import paths
 from opml.ephemerides.start_arcs import Grid, StartArcs
 from opml.interop import known_orbits, oem
-from opml.learning.judge.error_sizes import Sizes
 from opml.learning.models import learners
 from opml.orbits.elements import in_rsw
 from opml.orbits.rsw_covariance import rates
@@ -38,7 +37,7 @@ RUNNING = learners.of_job(
         "memory_days": 30.0,
     }
 )
-SIZES = Sizes.learned(replays(days=20, along=200.0), now=20.0 * DAY)
+SIZES = FitSizes(pd.Series([2.0, 9.0, 4.0, 2.0, 50.0, 3.0, 0.6], FORMAL), np.ones((2, 3)))
 
 
 def spreads(pairs):

@@ -233,10 +233,7 @@ def test_an_orbit_that_is_hardly_determined_is_refused(hours, monkeypatch):
     monkeypatch.setattr(along_track_shift, "LEAST_EPOCHS", 10**6)
     assert "expected at least 1000000 epochs to correct" in refusal(made_of, hours, date=None)
     monkeypatch.setattr(along_track_shift, "ROUGH", 0.0)
-    said = refusal(made_of, hours, date=None)
-    assert said.endswith(
-        "iss.oem: expected an orbit for 1 days, got fits over several windows that differ too fast"
-    )
+    assert "got fits over several windows that differ too fast" in refusal(made_of, hours, date=None)
 
 
 def test_points_of_no_orbit_are_refused(tmp_path):

@@ -6,8 +6,8 @@ import pytest
 from mornings import replays
 
 from opml.base.constants import DAY
-from opml.base.errors import InputError
-from opml.learning.judge.error_sizes import Sizes
+from opml.ephemerides.fit_sizes import FORMAL
+from opml.learning.models import learners
 from opml.mornings import days, issued
 from opml.mornings.outcomes import DO_NOT_USE, GOOD, UNPROVEN, WIDE
 from opml.mornings.records import Records
@@ -107,26 +107,49 @@ def test_a_few_errors_of_one_lead_time_are_chance():
     assert verdict(on_fifth_day(4), start(), now=NOW).word == GOOD
 
 
+MENU = {
+    "fit96": learners.of_job({"kind": "refitted", "variables": ["l_arc_y"], "window_hours": 96.0}),
+    "running": learners.of_job(
+        {
+            "kind": "running",
+            "variables": ["l_arc_y", "v_arc_y", "cd_arc", "cd_past"],
+            "window_hours": 12.0,
+            "memory_days": 30.0,
+        }
+    ),
+}
+
+
+def selected(past, c=0.6):
+    """The model that is selected by a past; c: error of the density."""
+    formal = pd.DataFrame([[9.0, 9.0, 9.0, 2.0, 50.0, 3.0, c]], columns=FORMAL, index=[1])
+    return issued.select(past, MENU, formal.loc[1], formal, now=NOW)
+
+
 def test_the_sizes_of_a_morning_come_back_from_its_row():
     past = replays(days=20, a_morning=1).assign(model="fit96")
-    past = past[past["t_known"] <= NOW]
-    row = issued.row(NOW, start(), issued.choose_model(past, ["fit96"], now=NOW), GOOD)
+    one = selected(past[past["t_known"] <= NOW])
+    row = issued.row(NOW, start(), one, GOOD)
     later = past.head(5).assign(morning=NOW, **dict.fromkeys(SIGMA_STATE, np.nan))
     other = later.assign(model="other")
     found = issued.with_sigmas(pd.concat([later, other], ignore_index=True), row)
-    np.testing.assert_array_equal(
-        found[SIGMA_STATE].to_numpy()[:5], Sizes.learned(past, now=NOW).sigmas(later)
-    )
+    np.testing.assert_array_equal(found[SIGMA_STATE].to_numpy()[:5], one.sizes.sigmas(later))
     assert found[SIGMA_STATE].iloc[5:].isna().all(axis=None)
 
 
-def test_without_a_past_no_model_is_chosen():
-    with pytest.raises(InputError, match="no ephemeris of an earlier morning was judged yet"):
-        issued.choose_model(Records.empty().judged, ["fit96"], now=NOW)
-    few = judged(sigma=100.0).head(19)
-    expected = "^judged so far: 19 predictions, fewer than the 20 needed for sizes of errors$"
-    with pytest.raises(InputError, match=expected):
-        issued.choose_model(few, ["fit96"], now=NOW)
+def test_without_a_past_a_fit_has_its_own_drag_where_it_knows_it():
+    nothing = Records.empty().judged
+    assert (selected(nothing).model, selected(nothing, c=5.0).model) == ("fit96", "running")
+    assert selected(nothing).basis == f"from {issued.USUAL}"
+    assert selected(judged(sigma=100.0).head(19).assign(model="running")).model == "fit96"
+
+
+def test_what_is_known_later_has_no_say():
+    past = judged(sigma=100.0)
+    later = past.assign(e_y=1e4, t_known=NOW + 1.0)
+    both = selected(pd.concat([past, later], ignore_index=True))
+    np.testing.assert_array_equal(both.sizes.scales, selected(past).sizes.scales)
+    assert len(both.past) == len(past)
 
 
 def test_scores_are_by_day_of_duration():
@@ -152,10 +175,6 @@ def test_medians_of_sgp4_are_of_the_same_epochs_by_day_ahead():
 def test_a_model_that_is_new_in_the_menu_waits_for_a_past_of_its_own():
     past = replays(days=20, a_morning=1).assign(model="fit96")
     past = past[past["t_known"] <= NOW]
-    better = past.tail(19).assign(model="sgp4", e_y=0.0)
-    menu = ["fit96", "sgp4"]
-    assert issued.choose_model(pd.concat([past, better]), menu, now=NOW).model == "fit96"
-    assert (
-        issued.choose_model(pd.concat([past, past.assign(model="sgp4", e_y=0.0)]), menu, now=NOW).model
-        == "sgp4"
-    )
+    better = past.tail(19).assign(model="running", e_y=0.0)
+    assert selected(pd.concat([past, better])).model == "fit96"
+    assert selected(pd.concat([past, past.assign(model="running", e_y=0.0)])).model == "running"

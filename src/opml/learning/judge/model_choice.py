@@ -11,7 +11,9 @@ import pandas as pd
 
 from opml.base.constants import DAY
 from opml.base.errors import InputError
-from opml.learning.judge.error_sizes import MEMORY_DAYS
+
+MEMORY_DAYS = 8.0
+"""Time in which the weight of a past error falls by e: eight days, so that predictions of a week count."""
 
 _LEAST = 1.0  # least typical error of a day of duration [m]
 

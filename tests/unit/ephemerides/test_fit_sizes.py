@@ -1,12 +1,12 @@
-"""Sizes of errors of fits: the usual ones without a past, scaled by it part by part."""
+"""Sizes of errors of fits: typical ones without a past, scaled by it part by part."""
 
 import numpy as np
 import pandas as pd
 import pytest
 
 from opml.base.constants import DAY, SRP_PRESSURE, WGS84_A
-from opml.mornings import usual_errors
-from opml.mornings.records import Paths
+from opml.ephemerides import fit_sizes
+from opml.ephemerides.fit_sizes import FitSizes
 from opml.orbits.sheets import Rso
 from opml.tables import DOUBT, PARAMETER_COVARIANCES, SIGMA_STATE, STATE
 
@@ -42,11 +42,8 @@ def causes(days):
 
 def formal(area_to_mass=0.0, **known):
     rso = Rso("one", *[0.0] * 6, area_to_mass=area_to_mass, cd=1.0, cr=1.25)
-    path = causes([0.5, 1.0, 7.0]).assign(i=4, t_i=0.0, morning=0.0)
-    paths = [Paths(path.assign(t_j=path["duration"]))]
-    return usual_errors.formal_errors(
-        estimates(**known), paths, base=12.0, rso=rso, light=usual_errors.GUESSED
-    )
+    daily = pd.Series({4: 10.0})
+    return fit_sizes.formal_errors(estimates(**known), daily, base=12.0, rso=rso, light=fit_sizes.GUESSED)
 
 
 def past(errors, days):
@@ -57,22 +54,22 @@ def past(errors, days):
 
 
 def sigmas(rows, known=None):
-    made = usual_errors.sizes(rows, formal() if known is None else known, start=4, now=2 * DAY)
-    return made.sigmas(causes(LEADS))[:, :3]
+    known = formal() if known is None else known
+    return FitSizes.learned(known.loc[4], rows, known).sigmas(causes(LEADS))[:, :3]
 
 
 def test_what_misses_its_measurements_is_known_no_better():
-    assert formal(rms=100.0)["a_x"].item() == pytest.approx(np.hypot(usual_errors.CONSTANT[0], 10.0))
+    assert formal(rms=100.0)["a_x"].item() == pytest.approx(np.hypot(fit_sizes.CONSTANT[0], 10.0))
     assert formal(rms=1.2).equals(formal())
 
 
 def test_without_a_past_they_are_the_usual_ones():
     expected = np.sqrt(
         0.01
-        + usual_errors.CONSTANT[1] ** 2
-        + (usual_errors.DAILY * 10.0) ** 2
+        + fit_sizes.CONSTANT[1] ** 2
+        + (fit_sizes.DAILY * 10.0) ** 2
         + formal()["b_y"].item() ** 2 * LEADS**2
-        + (formal()["c"].item() ** 2 + usual_errors.WEATHER**2) * (10.0 * LEADS**2) ** 2
+        + (formal()["c"].item() ** 2 + fit_sizes.WEATHER**2) * (10.0 * LEADS**2) ** 2
     )
     np.testing.assert_allclose(sigmas(past([], []))[:, 1], expected)
 
@@ -80,26 +77,24 @@ def test_without_a_past_they_are_the_usual_ones():
 def test_an_orbit_of_unknown_height_drifts():
     # Higher by x it falls back by 3 n x, faster by v by 3 v.
     drift = 3.0 * DAY * np.hypot(0.1 * RATE, 0.02)
-    np.testing.assert_allclose(formal(rise=0.02)["b_y"], np.hypot(usual_errors.RATE[1], drift))
+    np.testing.assert_allclose(formal(rise=0.02)["b_y"], np.hypot(fit_sizes.RATE[1], drift))
 
 
 def test_a_plane_is_known_by_the_velocity_across_it_and_its_node_goes_on():
     plane = np.sqrt(0.5 * (0.1**2 + (0.02 / RATE) ** 2))
     for inclination in (0.0, 1.0, np.pi / 2):
         known = formal(swing=0.02, inclination=inclination)
-        np.testing.assert_allclose(known["a_z"], np.hypot(usual_errors.CONSTANT[2], plane))
+        np.testing.assert_allclose(known["a_z"], np.hypot(fit_sizes.CONSTANT[2], plane))
         # What the node of this orbit regresses by, by a difference of the inclination.
-        turn = [
-            1.5 * usual_errors.J2 * (WGS84_A / 7e6) ** 2 * RATE * np.cos(inclination + d) for d in (0, 1e-6)
-        ]
+        turn = [1.5 * fit_sizes.J2 * (WGS84_A / 7e6) ** 2 * RATE * np.cos(inclination + d) for d in (0, 1e-6)]
         daily = (turn[0] - turn[1]) / 1e-6 * np.sin(inclination) * DAY / np.sqrt(2.0)
-        np.testing.assert_allclose(known["b_z"], np.hypot(usual_errors.RATE[2], plane * daily), rtol=1e-5)
+        np.testing.assert_allclose(known["b_z"], np.hypot(fit_sizes.RATE[2], plane * daily), rtol=1e-5)
 
 
 def test_light_of_a_body_that_is_a_guess_makes_an_orbit_eccentric():
     # Twice as far along the track as radially; what fits take half a day of has a quarter of a day of it.
     known, dark = formal(area_to_mass=0.02), formal()
-    daily = usual_errors.GUESSED * 1.5 * SRP_PRESSURE * 1.25 * 0.02 / RATE * DAY / np.sqrt(2.0)
+    daily = fit_sizes.GUESSED * 1.5 * SRP_PRESSURE * 1.25 * 0.02 / RATE * DAY / np.sqrt(2.0)
     for axis, times in (("x", 1.0), ("y", 2.0), ("z", 0.0)):
         more = {name: known[f"{name}_{axis}"] ** 2 - dark[f"{name}_{axis}"] ** 2 for name in "ab"}
         np.testing.assert_allclose(more["b"], (times * daily) ** 2, atol=1e-9)
@@ -109,9 +104,9 @@ def test_light_of_a_body_that_is_a_guess_makes_an_orbit_eccentric():
 @pytest.mark.parametrize("sigma_cd", [0.05, 0.2])
 def test_a_doubtful_cd_is_doubtful_drag(sigma_cd):
     np.testing.assert_allclose(
-        formal(sigma_cd=sigma_cd)["c"], np.hypot(usual_errors.DENSITY, 10.0 * sigma_cd), rtol=0.05
+        formal(sigma_cd=sigma_cd)["c"], np.hypot(fit_sizes.DENSITY, 10.0 * sigma_cd), rtol=0.05
     )
-    assert formal(sigma_cd=9.0)["c"].item() == usual_errors.VAGUE
+    assert formal(sigma_cd=9.0)["c"].item() == fit_sizes.VAGUE
 
 
 def test_a_past_scales_the_part_that_it_shows():
@@ -125,15 +120,13 @@ def test_a_past_scales_the_part_that_it_shows():
     assert soon[0] > 1.5 * soon[-1] > 1.5
 
 
-def test_what_came_later_has_no_say():
-    told = past(np.full(40, 3e3), np.linspace(3.0, 7.0, 40)).assign(t_known=3 * DAY, t_j=3 * DAY)
-    np.testing.assert_array_equal(sigmas(told), sigmas(told[:0]))
+def test_a_past_from_another_start_does_not_count():
+    other = past(np.full(40, 3e3), np.linspace(3.0, 7.0, 40)).assign(i=3)
+    np.testing.assert_array_equal(sigmas(other), sigmas(other[:0]))
 
 
-def test_each_morning_states_what_was_known_on_it():
-    first = past(np.full(4, 20.0), [1.0, 2.0, 3.0, 4.0])
-    later = first.assign(morning=2 * DAY, t_known=9 * DAY)
-    stated = usual_errors.with_sigmas(pd.concat([first, later], ignore_index=True), formal())
-    expected = usual_errors.sizes(first[:0], formal(), start=4, now=0.0).sigmas(first)
-    np.testing.assert_allclose(stated[SIGMA_STATE].to_numpy()[:4], expected)
-    assert (stated["sigma_y"].to_numpy()[4:] < expected[:, 1]).all()
+def test_sizes_come_back_from_their_row():
+    rows = past(np.full(40, 3e3), np.linspace(3.0, 7.0, 40))
+    sizes = FitSizes.learned(formal().loc[4], rows, formal())
+    back = FitSizes.from_row(sizes.row)
+    np.testing.assert_array_equal(back.sigmas(causes(LEADS)), sizes.sigmas(causes(LEADS)))

@@ -1,20 +1,25 @@
-"""Sizes of errors of predictions from fits: the usual ones, scaled by those of the object's own past.
+"""Sizes of errors of predictions from fits: typical ones, scaled by those of the object's own past.
 
 The variance of each axis has a part of the fit and a part of drag,
 
     sigma^2 = f^2 (a^2 + (b D)^2) + g^2 ((c drag)^2 + (w weather)^2),
 
-D the duration, `drag` and `weather` as in `opml.learning.judge.error_sizes`. a and b are the fit's formal
-errors where Cd is known, and what the forces leave, also of light, whose pressure goes by a body that may be
-a guess; along the track a has a hundredth of a day's drag, too. c is the usual error of the density that a
-fit estimates, more over less than two days, with the formal error of Cd. So they follow height and
-measurements. Without a past f and g are 1. A past error counts for each by the part of its variance that is
-of it, and for less the more it overlaps others.
+D the duration, `drag` the displacement by a tenth more drag and `weather` the spread of the futures of the
+space weather (`opml.catalog.predict.weather_spread`). a and b are the fit's formal errors where Cd is known,
+and what the forces leave, also of light, whose pressure goes by a body that may be a guess; along the track a
+has a hundredth of a day's drag, too. c is the typical error of the density that a fit estimates, more over
+less than two days, with the formal error of Cd. So they follow height and measurements. Without a past f and
+g are 1. A past error counts for each by the part of its variance that is of it, and for less the more it
+overlaps others. Errors are differences from later estimates, whose own variance is taken off.
+
+A velocity error follows from the position's (`opml.orbits.rsw_covariance`).
 
 The constants were chosen in hindsight; notes/uncertainty.md has what they gave where others were left out.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Self
 
 import numpy as np
 import pandas as pd
@@ -22,9 +27,6 @@ import pandas as pd
 from opml.base.constants import DAY, HOUR, SRP_PRESSURE, WGS84_A
 from opml.catalog.predict import labels
 from opml.catalog.predict.weather_spread import TENTH, mean_cd
-from opml.ephemerides.paths import Paths
-from opml.learning.data.splits import are_over
-from opml.learning.judge.error_sizes import Sizes
 from opml.orbits.elements import rsw_rotation
 from opml.orbits.rsw_covariance import AXES, rates
 from opml.orbits.sheets import Rso
@@ -32,8 +34,8 @@ from opml.tables import (
     COMPONENTS,
     DOUBT,
     PARAMETER_COVARIANCES,
-    SIGMA_STATE,
     SIGMAS,
+    SIZES,
     STATE,
     symmetric_matrices,
 )
@@ -50,22 +52,22 @@ LONG = 48.0
 VAGUE = 5.0  # most of that error. A fit that knows drag no better takes the mean of the past
 FAR = 3.0  # root mean square of weighted residuals from which on their noise is larger than given
 WEATHER = 0.6  # part of the spread of the weather's futures that errors have
-USUAL = 3.0  # independent errors of a past that the usual sizes count as
+USUAL = 3.0  # independent errors of a past that the typical sizes count as
 
-_CONSTANT, _RATE = ([f"{name}_{axis}" for axis in AXES] for name in "ab")
-_COLUMNS = [*_CONSTANT, *_RATE, "c"]
+_CONSTANT, _RATE = SIZES[:3], SIZES[3:6]
+FORMAL, _SCALES = SIZES[:7], SIZES[7:]  # columns of formal errors, and of f and g
 _LEAST_CD = 1e-6
 J2 = 1.08263e-3  # the Earth's flattening in its gravity (EGM2008)
 _GROSS = 10.0  # sizes that an error counts as at most
 
 
 def formal_errors(
-    estimates: pd.DataFrame, paths: Sequence[Paths], *, base: float, rso: Rso, light: float
+    estimates: pd.DataFrame, daily: pd.Series, *, base: float, rso: Rso, light: float
 ) -> pd.DataFrame:
     """Return a [m], b [m/day] by axis and c [tenths of the drag] of ephemerides, by track: a_x ... b_z, c.
 
     estimates: table `kept_estimates`
-    paths: the ephemerides
+    daily: displacement [m] by a tenth more drag after a day, by the track that ephemerides start from
     base: window [h] of the fits that they start from; the longest window tells Cd
     rso: the body; light: the part of light's pressure on it that errs
 
@@ -74,7 +76,6 @@ def formal_errors(
     twice that along the track; a fit has it by half its window. (Gauss's equations, over a revolution.)
     A plane is known as position and velocity across it are; its node regresses by its inclination.
     """
-    daily = pd.Series({one.start: one.drag_after(DAY) for one in paths})
     known = estimates[estimates["converged"].astype(bool) & estimates["track"].isin(daily.index)]
     known = labels.with_sigmas(_as_they_miss(known))
     started = known[known["window_hours"] == base].set_index("track")
@@ -100,7 +101,7 @@ def formal_errors(
     constant = np.hypot(constant, wave * HOUR * base / 2.0 / DAY)
     rate = np.hypot(np.hypot(RATE, wave), np.stack([0.0 * drift, drift, plane * _regression(states)], axis=1))
     density = np.minimum(np.hypot(DENSITY * np.sqrt(LONG / hours), cd), VAGUE)
-    return pd.DataFrame(np.column_stack([constant, rate, density]), index=started.index, columns=_COLUMNS)
+    return pd.DataFrame(np.column_stack([constant, rate, density]), index=started.index, columns=FORMAL)
 
 
 def _regression(states: np.ndarray) -> np.ndarray:
@@ -118,45 +119,61 @@ def _as_they_miss(estimates: pd.DataFrame) -> pd.DataFrame:
     return estimates.assign(**{name: estimates[name] * larger for name in PARAMETER_COVARIANCES})
 
 
-def sizes(past: pd.DataFrame, formal: pd.DataFrame, *, start: int, now: float) -> Sizes:
-    """Return the sizes of errors of an ephemeris, as known by `now` [s].
+@dataclass(frozen=True, eq=False)
+class FitSizes:
+    """Sizes of errors of an ephemeris, in the terms of the module's formula."""
 
-    past: rows of `judged` of its model
-    formal: of `formal_errors`
-    start: track of the estimate that it starts from
-    """
-    fit, drag = _scales(past[are_over(past, now) & past["i"].isin(formal.index)], formal)
-    own, weather = formal.loc[start], WEATHER * drag[1]
-    return Sizes(
-        constant=fit * own[_CONSTANT].to_numpy() / weather,
-        rate=fit * own[_RATE].to_numpy() / DAY / weather,
-        drag=np.full(3, own["c"] / WEATHER),
-        velocity=np.ones(3),
-        inflation=np.full(5, weather**2),
-        days=np.inf,
-        reach=np.inf,
+    formal: pd.Series  # a_x ... b_z, c
+    scales: np.ndarray  # (2, 3) f and g by axis
+
+    @classmethod
+    def learned(cls, formal: pd.Series, past: pd.DataFrame, past_formal: pd.DataFrame) -> Self:
+        """Return the sizes of an ephemeris, its formal errors scaled by a past.
+
+        past: rows of `judged` of its model that are known by now
+        past_formal: of `formal_errors`, of the tracks that these started from; others do not count
+        """
+        return cls(formal, _scales(past[past["i"].isin(past_formal.index)], past_formal))
+
+    @classmethod
+    def from_row(cls, row: Mapping[str, Any]) -> Self:
+        """Return the sizes in a row of the table `issued`."""
+        scales = np.array([row[name] for name in _SCALES]).reshape(2, 3)
+        return cls(pd.Series({name: row[name] for name in FORMAL}), scales)
+
+    @property
+    def row(self) -> dict[str, float]:
+        """Columns of the table `issued`."""
+        scales = dict(zip(_SCALES, self.scales.ravel().tolist(), strict=True))
+        return {name: float(self.formal[name]) for name in FORMAL} | scales
+
+    def sigmas(self, rows: pd.DataFrame) -> np.ndarray:
+        """Return standard deviations (n, 6) [m, m/s] of the parts for `rsw_covariance.rsw_covariances`.
+
+        rows: duration [s], rate [rad/s], drag_* and weather_* [m]
+        """
+        fit, drag = np.sqrt(_variances(self.formal.to_frame().T.iloc[np.zeros(len(rows), int)], rows))
+        position = np.hypot(self.scales[0] * fit, self.scales[1] * drag)
+        velocity = rows["rate"].to_numpy()[:, None] * position[:, [0, 0, 2]]
+        return np.hstack([position, velocity])
+
+
+def _variances(formal: pd.DataFrame, rows: pd.DataFrame) -> np.ndarray:
+    """Return the variances (2, n, 3) [m2] of the fit and of drag, at rows (n,); formal: of each row."""
+    days = rows["duration"].to_numpy()[:, None] / DAY
+    drag, weather = (rows[[f"{name}_{axis}" for axis in AXES]].to_numpy() for name in ("drag", "weather"))
+    return np.array(
+        [
+            formal[_CONSTANT].to_numpy() ** 2 + (formal[_RATE].to_numpy() * days) ** 2,
+            (formal[["c"]].to_numpy() * drag) ** 2 + (WEATHER * weather) ** 2,
+        ]
     )
-
-
-def with_sigmas(past: pd.DataFrame, formal: pd.DataFrame) -> pd.DataFrame:
-    """Return rows of `judged` of a model with the deviations that `sizes` gave on their mornings."""
-    stated = np.full((len(past), len(SIGMA_STATE)), np.nan)
-    for (now, start), at in past.groupby(["morning", "i"]).indices.items():
-        if start in formal.index:
-            stated[at] = sizes(past, formal, start=start, now=now).sigmas(past.iloc[at])
-    return past.assign(**dict(zip(SIGMA_STATE, stated.T, strict=True)))
 
 
 def _scales(past: pd.DataFrame, formal: pd.DataFrame) -> np.ndarray:
     """Return f and g by axis (2, 3)."""
-    own, days = formal.loc[past["i"]], past["duration"].to_numpy() / DAY
-    drag, weather = (past[[f"{name}_{axis}" for axis in AXES]].to_numpy() for name in ("drag", "weather"))
-    parts = np.array(
-        [
-            own[_CONSTANT].to_numpy() ** 2 + (own[_RATE].to_numpy() * days[:, None]) ** 2,
-            (own[["c"]].to_numpy() * drag) ** 2 + (WEATHER * weather) ** 2,
-        ]
-    )
+    days = past["duration"].to_numpy() / DAY
+    parts = _variances(formal.loc[past["i"]], past)
     square = parts.sum(axis=0) + past[DOUBT].to_numpy(float) ** 2
     ratio = np.minimum(past[list(COMPONENTS[:3])].to_numpy() ** 2 / square, _GROSS**2)
     alike = past.groupby([past["i"], np.floor(days)])["i"].transform("size").to_numpy()
