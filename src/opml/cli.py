@@ -221,8 +221,7 @@ def _improve(options: argparse.Namespace) -> None:
         options.output, options.table, [*sets, *filter(None, (options.weather, options.model))]
     )
     now = datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%S")
-    date = now if options.date is None else options.date
-    known = improve.read(sets, date=date, weather=options.weather, latency=latency(options))
+    known = improve.read(sets, date=options.date or now, weather=options.weather, latency=latency(options))
     with on_stderr() as progress:
         better = improve.improve(known, trained_model.read(options.model), progress=progress)
     missing = better.write(options.output)
@@ -260,6 +259,7 @@ _PREDICTED = "what is written, each by its suffix: .oem, .tle, .kvn, .xml, .csv,
 
 
 def _predict(options: argparse.Namespace) -> None:
+    from opml import tables
     from opml.element_sets import station_passes
     from opml.fetch import public_data
     from opml.interop import formats
@@ -272,7 +272,7 @@ def _predict(options: argparse.Namespace) -> None:
         [*options.files, *options.catalogue, options.radars, *filter(None, (options.weather, options.model))],
     )
     if options.passes:
-        prediction_files.check_passes(options.passes)
+        suffix_of(options.passes, tables.TABLE_SUFFIXES)
     places = [station_passes.place(text) for text in options.station]
     mask = station_passes.mask(options.mask)
     with on_stderr() as progress:
@@ -442,18 +442,8 @@ GROUPS = {
     "a benchmark": (
         Command("score", "score answers to a task of the benchmark", benchmark.add_score, benchmark.score),
         Command("answer", "answer a task with a baseline", benchmark.add_answer, benchmark.answer),
-        Command(
-            "task",
-            "make a task and its truth from element sets or orbits",
-            benchmark.add_task,
-            benchmark.task,
-        ),
-        Command(
-            "truth",
-            "make the truth of a hidden task from later element sets",
-            benchmark.add_truth,
-            benchmark.truth,
-        ),
+        Command("task", "make a task and its truth from sets or orbits", benchmark.add_task, benchmark.task),
+        Command("truth", "make the truth of a hidden task", benchmark.add_truth, benchmark.truth),
     ),
     "a project": (
         Command("init", "create a project with a first study", _add_init, _init),

@@ -73,7 +73,7 @@ def sought_once():
 @pytest.fixture(scope="module")
 def predicted(paths):
     """Each object beside the others."""
-    morning = prediction.PublicMorning.read(paths, date=DATE, weather="OBSERVED")
+    morning = prediction.PublicMorning.read(paths, date=f"{DATE}Z", weather="OBSERVED")
     return [morning.predict(*known_sets.by_object([path]).values()) for path in paths]
 
 

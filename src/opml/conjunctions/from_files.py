@@ -8,6 +8,7 @@ from opml.base.files import FilePath
 from opml.conjunctions import all_pairs, cdm, screening
 from opml.conjunctions.conjunction import Conjunction
 from opml.interop import formats
+from opml.interop.element_sets.element_set import of_files
 from opml.interop.ephemeris import EPOCH
 
 
@@ -21,7 +22,7 @@ def conjunctions(
 ) -> Iterable[Conjunction]:
     """Return the conjunctions of the first file's object, of all pairs in a file alone, or of CDMs.
 
-    files: a folder stands for all files in it
+    files: a folder stands for all files in it; of all but the first some that cannot be read are skipped
 
     within: largest distance [km], None: the usual one
     radius: sum of the radii of two objects [m], None: the usual one, or the CDM's
@@ -30,9 +31,11 @@ def conjunctions(
 
     Raises InputError for a distance with a CDM, and as `screening.screen`, `all_pairs.screen` and `cdm.read`.
     """
-    files = [file for path in files for file in _files_of(Path(path))]
-    kinds = {formats.kind_of(path, formats.CONJUNCTION, formats.ORBIT, formats.ELEMENTS) for path in files}
-    if kinds == {formats.CONJUNCTION}:
+    first, *others = (_files_of(Path(path)) for path in files)
+    rest = [file for folder in others for file in folder]
+    known = of_files(first, _kind_of) + of_files(rest, _kind_of)
+    files = [path for path, _ in known]
+    if {kind for _, kind in known} == {formats.CONJUNCTION}:
         if within is not None:
             raise InputError("--within: expected ephemerides to screen, got a conjunction data message")
         return [one for path in files for one in cdm.read(path, epoch=EPOCH, radius=radius)]
@@ -41,6 +44,10 @@ def conjunctions(
     if len(files) == 1:
         return all_pairs.screen(files[0], days=days, within=metres, radius=radius)
     return screening.screen(screening.read(files, days=days, weather=weather), within=metres, radius=radius)
+
+
+def _kind_of(path: FilePath) -> list[tuple[FilePath, str]]:
+    return [(path, formats.kind_of(path, formats.CONJUNCTION, formats.ORBIT, formats.ELEMENTS))]
 
 
 def _files_of(path: Path) -> list[Path]:

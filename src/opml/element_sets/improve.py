@@ -43,7 +43,8 @@ _PAST_COLUMNS = ["number", "morning", "lead", "error", "left", "sigma"]
 _MINUTES = 1440.0
 _WHERE = ("file", "place", "line")
 
-FEW, SEVERAL, UNSEEN = "first sets", "sets of several orbits", "height that the model never saw"
+FEW, SEVERAL = f"fewer than {FEWEST_SETS} sets", "sets of several orbits"
+UNSEEN = "height that the model never saw"
 _FARTHEST = 1e6
 """What SGP4 is off along the track after a day, in a quarter of the mornings, where sets are of several
 orbits [m]."""
@@ -90,9 +91,9 @@ class Improved:
 
 
 def read(
-    paths: Iterable[FilePath], *, date: str, weather: str | Path, latency: float = known_sets.LATENCY
+    paths: Iterable[FilePath], *, date: epochs.Time, weather: str | Path, latency: float = known_sets.LATENCY
 ) -> PublicData:
-    """Read what was public on a date (UTC text).
+    """Read what was public on a date (UTC).
 
     paths: files and folders of element sets
     weather: OBSERVED, the packaged weather, or a CSSI file
@@ -100,6 +101,7 @@ def read(
 
     Raises InputError for an unreadable file, for weather that ends too early, and where no set was public.
     """
+    date = epochs.instant(date)
     check_date(date)
     return public_on(
         date, lambda: catalogues.read(paths, latency=latency), known_weather.read(weather), source=weather

@@ -124,7 +124,7 @@ class Prediction(PredictedOrbit):
 
     @property
     def remark(self) -> str:
-        """What a message says of it."""
+        """The words of a message about it."""
         by_sgp4 = "" if isinstance(self.inside, OrbitInside) else ", propagated by SGP4"
         return "; ".join([f"{self.way}{by_sgp4}", *self._cautions()])
 

@@ -122,5 +122,5 @@ def _refusal(status: int, content: bytes, file: Download) -> str:
     try:
         file.check(content)
     except InputError as error:
-        return f"{file.url}: {error}: {words}"
+        return f"{error}: {words!r}: {file.url}"
     return ""

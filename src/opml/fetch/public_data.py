@@ -11,8 +11,9 @@ before, so that its 60 years are requested at most once.
 import csv
 import io
 import os
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from urllib.parse import quote, unquote, urlencode
 
@@ -21,7 +22,7 @@ import pandas as pd
 
 from opml.base.errors import InputError
 from opml.base.files import FilePath, data_folder, replacing
-from opml.base.progress import counted
+from opml.base.progress import Progress, counted
 from opml.environment import earth_orientation, solar_activity, space_weather
 from opml.fetch.downloads import Download, Downloads, NoAnswerError, now
 from opml.interop import formats
@@ -34,8 +35,6 @@ _SERVERS = {"OPML_CELESTRAK": "https://celestrak.org", "OPML_IERS": astropy_iers
 _KINDS = {"number": "CATNR", "name": "NAME", "group": "GROUP"}  # of queries, with CelesTrak's words
 _SHORT, _LONG = "SW-Last5Years.csv", "SW-All.csv"
 _COLUMNS = ["DATE", *space_weather.KP, "F10.7_OBS", "F10.7_DATA_TYPE", "F10.7_OBS_CENTER81"]
-
-Say = Callable[[str], None]  # takes a line for each product
 
 
 @dataclass(frozen=True)
@@ -60,7 +59,7 @@ class Query:
         """CelesTrak's file of it, in CSV, as TLEs have no numbers above 99999."""
         query = urlencode({_KINDS[self.kind]: self.value, "FORMAT": "CSV"})
         url = f"{_server('OPML_CELESTRAK')}/NORAD/elements/gp.php?{query}"
-        return Download(f"{self.label}.csv", url, SETS_HOURS, _check_sets)
+        return Download(f"{self.label}.csv", url, SETS_HOURS, partial(_check_sets, self.value))
 
     @property
     def folder(self) -> Path:
@@ -73,7 +72,7 @@ def sets_folder() -> Path:
     return data_folder() / "gp"
 
 
-def renew(queries: Iterable[Query], *, say: Say) -> None:
+def renew(queries: Iterable[Query], *, say: Progress) -> None:
     """Fetch element sets, weather and Earth orientation, each unless it was requested recently.
 
     Raises NoAnswerError at the first answer without data; nothing else is requested then.
@@ -82,14 +81,14 @@ def renew(queries: Iterable[Query], *, say: Say) -> None:
     bulletin = earth_orientation.fetched_bulletin()
     file = Download(bulletin.name, _server("OPML_IERS"), EARTH_HOURS, _check_earth)
     is_new = _downloads().renew(file)
-    say(f"Earth orientation: {_state(is_new)}: {bulletin}")
+    say(f"Earth orientation: {'new' if is_new else 'unchanged'}: {bulletin}")
 
 
-def renew_object_data(queries: Iterable[Query], *, say: Say) -> None:
+def renew_object_data(queries: Iterable[Query], *, say: Progress) -> None:
     """Fetch element sets and the weather, as `renew`."""
     for query in queries:
         say(f"{query.value}: {_renew_sets(query)}")
-    say(f"space weather: {_state(_renew_weather())}: {solar_activity.fetched_weather()}")
+    say(f"space weather: {'new' if _renew_weather() else 'unchanged'}: {solar_activity.fetched_weather()}")
 
 
 def queries() -> list[Query]:
@@ -118,7 +117,7 @@ def sets_of(query: Query) -> list[Path]:
     return folders
 
 
-def sets_or_files(paths: Sequence[FilePath], say: Say) -> tuple[Sequence[FilePath], str | None]:
+def sets_or_files(paths: Sequence[FilePath], say: Progress) -> tuple[Sequence[FilePath], str | None]:
     """Return files of an object and None; for its number or name alone, its fetched sets and that text.
 
     Where a server gives no data, the newest files serve, and their age is reported. Raises NoAnswerError
@@ -143,10 +142,6 @@ def _downloads() -> Downloads:
 
 def _server(variable: str) -> str:
     return os.environ.get(variable, _SERVERS[variable])
-
-
-def _state(is_new: bool) -> str:
-    return "new" if is_new else "unchanged"
 
 
 def _ages(query: Query) -> str:
@@ -208,11 +203,11 @@ def _joined(known: str, new: str) -> str | None:
     return str(pd.concat([old[old["DATE"] < begin], recent]).to_csv(index=False))
 
 
-def _check_sets(content: bytes) -> None:
-    """Raise InputError for a body without a row of element sets in CSV."""
-    kind = formats.of("answer", content, formats.ELEMENTS)
+def _check_sets(wanted: str, content: bytes) -> None:
+    """Raise InputError for a body without a row of element sets in CSV; wanted: value of the query."""
+    kind = formats.of(wanted, content, formats.ELEMENTS)
     if kind.name != "OMM" or len(content.splitlines()) < 2:
-        raise InputError(f"expected a row of element sets in CSV, got {kind.name}")
+        raise InputError(f"{wanted}: expected a row of element sets in CSV, got {kind.name}")
 
 
 def _check_weather(content: bytes) -> None:

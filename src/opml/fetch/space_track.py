@@ -15,9 +15,9 @@ from urllib.parse import urlparse
 
 from opml.base.errors import InputError
 from opml.base.files import data_folder, replacing
-from opml.base.progress import counted
+from opml.base.progress import Progress, counted
 from opml.fetch.downloads import NoAnswerError, now
-from opml.fetch.public_data import Query, Say, numbers_of
+from opml.fetch.public_data import Query, numbers_of
 from opml.interop import formats
 from opml.interop.orbit_arcs import excerpt
 
@@ -31,7 +31,7 @@ _USER, _PASSWORD = "SPACETRACK_USER", "SPACETRACK_PASSWORD"
 Span = tuple[date, date]  # first day, and the day after the last
 
 
-def renew(queries: Iterable[Query], since: date, *, say: Say) -> None:
+def renew(queries: Iterable[Query], since: date, *, say: Progress) -> None:
     """Fetch the sets of objects that were published from a day on and before today, as far as not here.
 
     Those of a name or a group are the ones of its last download from CelesTrak. Raises InputError without the

@@ -63,6 +63,7 @@ def expected_errors(prediction: PredictedOrbit) -> Figure:
     ends = {name: float(line[0][-1]) for name, line in lines.items()}
     name_ends(axes, ends, {name: line[-1] for name, line in lines.items()})
     size = metres(rounded(float(sigmas[-1])))
-    note = f"lines: one sigma expected; points: {len(past)} past predictions, compared with what came later"
+    points = f"; points: {len(past)} past predictions, compared with what came later" if len(past) else ""
+    note = f"lines: one sigma expected{points}"
     add_head(figure, f"After {prediction.days:g} d the expected along-track error is {size}", note)
     return figure

@@ -28,6 +28,7 @@ MOST_ROWS = 14  # largest number of rows of a summary
 _SPACINGS = (0.1, 0.5, 1.0, 3.0, 6.0, 12.0, 24.0, 72.0, 240.0, 720.0, 2400.0)  # [h]
 
 _STEP = 60.0  # between times of two orbits of mean elements [s]
+_ALONE = 1.0  # time after the newest set of a truth from which it is told that there are no more [d]
 _WHOLE = 10.0  # length from which on whole metres tell enough [m]
 
 _log = logging.getLogger(__name__)
@@ -53,6 +54,9 @@ def compare(ours: KnownOrbit, other: KnownOrbit) -> pd.DataFrame:
         got = " and ".join("{} from {} to {}".format(*span) for span in spans)
         raise InputError(f"compare: expected two orbits of the same time, got {got}")
     t, mine, theirs = t[both], mine[both], theirs[both]
+    if isinstance(other, Sets) and (alone := (t[-1] - other.t[-1]) / DAY) > _ALONE:
+        ends = f"{other.source} ends on {ccsds.utc_texts(EPOCH, other.t[-1:])[0][:10]}"
+        _log.warning("compare: %s: after it SGP4 propagates its newest set, up to %.1f d", ends, alone)
     difference = bent_rsw(mine[:, :3], theirs)
     covariances = ours.covariances(t)[:, :3, :3]
     known = np.isfinite(covariances).all(axis=(1, 2))

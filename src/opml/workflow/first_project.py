@@ -15,7 +15,7 @@ from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.interop import points_from_files
 from opml.interop.element_sets import known_sets
-from opml.interop.element_sets.element_set import elements_epoch
+from opml.interop.element_sets.element_set import elements_epoch, of_files
 from opml.interop.orbit_from_files import OrbitFiles
 from opml.workflow.new_project import STUDY_COMMAND
 
@@ -61,7 +61,7 @@ class FirstProject:
     @classmethod
     def of_sets(cls, path: FilePath) -> "FirstProject":
         """Return mornings over a file of sets; raise InputError for several objects and for too few days."""
-        sets = [one for file in known_sets.find_files([path]) for one in known_sets.readable(file)]
+        sets = of_files(known_sets.find_files([path]), known_sets.readable)
         if len(numbers := sorted({one.number for one in sets})) != 1:
             got = ", ".join(map(str, numbers[:5]))
             raise InputError(f"{path}: expected sets of one object, got {len(numbers)}: {got}")

@@ -18,7 +18,7 @@ from opml.element_sets.station_passes import Place
 from opml.interop import czml
 from opml.interop.element_sets import omm, rewriting, tle
 from opml.interop.predicted_orbit import PredictedOrbit
-from opml.tables import TABLE_SUFFIXES, write_as
+from opml.tables import write_as
 
 Passes = Mapping[Place, pd.DataFrame]  # tables `passes` by station
 Writer = Callable[[FilePath, Any, Passes], None]
@@ -29,11 +29,6 @@ def check(paths: Sequence[FilePath]) -> None:
     for path in paths:
         if suffix_of(path, WRITERS) == ".html" and find_spec("matplotlib") is None:
             raise InputError(f"{path}: expected matplotlib, got none: pip install 'opml-orbits[workflow]'")
-
-
-def check_passes(path: FilePath) -> None:
-    """Raise InputError for a path of passes whose suffix is of no table."""
-    suffix_of(path, TABLE_SUFFIXES)
 
 
 def write_passes(path: FilePath, passes: Passes) -> None:

@@ -168,7 +168,7 @@ def test_velocities_of_another_unit_are_refused(truth, tmp_path):
     assert "orbit.sp3: expected velocities that lead from position to position" in refusal(orbit.at, T)
 
 
-def test_of_sets_the_nearest_flies(tmp_path):
+def test_of_sets_the_nearest_flies(tmp_path, caplog):
     sets = history([0.0, 1.0, 2.0], ahead={1.0: 1000.0})
     (tmp_path / "late.tle").write_text(tle_text(sets))
     (tmp_path / "first.tle").write_text(tle_text(sets.iloc[:1]))
@@ -178,6 +178,8 @@ def test_of_sets_the_nearest_flies(tmp_path):
     before, after = table[table["hours"] < 11.9], table[table["hours"] > 12.1]
     assert before["distance"].max() < 1e-3
     np.testing.assert_allclose(after["s"], -1000.0, atol=30.0)
+    assert "late.tle ends on" in caplog.text
+    assert "SGP4 propagates its newest set, up to 5.0 d" in caplog.text
 
 
 def test_the_command_writes_and_prints(truth, tmp_path, capsys):

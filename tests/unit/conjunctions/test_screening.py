@@ -86,13 +86,17 @@ def test_the_command_prints_a_line_of_each_and_writes_messages(files, tmp_path, 
     assert capsys.readouterr().out == ",".join(as_text.table([], epoch=EPOCH).columns) + "\n"
 
 
-def test_a_message_of_a_long_name_has_a_file(files, tmp_path):
+def test_a_message_of_a_long_name_has_a_file_and_a_bad_one_of_four_is_skipped(files, tmp_path, caplog):
     paths, *_ = files
     (segment,) = known_orbits.segments(paths[1], epoch=EPOCH)
-    oem.write(tmp_path / "long.oem", [replace(segment, name="N" * 300)], epoch=EPOCH)
-    folder = tmp_path / "messages"
-    assert cli.main(["screen", str(paths[0]), str(tmp_path / "long.oem"), "--messages", str(folder)]) == 0
+    others, folder = tmp_path / "others", tmp_path / "messages"
+    others.mkdir()
+    for k in range(3):
+        oem.write(others / f"{k}.oem", [replace(segment, name=f"{k}" * 300)], epoch=EPOCH)
+    (others / "page.oem").write_text("<html>")
+    assert cli.main(["screen", str(paths[0]), str(others), "--messages", str(folder)]) == 0
     assert list(folder.iterdir())
+    assert "skipped, a file of 1 in 4" in caplog.text
 
 
 def flown_set(path, *, eccentricity=0.001):

@@ -139,7 +139,7 @@ def test_each_object_says_what_was_done_and_why(
 
     lines = sinking_histories.sets_of(101, 49)
     cases = {
-        "first sets": "\n".join(lines[-4:]),
+        "fewer than 3 sets": "\n".join(lines[-4:]),
         "newest set older than 3 d": "\n".join(lines[:80]),
         "no B* above 0": "\n".join(_with_drag(lines, -1e-4)),
         "B* above 0.1": "\n".join(_with_drag(lines, 0.2)),
@@ -152,7 +152,7 @@ def test_each_object_says_what_was_done_and_why(
         known = improve.read([path], date=DATE, weather="OBSERVED")
         (row,) = improve.improve(known, model).table.itertuples()
         assert row.why == why
-        assert row.applied == (weighting.DENSITY if why == "first sets" else weighting.UNCHANGED)
+        assert row.applied == (weighting.DENSITY if why == "fewer than 3 sets" else weighting.UNCHANGED)
 
 
 def _of_two_objects(path: Path) -> str:
@@ -315,6 +315,7 @@ def test_no_bad_file_stops_a_run(tmp_path, capsys, caplog):
     assert cli.main(call) == 1
     assert "cut.tle.gz" not in (refused := capsys.readouterr().err)
     assert any(name in refused.splitlines()[-1] for name in BAD)
+    assert refused.endswith("expected at most one in 4 files to be unreadable, got 5 of 10\n")
 
 
 SATCAT = "OBJECT_NAME,OBJECT_ID,NORAD_CAT_ID,OPS_STATUS_CODE\nSL-1 R/B,1957-001A,1,D\n"

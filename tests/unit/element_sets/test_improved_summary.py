@@ -16,7 +16,7 @@ def table(rows):
 
 def test_objects_are_counted_and_their_errors_told_by_height():
     rows = [(310.0, "learned", "", size) for size in (100.0, 300.0, 800.0)]
-    rows += [(650.0, "density", "first sets", 40.0), (650.0, "unchanged", "", 20.0)]
+    rows += [(650.0, "density", "fewer than 3 sets", 40.0), (650.0, "unchanged", "", 20.0)]
     rows += [(36e3, "unchanged", "deep space", np.nan)] * 2
     counts, _, heads, low, high = improved_summary.text(table(rows)).splitlines()
     reasons = "deep space: 2, no gain on its last mornings: 1"

@@ -399,8 +399,8 @@ def test_a_day_alone_begins_at_midnight(file, capsys):
 def test_one_set_has_the_usual_errors(file, tmp_path):
     (tmp_path / "one.tle").write_text("".join(file.read_text().splitlines(keepends=True)[-2:]))
     made = prediction.predict(tmp_path / "one.tle", days=1.0)
-    few = "too few sets to compare fits over 120 h on both sides of its sets; first sets"
-    assert made.reason == f"{few}; {made.hindsight}"
+    usual = "fits over 120 h on both sides of its sets, as is usual; too few sets to compare spans"
+    assert made.reason == f"{usual}; fewer than 3 sets; {made.hindsight}"
     assert np.isfinite(made.sizes.to_numpy(float)).all()
 
 

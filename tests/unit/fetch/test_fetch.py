@@ -2,6 +2,7 @@
 
 import re
 from datetime import UTC, datetime, timedelta
+from types import SimpleNamespace
 
 import astropy_iers_data
 import numpy as np
@@ -22,25 +23,13 @@ GP = "/NORAD/elements/gp.php?CATNR=101&FORMAT=CSV"
 SHORT, LONG = "/SpaceData/SW-Last5Years.csv", "/SpaceData/SW-All.csv"
 
 
-class Clock:
-    """The time that downloads go by."""
-
-    def __init__(self):
-        self.time = datetime.now(UTC)
-
-    def __call__(self):
-        return self.time
-
-    def pass_by(self, hours):
-        self.time += timedelta(hours=hours)
-
-
 @pytest.fixture
 def clock(monkeypatch):
-    clock = Clock()
+    """The time that downloads go by."""
+    time = [datetime.now(UTC)]
     for module in (downloads, public_data):
-        monkeypatch.setattr(module, "now", clock)
-    return clock
+        monkeypatch.setattr(module, "now", lambda: time[0])
+    return SimpleNamespace(pass_by=lambda hours: time.append(time.pop() + timedelta(hours=hours)))
 
 
 def weather_of(first, last):

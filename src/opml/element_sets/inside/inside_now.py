@@ -330,7 +330,7 @@ def _orbits(
 ) -> list[NearbyOrbit]:
     """Return the orbits near the sets of groups, each with the drag that the last of its group tells.
 
-    They reach half the longest span [s] before and REACH after their epochs.
+    They reach half the longest span [s] before and after their epochs, and to the last set within REACH.
     """
     drag = _gauges([group[-1] for group in groups], forces)
     begins = [
@@ -338,11 +338,9 @@ def _orbits(
         for group, ballistic in zip(groups, drag, strict=True)
         for one in group
     ]
-    count = len(begins)
-    ahead = max(longest, past_orbits.REACH) + EVERY
-    return orbits_beside(
-        forces, begins, back=np.full(count, longest), ahead=np.full(count, ahead), is_lit=is_lit
-    )
+    later = [group[-1].t - one.t + past_orbits.ABOUT for group in groups for one in group]
+    ahead = np.clip(later, longest, max(longest, past_orbits.REACH)) + EVERY
+    return orbits_beside(forces, begins, back=np.full(len(begins), longest), ahead=ahead, is_lit=is_lit)
 
 
 def perigee(satellite: Satrec) -> float:

@@ -50,7 +50,7 @@ class OrbitInside:
         side = "on both sides of" if known.span.is_centred else "before"
         fits = f"fits over {known.span.before / HOUR:g} h {side} its sets"
         if not known.is_told:
-            return f"too few sets to compare {fits}"
+            return f"{fits}, as is usual; too few sets to compare spans"
         return f"{fits} agree to {known.r:.0f} m outwards and {known.w:.0f} m across"
 
     def errors(self, improved: ExpectedErrors, storm: float) -> ExpectedErrors:
@@ -67,12 +67,13 @@ class OrbitInside:
             sizes["s"] = np.fmax(sizes["s"], others["s"])
         sizes["r"] = np.hypot(sizes["r"], lower(sizes["s"], newest.no_kozai))
         sizes["sgp4"] = sizes["sgp4"].fillna(others["sgp4"])
+        pairs = self.now.calibration.errors
+        own = f"{len(pairs)} pairs of its sets of the last {inside_now.PAST:g} days, against "
         basis = (
-            f"by {len(self.now.calibration.errors)} pairs of its sets of the last {inside_now.PAST:g} days, "
-            "against typical errors of that decay, and what all sets have in common; along the track the "
-            "corrector's sigma where it is smaller"
+            f"by {own if len(pairs) else ''}typical errors of that decay, and what all sets have in common; "
+            "along the track the corrector's sigma where it is smaller"
         )
-        return ExpectedErrors(sizes, past_errors(self.now.calibration.errors), basis)
+        return ExpectedErrors(sizes, past_errors(pairs), basis)
 
 
 def past_errors(errors: pd.DataFrame) -> pd.DataFrame:

@@ -60,6 +60,7 @@ _UNLIKELY = 1.5  # by what orbits over a span before the epochs have to agree be
 _INDEPENDENT, _AGREED = 4.0, 10.0  # pairs that count each for itself, and what they agree to [m]
 GUESSED_LIGHT = 0.01  # standard deviation of Cr A/m of who knows nothing of a body [m2/kg]
 _AROUND = np.arange(-3, 4)  # points about the epoch of a later set: nearly two revolutions of a low orbit
+ABOUT = EVERY * 4.0  # time after that epoch up to which orbits are compared [s]
 
 
 @dataclass(frozen=True, eq=False)

@@ -210,15 +210,15 @@ def each(
             damaged.append(error)
 
 
-def of_files(paths: Sequence[FilePath], read: Callable[[FilePath], Iterable[ElementSet]]) -> list[ElementSet]:
-    """Return the sets of all files; files that cannot be read are skipped, counted and named in the log.
+def of_files(paths: Sequence[FilePath], read: Callable[[FilePath], Iterable[_Piece]]) -> list[_Piece]:
+    """Return the content of all files; files that cannot be read are skipped, counted and named in the log.
 
     Lists of objects, and what else belongs beside sets, are passed over. Raises the InputError of the first
     of the others where they are more than one in _BAD_FILES, and where there is nothing else.
     """
     bad: list[InputError] = []
     beside: list[InputError] = []
-    sets: list[ElementSet] = []
+    sets: list[_Piece] = []
     for path in paths:
         try:
             sets += read(path)
@@ -227,7 +227,9 @@ def of_files(paths: Sequence[FilePath], read: Callable[[FilePath], Iterable[Elem
         except InputError as error:
             bad.append(error)
     if _BAD_FILES * len(bad) > len(paths) or len(beside) == len(paths) > 0:
-        raise (bad or beside)[0]
+        first = (bad or beside)[0]
+        limit = f"expected at most one in {_BAD_FILES} files to be unreadable"
+        raise InputError(f"{first}; {limit}, got {len(bad)} of {len(paths)}") if bad[1:] else first
     for reason in beside:
         _log.warning("passed over: %s", reason)
     for reason in bad:
