@@ -80,7 +80,7 @@ _SPAN_DAYS: Sequence[float] = packaged.PAPER_STUDY["span_days"]
 
 @dataclass(frozen=True)
 class Catalogue:
-    """What a catalogue holds of one RSO: its tracks, estimates from them, and predictions from these.
+    """One RSO in a catalogue: its tracks, estimates from them, and predictions from these.
 
     estimates, predictions, tracks: the tables; environment: that they were made in; cleaning: settings that
     differ from `CLEANING`.

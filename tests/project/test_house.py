@@ -73,10 +73,10 @@ def test_what_is_taken_from_a_facade_is_its_own(facade):
 
 
 MOST = {
-    "lines of the package": 41_235,
-    "lines of tests": 31_120,
+    "lines of the package": 41_230,
+    "lines of tests": 31_112,
     "classes": 296,
-    "docstrings that begin with what, which, how, where, of": 36,
+    "docstrings that begin with what, which, how, where, of": 0,
     "variables called found, one, made, told": 37,
 }
 """Limits of the house. A change that adds pays in the same change; a change that removes lowers them."""

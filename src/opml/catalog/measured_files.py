@@ -1,4 +1,4 @@
-"""What was measured of an object, from its files: whether they fit a run, and what fits are made to."""
+"""Measurements of an object from its files: whether they fit a run, and what fits are made to."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -42,7 +42,7 @@ class Span:
 
 @dataclass(frozen=True)
 class ObjectMeasurements:
-    """What was measured of an object."""
+    """Measurements of an object, and what its files tell of it."""
 
     tracking: pd.DataFrame  # the table, or `fixes` in its place
     manoeuvres: list[Manoeuvre]

@@ -54,7 +54,7 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True, eq=False)
 class PublicData:
-    """What is public on a date: sets, and the weather up to it."""
+    """Public data on a date: sets, and the weather up to it."""
 
     catalogue: ElementCatalogue
     weather: Weather  # clean, no later than the date

@@ -1,4 +1,4 @@
-"""How large the errors of an object's improved set are: by the corrector, and by the object's own past.
+"""Sizes of errors of an object's improved set: by the corrector, and by the object's own past.
 
 Along the track the sigma is the corrector's, times how far the object's own past left it, and larger after a
 geomagnetic storm; radially and across it is measured on that past. A short past counts against what is usual

@@ -1,4 +1,4 @@
-"""Where an object will be by its public element sets, and how surely.
+"""Prediction of an object from its public element sets, with covariances.
 
     made = prediction.predict(["sets.tle"], days=7.0)
     made.state("2026-07-18T00:00:00"), made.covariance("2026-07-18T00:00:00")
@@ -102,7 +102,7 @@ class Prediction(PredictedOrbit):
 
     @property
     def past_in_words(self) -> str:
-        """What SGP4 and such predictions missed along the track in the past, at the longest lead."""
+        """Past errors of SGP4 and of such predictions along the track, at the longest lead."""
         judged = self.past[self.past["lead"] > 0]
         if judged.empty:
             return ""
@@ -137,7 +137,7 @@ class Prediction(PredictedOrbit):
 
     @property
     def way(self) -> str:
-        """What was used, in words."""
+        """Method that was used, in words."""
         of = f" from {self.how['population']}" if self.how["population"] else ""
         if isinstance(self.inside, OrbitInside):
             along = f", along the track corrected as learned{of}" if self.inside.is_corrected else ""

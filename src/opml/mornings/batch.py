@@ -86,7 +86,7 @@ class BatchSettings(JobSettings):
 
     @property
     def shared(self) -> dict[str, Any]:
-        """What all mornings of a run are made with."""
+        """Settings that all mornings of a run are made with."""
         return self.model_dump(include=_SHARED)
 
     @property
@@ -101,7 +101,7 @@ class BatchSettings(JobSettings):
 
     @property
     def plan(self) -> MorningPlan:
-        """What is asked of every morning."""
+        """Settings of every morning."""
         return MorningPlan(
             self.models,
             self.estimation,
@@ -115,7 +115,7 @@ class BatchSettings(JobSettings):
 
 @dataclass(frozen=True)
 class Surroundings:
-    """What all objects of a job share: force models as of `watched.ObjectPropagators`, and the stations.
+    """Environment that all objects of a job share: force models as of `watched.ObjectPropagators`, and the stations.
 
     The weather was seen until `seen_until` [s]. The models of fits and predictions stand with the parts of
     them for high orbits and for neighbours, made once: arcs under one model are propagated together.

@@ -45,7 +45,7 @@ class WatchedObject(Protocol):
 
     @property
     def plan(self) -> MorningPlan:
-        """What is asked of every morning."""
+        """Settings of every morning."""
 
     @property
     def judged_for(self) -> float:
@@ -65,7 +65,7 @@ class WatchedObject(Protocol):
 
 @dataclass(frozen=True)
 class MorningResult:
-    """What a morning left.
+    """Result of a morning.
 
     figures: what its ephemeris starts from, its orbit, and its errors to expect, as JSON values
     write: writes the ephemeris as a message at a path, of an object of a name; None where none goes

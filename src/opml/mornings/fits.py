@@ -80,7 +80,7 @@ LOST = 2.0 * DAY  # after so long without an estimate that converged, an orbit i
 
 @dataclass(frozen=True)
 class Fitting:
-    """What the fits of a morning share."""
+    """Propagator, measurements and settings that the fits of a morning share."""
 
     propagator: Propagator
     measured: Measurements  # the measurements of the recent tracks

@@ -1,4 +1,4 @@
-"""What a morning issues: the model that left the least so far, its ephemeris with the sizes of its errors.
+"""Ephemeris that a morning issues: of the model that left the least so far, with the sizes of its errors.
 
 The row of the model that is selected is of the table `issued`. The ephemeris is the path of that model, with
 covariances, on a message's epochs.
@@ -33,7 +33,7 @@ class SelectedModel:
 
     @property
     def basis(self) -> str:
-        """What covariances rest on, in words."""
+        """Evidence behind covariances, in words."""
         if self.past.empty:
             return f"from {USUAL}"
         mornings, longest = self.past["morning"].nunique(), self.past["duration"].max() / DAY

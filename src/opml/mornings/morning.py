@@ -41,7 +41,7 @@ class TrackedObject:
 
     @property
     def plan(self) -> MorningPlan:
-        """What is asked of every morning."""
+        """Settings of every morning."""
         return self.watched.plan
 
     @property
@@ -175,13 +175,13 @@ class TrackMorning:
 
     @property
     def records(self) -> Records:
-        """What it leaves to later mornings."""
+        """Records for later mornings."""
         row = issued.row(self.now, self.starts, self.selected, self.verdict.word, burn=self.burn)
         return Records(self.estimates, self.judged, row, self.paths)
 
     @property
     def figures(self) -> dict[str, Any]:
-        """What its ephemeris starts from, its orbit, and errors to expect days after the estimate."""
+        """Start of its ephemeris, its orbit, and errors to expect days after the estimate."""
         fits = self.estimates
         base = fits[fits["window_hours"] == self.watched.plan.base]
         counts = {"tracks": len(base), "converged": int(base["converged"].sum()), "late": self.recent.late}

@@ -1,4 +1,4 @@
-"""What became of objects on a day, in a file; pages are made of it without what mornings need to run."""
+"""Outcomes of objects on a day, in a file; pages are made of it without what mornings need to run."""
 
 import gzip
 import json

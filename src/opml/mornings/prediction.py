@@ -1,4 +1,4 @@
-"""Where an object will be by what measured it, points or tracks, and how surely: its mornings run again.
+"""Prediction of an object from its points or tracks, with covariances: its mornings run again.
 
 The mornings up to a date fit what was measured by then, under the forces and the weather that were known, and
 judge what they issued. The last one's ephemeris is the prediction.
@@ -76,7 +76,7 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class Request:
-    """What is asked for."""
+    """Prediction that is asked for."""
 
     files: Sequence[FilePath]  # of one object, points (OEM, SP3, CPF, CSV) or tracks (TDM)
     days: float = LONGEST  # how long
@@ -124,7 +124,7 @@ class FittedOrbit(PredictedOrbit):
 
     @property
     def way(self) -> str:
-        """What was used, in words."""
+        """Fits that were used, in words."""
         arc = arc_of(self.model)
         hours = arc[0] if arc else 0.0
         of_mean = ", its drag the mean of such fits" if issued.holds_cd(self.model) else ""
@@ -182,7 +182,7 @@ class _Times:
 
 
 class OrbitSettings(JobSettings):
-    """How the orbits of objects are fitted and predicted, whenever they were measured."""
+    """Settings of fits and predictions, whenever objects were measured."""
 
     force_model: ForceModelSettings
     integrator: Integrator

@@ -1,4 +1,4 @@
-"""What is kept of an object from morning to morning."""
+"""Records of an object, kept from morning to morning."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -16,7 +16,7 @@ from opml.tables import SCHEMAS
 
 @dataclass(frozen=True)
 class Records:
-    """What mornings left."""
+    """Tables and ephemerides that mornings left."""
 
     TABLES: ClassVar = ("kept_estimates", "judged", "issued")
 

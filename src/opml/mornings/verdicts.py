@@ -1,4 +1,4 @@
-"""How ephemerides of earlier mornings fared, by the estimates of this one, and whether to trust the next."""
+"""Judgement of earlier ephemerides by the estimates of a morning, and whether to trust the next."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -24,7 +24,7 @@ _MARGIN = DAY
 
 @dataclass(frozen=True)
 class ObjectPropagators:
-    """How an object is propagated."""
+    """Propagators of an object."""
 
     fits: Propagator  # under what was measured of the weather by the time of each fit
     predictions: Propagator  # under what was known of it by t_i
@@ -35,7 +35,7 @@ class ObjectPropagators:
 
 @dataclass(frozen=True)
 class MorningPlan:
-    """What is asked of every morning of an object."""
+    """Settings of every morning of an object."""
 
     models: Mapping[str, ResolvedSettings]  # resolved settings of learners that learn nothing, by name
     estimation: Estimation  # of the fits over the base window
@@ -64,7 +64,7 @@ class MorningPlan:
 
     @property
     def reach(self) -> float:
-        """How far back from a morning tracks are read [s]."""
+        """Time before a morning from which on tracks are read [s]."""
         return max([self.base, *self.other_windows]) * HOUR + _MARGIN
 
 

@@ -1,1 +1,1 @@
-"""What mornings leave on disk for those to come."""
+"""Folders in which mornings leave their records to those to come."""

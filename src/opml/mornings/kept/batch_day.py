@@ -1,4 +1,4 @@
-"""What the mornings of a batch of objects leave on a day: one folder, whose tables have rows of all of them.
+"""Records of a batch of objects on a day: one folder, whose tables have rows of all of them.
 
 kept_estimates.parquet   estimates that were made, over all windows
 judged.parquet           how far ephemerides of earlier mornings were off these, model by model
@@ -36,7 +36,7 @@ _DONE, _OUTCOMES = "done.json", "outcomes.json.gz"
 
 @dataclass(frozen=True)
 class MorningMark:
-    """How a morning of an object was made."""
+    """Settings, stations and models of a morning of an object."""
 
     settings: str  # their digest
     stations: Mapping[str, str]  # digests of those that measured the object, by name
@@ -54,7 +54,7 @@ class FinishedMorning:
 
     @property
     def mark(self) -> MorningMark:
-        """How it was made."""
+        """Settings, stations and models of it."""
         models = [model for paths in self.records.paths for model in paths.models]
         return MorningMark(self.settings, self.stations, models)
 
@@ -80,7 +80,7 @@ class BatchDay:
 
     @cached_property
     def outcomes(self) -> dict[str, dict[str, Any]]:
-        """What became of objects, by name."""
+        """Outcomes of objects, by name."""
         return {one["object"]: one for one in outcomes.read(self.folder / _OUTCOMES)}
 
     def table(self, name: str) -> "ObjectRows":

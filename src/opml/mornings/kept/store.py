@@ -20,7 +20,7 @@ _BATCH = "batch_"
 
 
 class Store:
-    """What the mornings of objects left, by day."""
+    """Records of the mornings of objects, by day."""
 
     def __init__(self, days: FilePath, batch: str, objects: Iterable[str]) -> None:
         """Take the folder of all days, the batch that is written, and the names of its objects."""
