@@ -115,7 +115,7 @@ class BatchSettings(JobSettings):
 
 @dataclass(frozen=True)
 class Surroundings:
-    """Environment that all objects of a job share: force models as of `watched.ObjectPropagators`, and the stations.
+    """Environment of all objects of a job: force models as of `ObjectPropagators`, and the stations.
 
     The weather was seen until `seen_until` [s]. The models of fits and predictions stand with the parts of
     them for high orbits and for neighbours, made once: arcs under one model are propagated together.
