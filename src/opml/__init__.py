@@ -28,9 +28,7 @@ __all__ = [
     "correct",
     "dataset",
     "estimate",
-    "first_orbit",
     "force_model",
-    "label",
     "learn",
     "make_environment",
     "p_ml",
@@ -40,7 +38,6 @@ __all__ = [
     "read_orbit",
     "read_rsos",
     "read_stations",
-    "read_tracks",
     "style",
     "track",
 ]
