@@ -81,7 +81,8 @@ def _parser() -> argparse.ArgumentParser:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--version", action="version", version=f"opml {__version__}")
-    subparsers = parser.add_subparsers(required=True, metavar="COMMAND", help="one of the commands below")
+    parser.set_defaults(run=lambda _: parser.print_help())
+    subparsers = parser.add_subparsers(metavar="COMMAND", help="one of the commands below")
     for command in COMMANDS:
         subparser = subparsers.add_parser(command.name, description=command.help, formatter_class=_Help)
         command.add_arguments(subparser)

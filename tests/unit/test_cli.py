@@ -58,11 +58,13 @@ def test_a_file_in_the_way_is_told_in_one_line(tmp_path, capsys):
     assert re.fullmatch(r"opml: .*file.*\n", capsys.readouterr().err)
 
 
-def test_the_help_names_every_command(capsys):
+def test_the_help_names_every_command_and_stands_where_none_is_given(capsys):
     with pytest.raises(SystemExit) as ended:
         cli.main(["--help"])
     assert ended.value.code == 0
     told = capsys.readouterr().out
+    assert cli.main([]) == 0
+    assert capsys.readouterr().out == told
     lines = told.splitlines()
     for command in cli.COMMANDS:
         assert any(line.split() == [command.name, *command.help.split()] for line in lines)

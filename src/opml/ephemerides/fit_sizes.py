@@ -152,7 +152,7 @@ class FitSizes:
 
         rows: duration [s], rate [rad/s], drag_* and weather_* [m]
         """
-        fit, drag = np.sqrt(_variances(self.formal.to_frame().T.iloc[np.zeros(len(rows), int)], rows))
+        fit, drag = np.sqrt(_variances(self.formal.to_frame().T, rows))
         position = np.hypot(self.scales[0] * fit, self.scales[1] * drag)
         velocity = rows["rate"].to_numpy()[:, None] * position[:, [0, 0, 2]]
         return np.hstack([position, velocity])
