@@ -222,7 +222,8 @@ def _improve(options: argparse.Namespace) -> None:
         options.output, options.table, [*sets, *filter(None, (options.weather, options.model))]
     )
     now = datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%S")
-    known = improve.read(sets, date=options.date or now, weather=options.weather, latency=latency(options))
+    date = now if options.date is None else options.date
+    known = improve.read(sets, date=date, weather=options.weather, latency=latency(options))
     with on_stderr() as progress:
         better = improve.improve(known, trained_model.read(options.model), progress=progress)
     missing = better.write(options.output)

@@ -85,7 +85,9 @@ def test_the_search_shows_where_the_words_stand_from_a_folder_too(site):
     script = (site / "_static" / "pages.js").read_text(encoding="utf-8")
     texts = json.loads(re.search(r"PAGES = ({.*});\n", script)[1])
     assert set(texts) >= {f"{page.stem}.html" for page in (REPOSITORY / "docs").glob("*.md")}
-    section = r'<section id="which-model-is-selected"> Which model is selected\? Each morning the default'
+    section = (
+        r'<section id="what-an-ephemeris-contains"> What an ephemeris contains Each epoch of an ephemeris'
+    )
     assert re.search(section, texts["uncertainty.html"])
     assert set(re.findall(r"</?(\w+)", "".join(texts.values()))) == {"section"}
 

@@ -88,21 +88,21 @@ def test_an_object_that_fails_stops_no_other_and_is_tried_again(operator):
     code, told = opml_day(operator, "--date", "2016-09-29")
     found = page(operator, "2016-09-29")
     assert code == 2, told
-    assert found["mine"]["verdict"] == "do not use"  # no past on the first morning
+    assert found["mine"]["verdict"] == "unproven"  # no past on the first morning
     assert found["broken"]["verdict"] == found["absent"]["verdict"] == "failed"
     assert "tracks/broken.tdm: line 2: expected KEY = value" in told
     assert "absent/*.tdm: no such file" in told
     log = operator / "results" / "logs" / "days" / "2016-09-29" / "objects_0.log"
-    assert "mine, 2016-09-29: do not use" in log.read_text()
+    assert "mine, 2016-09-29: unproven" in log.read_text()
     (operator / "tracks" / "broken.tdm").write_text(TRACKS.read_text())
     code, told = opml_day(operator, "--date", "2016-09-29")
     assert code == 2, told
-    assert page(operator, "2016-09-29")["broken"]["verdict"] == "do not use"
+    assert page(operator, "2016-09-29")["broken"]["verdict"] == "unproven"
     assert "mine, 2016-09-29" not in log.read_text()
-    assert "broken, 2016-09-29: do not use" in log.read_text()
+    assert "broken, 2016-09-29: unproven" in log.read_text()
     code, told = opml_day(operator, "--date", "2016-09-29", "--object", "mine")
     assert code == 0
-    assert "**mine. Do not send**" in told
+    assert "**mine. Send with care: unproven**" in told
     code, told = opml_day(operator, "--date", "2016-09-29", "--object", "absent")
     assert code == 1
     assert told == ("opml: --object: expected an object whose morning of 2016-09-29 is over, got absent\n")

@@ -494,17 +494,15 @@ def test_a_stranger_makes_a_task_answers_it_and_is_scored(tmp_path, monkeypatch,
         assert f"such a set is {off['set_r']:.0f} m off it radially" in page
         assert [path.read_bytes() for path in recipes.read("month.yaml").source.fetch()] == [content]
         assert server.asked() == ["/sets.tle"]
+        file, digest = f"{server.address}/sets.tle", recipe.split()[-1][:12]
         for answer, told in (
-            (
-                (200, b"1 cut short"),
-                f"expected the file of SHA-256 {recipe.split()[-1][:12]}, got another: 1 cut",
-            ),
-            ((404, b"gone"), "expected an answer 200, got 404: gone"),
+            ((200, b"1 cut"), f"expected the file of SHA-256 {digest}, got another: '1 cut': {file}"),
+            ((404, b"gone"), f"{file}: expected an answer 200, got 404: gone"),
         ):
             (tmp_path / "data" / "pinned" / "sets.tle").write_text("cut short")
             server.answers["/sets.tle"] = answer
             assert cli.main(["task", "month.yaml", "-o", "wrong"]) == 1
-            assert f"{server.address}/sets.tle: {told}" in capsys.readouterr().err
+            assert told in capsys.readouterr().err
     assert not Path("wrong").exists()
 
 
