@@ -28,7 +28,9 @@ __all__ = [
     "correct",
     "dataset",
     "estimate",
+    "first_orbit",
     "force_model",
+    "label",
     "learn",
     "make_environment",
     "p_ml",
@@ -38,6 +40,7 @@ __all__ = [
     "read_orbit",
     "read_rsos",
     "read_stations",
+    "read_tracks",
     "style",
     "track",
 ]

@@ -20,8 +20,10 @@ from opml.base.errors import InputError
 from opml.base.files import FilePath, project_file
 from opml.catalog.associate import quarantine
 from opml.catalog.fit import fixes, start_states
+from opml.catalog.fit import measured_tracks as from_measurements
 from opml.catalog.fit.estimation_settings import Estimation
-from opml.catalog.predict import prediction
+from opml.catalog.fit.first import first_orbit as first_orbits
+from opml.catalog.predict import labels, prediction
 from opml.catalog.propagator import Propagator
 from opml.catalog.simulate import tracking, truth
 from opml.dynamics.forces import build, tabulated
@@ -32,7 +34,7 @@ from opml.element_sets import prediction as set_prediction
 from opml.element_sets.prediction import Prediction
 from opml.environment import nodes, solar_activity
 from opml.fetch import public_data
-from opml.interop import comparison, formats, known_orbits
+from opml.interop import comparison, formats, known_orbits, tdm
 from opml.interop.known_orbits import KnownOrbit
 from opml.interop.predicted_orbit import PredictedOrbit
 from opml.learning.data import dataset as datasets
@@ -208,6 +210,49 @@ def track(
     )
 
 
+def read_tracks(*paths: str | Path, epoch: epochs.Time, stations: Sequence[Station]) -> pd.DataFrame:
+    """Read what stations measured of an RSO from TDMs: the table `tracking`, where `*_true` is NaN.
+
+    epoch: time (UTC) that times count from. Measurements of other stations are left out. Raises InputError,
+    naming file and line, for what is malformed, or what a station cannot see or an orbit cannot be.
+
+    >>> from opml.interop import tdm
+    >>> tdm.write("iss.tdm", tracks, epoch=environment.epoch, rso=iss.name)
+    >>> measured = opml.read_tracks("iss.tdm", epoch=environment.epoch, stations=stations)
+    >>> list(measured["range"]) == list(tracks["range"])
+    True
+    """
+    return from_measurements.tracks(tdm.measurements(paths, epoch=epochs.instant(epoch)), stations)
+
+
+def first_orbit(
+    propagator: Propagator,
+    tracks: pd.DataFrame,
+    environment: Environment,
+    stations: Sequence[Station],
+    *,
+    start: Rso | None = None,
+) -> pd.DataFrame:
+    """Find a first orbit without a truth: the table `starts`, a state at each track's start, for `estimate`.
+
+    propagator: under the assumed model; start: an RSO whose elements at the epoch are carried to the tracks;
+    where None, an orbit is determined from the tracks of the first day.
+    Raises InputError where no track gives an orbit, where tracks of angles fit none together, and where
+    tracks are far from the elements.
+
+    >>> propagator = opml.Propagator(assumed_model, iss)
+    >>> starts = opml.first_orbit(propagator, measured, environment, stations)
+    >>> len(starts)
+    29
+    """
+    return first_orbits.starts(
+        propagator,
+        fixes.measurements(tracks, environment.earth_orientation, stations),
+        known=first_orbits.of_sheet(start, propagator.model.gm) if start else None,
+        settings=_estimation(None, "first_orbit"),
+    )
+
+
 def estimate(
     propagator: Propagator,
     truth: pd.DataFrame,
@@ -220,12 +265,11 @@ def estimate(
 ) -> pd.DataFrame:
     """Estimate state and drag coefficient at each track's start: the table `estimates`, one row per track.
 
-    propagator: under the assumed model; truth: perturbed with `seed`, where a first fit starts; settings:
-    those that differ from `ESTIMATION`. A fit that fails is a row with its reason. Raises InputError for an
-    unknown setting.
+    propagator: under the assumed model; truth: perturbed with `seed`, where a first fit starts, or the table
+    `starts` of `first_orbit`, which is taken as it is; settings: those that differ from `ESTIMATION`. A
+    fit that fails is a row with its reason. Raises InputError for an unknown setting.
     Source: sec. Estimation Models.
 
-    >>> propagator = opml.Propagator(assumed_model, iss)
     >>> estimates = opml.estimate(propagator, truth, tracks, environment, stations)
     >>> bool(estimates["converged"].all())
     True
@@ -339,6 +383,20 @@ def predict_tracks(
     True
     """
     return prediction.predict_all(propagator, truth, estimates, max_days=max_days)
+
+
+def label(predictions: pd.DataFrame, estimates: pd.DataFrame, tracks: pd.DataFrame) -> pd.DataFrame:
+    """Hold predictions against later estimates, as without a truth: the table `labels`, one row per pair.
+
+    estimates: of the tracks predicted to. Errors are in RSW of the later estimate [m, m/s], with its formal
+    uncertainty and when it is known; a pair without one has the reason.
+    Source: ``opml docs labels``.
+
+    >>> labels = opml.label(predictions, estimates, tracks)
+    >>> bool((labels["t_known"] > predictions["t_j"]).all())
+    True
+    """
+    return labels.build(predictions, estimates, tracks)
 
 
 def dataset(catalogue: Catalogue, *, labels: pd.DataFrame | None = None) -> pd.DataFrame:

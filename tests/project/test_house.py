@@ -73,8 +73,8 @@ def test_what_is_taken_from_a_facade_is_its_own(facade):
 
 
 MOST = {
-    "lines of the package": 41_172,
-    "lines of tests": 31_111,
+    "lines of the package": 41_231,
+    "lines of tests": 31_112,
     "classes": 296,
     "docstrings that begin with what, which, how, where, of": 0,
     "variables called found, one, made, told": 37,
