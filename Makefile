@@ -72,7 +72,7 @@ $(VENV)/.docs: $(INSTALLED) requirements-docs.lock
 	touch $@
 
 pictures: $(INSTALLED)
-	$(BIN)/snakemake -j2 default beyond
+	$(BIN)/snakemake -j2 default study
 	$(BIN)/python -m validation.pictures results/figs docs/images/paper
 
 wheel: $(INSTALLED)

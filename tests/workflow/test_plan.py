@@ -162,7 +162,7 @@ def test_a_study_of_ones_own_names_all_its_products(project):
     once = dict.fromkeys(["truth", "dataset", "study_report", "study_models"], 1)
     # Estimates have the windows of fit24, fit48 and fit96 beside the study's own.
     assert jobs(plan).items() >= (once | {"estimation": 4}).items()
-    assert jobs(plan).keys() & {"svr", "partition", "reproduction", "beyond"} == set()
+    assert jobs(plan).keys() & {"svr", "partition", "reproduction"} == set()
 
 
 def test_a_study_of_ones_own_is_what_a_plain_run_makes(project):

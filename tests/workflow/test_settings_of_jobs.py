@@ -11,7 +11,7 @@ ISS = "iss/eglin-clear-kaena"
 FORECAST = "environment={knowledge: forecast, solar_activity: OBSERVED}"
 STUDY = "study={rsos: [iss], days: {train: [0, 30], test: [30, 40]}}"
 PLANS = {
-    "the paper's": ["default", "beyond", "--configfile", "config/ci.yaml"],
+    "the paper's": ["default", "study", "--configfile", "config/ci.yaml"],
     "a study's": ["study", "--config", FORECAST, STUDY],
     "messages": [f"results/exports/{path}" for path in ("truth/iss.oem", f"tracking/{ISS}.tdm")],
 }

@@ -32,7 +32,7 @@ class _Part(NamedTuple):
 _PARTS = (
     _Part("The run", "What is simulated, or read from files.", "", RunAlone),
     _Part("A study of your own", "What is asked of the run.", "study", OwnStudySettings),
-    _Part("The paper", "The paper's figures and tables, and what goes beyond it.", "study", PaperStudy),
+    _Part("The paper", "The paper's figures and tables.", "study", PaperStudy),
     _Part(
         "Entries",
         "An entry of `evaluations`, `grids`, `curves` and the like is a model on a test. Besides its own\n"

@@ -46,7 +46,7 @@ config = dict(PLAN.values)
 PARAMS = Params(PLAN)
 INPUTS = Inputs(PLAN, PARAMS)
 ENVIRONMENT = PLAN.environment
-STUDY, PAPER, BEYOND, OWN = PLAN.study, PLAN.paper, PLAN.beyond, PLAN.own_study
+STUDY, PAPER, OWN = PLAN.study, PLAN.paper, PLAN.own_study
 product = PLAN.product
 
 

@@ -38,11 +38,10 @@ if OWN.is_asked:
             STUDY_MODELS.benchmark
         params:
             **drawing(
-                "beyond_splits",
+                "study_models",
                 {
                     "epoch": config["epoch"],
                     "component": STUDY.defaults["component"],
-                    "published": [],
                     "station_sets": OWN.panels,
                     "learners": OWN.learners,
                     "splits": OWN.splits,

@@ -22,14 +22,6 @@ PAPER_PARTS = {
     ],
 }
 PAPER_FILES = [file for part, files in PAPER_PARTS.items() if part in STUDY for file in files()]
-BEYOND_FILES = (
-    [
-        *rules.beyond_report.output,
-        *rules.beyond_splits.output,
-    ]
-    if "beyond" in STUDY
-    else []
-)
 STUDY_FILES = (
     [
         *rules.study_report.output,
@@ -41,5 +33,5 @@ STUDY_FILES = (
 
 if PLAN.settings.misfit:
     # A run that is too short for the default study is wrong only where something of that study is asked for.
-    for maker in {file.rule for file in [*PAPER_FILES, *BEYOND_FILES]}:
+    for maker in {file.rule for file in [*PAPER_FILES, *STUDY_FILES]}:
         maker.set_input(fits=lambda wildcards: end_plan(PLAN.settings.misfit))

@@ -11,6 +11,9 @@ PAPER = "Peng & Bai"  # the paper, in the labels of its numbers
 
 P_ML = r"$P_{\mathrm{ML}}$"
 
+INTERVAL = "bars: 5th to 95th percentile over resampled estimates"  # note on the bars of P_ML
+NO_CORRECTION = 100.0  # P_ML [%] without a correction
+
 VARIED = {
     "inclination": "inclination $i$ [deg]",
     "semi_major_axis": "increment of the semi-major axis $a$ [km]",

@@ -14,7 +14,17 @@ from matplotlib.figure import Figure
 
 from opml import naming
 from opml.base.errors import InputError
-from opml.figures.axis_labels import P_ML, PAPER, VARIED, describe_training, in_words, lines, symbol
+from opml.figures.axis_labels import (
+    INTERVAL,
+    NO_CORRECTION,
+    P_ML,
+    PAPER,
+    VARIED,
+    describe_training,
+    in_words,
+    lines,
+    symbol,
+)
 from opml.figures.display_names import display_learner, display_rso, display_stations
 from opml.figures.style import (
     MARKERS,
@@ -27,10 +37,7 @@ from opml.figures.style import (
 )
 from opml.naming import Split
 
-INTERVAL = "bars: 5th to 95th percentile over resampled estimates"  # note on the bars of P_ML
-
 _APART = 0.02  # of two series of a curve, in parts of its length, so that equal points are seen
-NO_CORRECTION = 100.0  # P_ML [%] without a correction
 
 
 def partition_curve(

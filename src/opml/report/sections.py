@@ -8,8 +8,7 @@ SECTIONS = {
     "numerical": "4 Numerical Results of Improving Orbit Prediction",
     "future": "5 Generalize the SVM Model to Future Epochs",
     "nearby": "6 Generalization to Nearby RSOs",
-    "beyond": "7 Beyond the paper",
-    "study": "8 The study",
+    "study": "7 The study",
 }
 """Titles of the sections, by a word for each."""
 

@@ -302,7 +302,7 @@ def _check_references(source: Source, settings: Settings) -> None:
         raise source.wrong(("learners", fixed, "kernel_scale"), "expected a number, as it is one fixed scale")
 
 
-_ENTRIES = (*((), ("defaults",), ("orbit",), ("partition",), ("beyond",)),)
+_ENTRIES = (*((), ("defaults",), ("orbit",), ("partition",)),)
 _MAPPINGS_OF_ENTRIES = (("evaluations",), ("grids",), ("curves",), ("reproduction", "readings"))
 
 
@@ -341,13 +341,11 @@ class _Checks:
             "station_sets": _each(self._stations),
             "learner": self._learner,
             "learners": _each(self._learner),
-            "transfers": _each(self._learner),
             "rules": _each(self._learner),
             "train": self._train,
             "test": self._test,
             "tests": _each(self._test),
             "split": self._pair,
-            "transfer_split": self._pair,
             "splits": lambda pairs: _each(self._pair)(
                 list(pairs.values()) if isinstance(pairs, Mapping) else pairs
             ),

@@ -85,13 +85,6 @@ class Paper:
         named = sheets.name_at_inclination if name == "inclination" else sheets.name_at_offset
         return {named(rso, value, sheet): value for value in entry["values"]}
 
-    def published_p_ml(self, experiment: Experiment) -> float | None:
-        """Return the paper's P_ML [%] of an experiment, whatever the learner; None where it gives none."""
-        for _, headline, number in self._numbers:
-            if replace(headline, learner=experiment.learner) == experiment:
-                return number
-        return None
-
     @cached_property
     def datasets(self) -> list[tuple[str, str]]:
         """RSO and station set of every dataset that the evaluations and grids are made of, each once."""

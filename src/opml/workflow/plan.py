@@ -12,7 +12,6 @@ from opml import naming, tables
 from opml.catalog import kinds
 from opml.report.settings_tables import weather
 from opml.study import truth_groups
-from opml.study.beyond import Beyond
 from opml.study.experiments import Study
 from opml.study.own_study import OwnStudy
 from opml.study.paper import Paper
@@ -51,11 +50,6 @@ class Plan:
         return Paper(self.study)
 
     @cached_property
-    def beyond(self) -> Beyond:
-        """The experiments beyond the paper."""
-        return Beyond(self.paper)
-
-    @cached_property
     def own_study(self) -> OwnStudy:
         """The experiments of a study of any RSO."""
         return OwnStudy(self.study)
@@ -88,7 +82,6 @@ class Plan:
         """The RSOs that the experiments of all studies train on and test, each once."""
         experiments = [
             *self.paper.reported,
-            *(self.beyond.every if "beyond" in self.study else []),
             *(self.own_study.experiments.values() if self.own_study.is_asked else []),
         ]
         rsos = [rso for experiment in experiments for rso in (experiment.rso, experiment.target)]

@@ -8,6 +8,7 @@ import pytest
 from support import paper_values, study_of
 
 from opml.environment.settings import EnvironmentSettings
+from opml.figures import study_models
 from opml.report import absurd_fits, document
 from opml.report import own_study as report
 from opml.report.settings_tables import weather
@@ -215,6 +216,27 @@ def test_the_study_leads_with_the_model_that_errs_least_and_its_skill(told):
     assert rows["`running`"][-1] == "0"
     assert -560 < int(rows["`svr`"][-1]) < -400
     assert f"Skill of `svr`: {rows['`svr`'][-1]} %" in told
+
+
+def test_the_figure_has_every_model_and_its_head_what_a_random_split_flatters():
+    own = own_of(learners=["none", "svr"], station_sets=["eglin", "eglin-clear-kaena"])
+    flattery = {"grouped": 1.0, "later": 15.0, "unseen": 110.0}
+    rows = [
+        experiment.columns() | SHARES | {"split": split, "p_ml": flattery[split] if model == "svr" else 100.0}
+        for (*_, model, split), experiment in own.experiments.items()
+    ]
+    figure = study_models.splits(
+        pd.DataFrame(rows),
+        panels=own.panels,
+        models=dict.fromkeys(own.learners, "a model"),
+        splits=list(own.splits),
+        component="e_y",
+    )
+    left, right = figure.axes
+    assert [label.get_text() for label in left.get_yticklabels()] == ["none", "svr"]
+    assert [line.get_xdata().tolist() for line in right.lines[:3]] == [[100.0, p_ml] for p_ml in flattery.values()]
+    heads = [text.get_text() for text in figure.texts]
+    assert any("= 1 % on grouped rows, 110 % on unseen rows" in head for head in heads)
 
 
 def test_sizes_are_medians_and_95th_percentiles_near_a_duration(told):

@@ -221,7 +221,7 @@ def test_a_study_that_extends_others_is_laid_over_them(tmp_path):
     study = given(tmp_path, "study: {extends: [paper], partition: {ratios: [20]}}\n").values["study"]
     assert study["partition"] == PAPER["study"]["partition"] | {"ratios": [20]}
     assert study["curves"] == PAPER["study"]["curves"]
-    assert "beyond" not in study
+    assert "splits" not in study
 
 
 def test_a_study_may_be_a_file_elsewhere(tmp_path):

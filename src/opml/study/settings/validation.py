@@ -91,7 +91,7 @@ _EARLIER = {
     "find_manoeuvres": "it is gone: burns in element sets are always detected",
     "from": "it is gone: an ephemeris starts from the newest estimate",
     "high_degree": "it is gone: element sets are predicted as by opml predict",
-    "honest": "it is study.beyond now",
+    "beyond": "it is gone: a study compares models itself, by its station_sets, learners and splits",
     "positions_alone": "it is gone: SP3 velocities in m/s are recognised",
     "pools": "it is gone: opml train learns from many objects",
     "every_hours": "it is gone: `opml day --since` runs past mornings again",

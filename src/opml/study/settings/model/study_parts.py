@@ -20,7 +20,6 @@ from opml.study.settings.model.names import (
     PublishedByValue,
     Ratios,
     SeedList,
-    SplitPair,
     Splits,
     Test,
     Tests,
@@ -119,16 +118,6 @@ class CurveSettings(Entry):
     published: PublishedByValue = setting("the paper's P_ML", unit="%", default={})
 
 
-class BeyondSettings(Section):
-    """Experiments beyond the paper."""
-
-    station_sets: Names = setting("station sets that models are compared for")
-    learners: Names = setting("models to compare")
-    splits: Splits = setting("training and test split", see="wildcards.md")
-    transfers: Names = setting("models that are carried over to the curves' RSOs")
-    transfer_split: SplitPair = setting("their training and test split", see="wildcards.md")
-
-
 class SpreadSeeds(Section):
     """Seeds of the spreads in the reproduction."""
 
@@ -195,7 +184,6 @@ class PaperStudy(Section):
     curves: Absent[dict[CurveName, CurveSettings]] = absent("one model on other RSOs")
     seeds: Absent[SpreadSeeds] = absent("seeds of the spreads in the reproduction")
     reproduction: Absent[ReproductionSettings] = absent("the paper's numbers and ours")
-    beyond: Absent[BeyondSettings] = absent("what goes beyond the paper")
 
 
 class StudySettings(PaperStudy, OwnStudySettings):

@@ -1,4 +1,4 @@
-"""Beyond the paper, on the trimmed case: models against splits, a harder truth."""
+"""Models against splits, on the trimmed case; a harder truth."""
 
 import re
 import shutil
@@ -14,12 +14,12 @@ CI = "--configfile=config/ci.yaml"
 
 
 @pytest.fixture(scope="module")
-def beyond(finished, tmp_path_factory):
-    """The finished run, carried on beyond the paper."""
-    folder = tmp_path_factory.mktemp("beyond")
+def study(finished, tmp_path_factory):
+    """The finished run, carried on to its models against splits."""
+    folder = tmp_path_factory.mktemp("study")
     shutil.copytree(finished.folder, folder, dirs_exist_ok=True)
     project = Project(folder, source=ROOT)
-    project.snakemake("-j2", CI, "beyond")
+    project.snakemake("-j2", CI, "study")
     return project
 
 
@@ -27,26 +27,27 @@ def results(project, name):
     return project.folder / "results" / "ci" / name
 
 
-def test_every_model_is_in_the_table(beyond):
-    text = results(beyond, "beyond.md").read_text()
+def test_every_model_is_in_the_table(study):
+    text = results(study, "study.md").read_text()
     for model in ("none", "boosting", "svr", "covariance", "mechanism"):
-        assert len(re.findall(rf"^\| `{model}` \| [\d.]+ \([\d.]+ to [\d.]+\)", text, re.MULTILINE)) == 1
-    assert re.search(r"^\| `none` \| 100\.0 \(100\.0 to 100\.0\)", text, re.MULTILINE)
+        row = rf"^\| iss \| eglin-clear-kaena \| `{model}` \| [\d.]+ \([\d.]+ to [\d.]+\)"
+        assert len(re.findall(row, text, re.MULTILINE)) == 1
+    assert re.search(r"\| `none` \| 100\.0 \(100\.0 to 100\.0\)", text)
     assert not re.search(r"\bnan\b", text)
 
 
-def test_its_figure_is_drawn(beyond):
-    assert results(beyond, "figs/beyond.pdf").stat().st_size > 5000
-    assert results(beyond, "figs/beyond.png").stat().st_size > 5000
+def test_its_figure_is_drawn(study):
+    assert results(study, "figs/study/iss/models.pdf").stat().st_size > 5000
+    assert results(study, "figs/study/iss/models.png").stat().st_size > 5000
 
 
-def test_without_a_truth_labels_are_learned_from_and_the_truth_judges(beyond):
+def test_without_a_truth_labels_are_learned_from_and_the_truth_judges(study):
     names = {
         label: f"metrics/iss/eglin-clear-kaena{label}/days-0-2/boosting/e_y/iss/days-2-3.parquet"
         for label in ("", "_later")
     }
-    beyond.snakemake("-j2", CI, *(f"results/ci/{name}" for name in names.values()))
-    found = {label: read_table(results(beyond, name), "metrics").iloc[0] for label, name in names.items()}
+    study.snakemake("-j2", CI, *(f"results/ci/{name}" for name in names.values()))
+    found = {label: read_table(results(study, name), "metrics").iloc[0] for label, name in names.items()}
     assert len({one["rows"] for one in found.values()}) == 1
     assert [label for label, one in found.items() if np.isnan(one["p_ml_later"])] == [""]
     for label in ("_later",):
@@ -55,13 +56,13 @@ def test_without_a_truth_labels_are_learned_from_and_the_truth_judges(beyond):
     assert found["_later"]["p_ml"] == pytest.approx(found[""]["p_ml"], rel=0.3)
 
 
-def test_a_model_tells_what_it_was_made_with(beyond):
-    path = results(beyond, "models/iss/eglin-clear-kaena/days-0-2/mechanism/e_y.parquet")
+def test_a_model_tells_what_it_was_made_with(study):
+    path = results(study, "models/iss/eglin-clear-kaena/days-0-2/mechanism/e_y.parquet")
     assert read_metadata(path)["kind"] == "linear_law"
 
 
-def test_the_paper_is_not_run_again_for_it(beyond):
-    assert "Nothing to be done" in beyond.snakemake("-n", CI).stdout
+def test_the_paper_is_not_run_again_for_it(study):
+    assert "Nothing to be done" in study.snakemake("-n", CI).stdout
 
 
 def test_a_harder_truth_changes_the_truth_and_not_the_assumed_model(project):

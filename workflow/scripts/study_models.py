@@ -1,7 +1,7 @@
 """Draw P_ML of models against splits."""
 
 from opml.base.section import JobSettings
-from opml.figures import beyond, style
+from opml.figures import study_models, style
 from opml.figures.axis_labels import describe_splits, lines
 from opml.figures.display_names import display_rso
 from opml.figures.model_names import describe_model
@@ -15,7 +15,6 @@ class Settings(JobSettings):
     station_sets: list[str]
     models: dict[str, AnyLearner]
     learners: list[str]
-    published: list[tuple[str, str, str, float]]
     component: str
     weather: str = ""
 
@@ -25,12 +24,11 @@ with job(snakemake):
     metrics = read_tables(snakemake.input, "metrics")
     names = {tuple(pair): split for split, pair in settings.splits.items()}
     metrics["split"] = [names[pair] for pair in zip(metrics["train"], metrics["test"], strict=True)]
-    figure = beyond.splits(
+    figure = study_models.splits(
         metrics,
         panels=settings.station_sets,
         models={learner: describe_model(settings.models[learner]) for learner in settings.learners},
         splits=list(settings.splits),
-        published={(stations, split): p_ml for stations, _, split, p_ml in settings.published},
         component=settings.component,
         note=lines(
             f"{display_rso(metrics['rso'].iloc[0])}; {describe_splits(settings.splits)}", settings.weather

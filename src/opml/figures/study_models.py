@@ -1,4 +1,4 @@
-"""Figure beyond the paper: models against splits."""
+"""Figure of a study: models against splits."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -10,9 +10,8 @@ from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from opml.figures.axis_labels import P_ML, PAPER, clauses, in_words, symbol
+from opml.figures.axis_labels import INTERVAL, NO_CORRECTION, P_ML, clauses, in_words, symbol
 from opml.figures.display_names import display_learner, display_stations
-from opml.figures.p_ml_curves import INTERVAL, NO_CORRECTION
 from opml.figures.style import (
     MARKERS,
     MUTED,
@@ -30,7 +29,6 @@ def splits(
     panels: Sequence[str],
     models: Mapping[str, str],
     splits: Sequence[str],
-    published: Mapping[tuple[str, str], float],
     component: str,
     note: str = "",
 ) -> Figure:
@@ -38,7 +36,6 @@ def splits(
 
     metrics: that table with a further column `split`, the split's name
     models: what each learner is, in a few words
-    published: the paper's P_ML [%], by station set and split
     """
     learners = list(models)
     figure = page_figure(height_mm=36.0 + 6.5 * len(learners))
@@ -46,8 +43,7 @@ def splits(
         figure.subplots(1, len(panels), sharex=True, sharey=True, squeeze=False)[0], panels, strict=True
     ):
         rows = metrics[metrics["stations"] == stations]
-        numbers = {split: published[stations, split] for split in splits if (stations, split) in published}
-        _draw_splits(axes, rows, learners, splits, numbers)
+        _draw_splits(axes, rows, learners, splits)
         axes.axvline(NO_CORRECTION, color=MUTED, ls="--", lw=1.0, zorder=1)
         axes.set_title(display_stations(stations), fontsize=8.0, loc="left")
         axes.set_xscale("log")
@@ -68,26 +64,15 @@ def _flattered(metrics: pd.DataFrame, splits: Sequence[str]) -> str:
     return f"The split decides: {display_learner(str(most))} has {P_ML} = {', '.join(ends)}"
 
 
-def _draw_splits(
-    axes: Axes,
-    metrics: pd.DataFrame,
-    learners: Sequence[str],
-    splits: Sequence[str],
-    published: Mapping[str, float],
-) -> None:
-    """Draw one station set: a line of marks per learner, a mark per split, and the paper's numbers."""
+def _draw_splits(axes: Axes, metrics: pd.DataFrame, learners: Sequence[str], splits: Sequence[str]) -> None:
+    """Draw one station set: a line of marks per learner, a mark per split."""
     height = np.arange(len(learners))[::-1]
-    papers = len(learners) - 1 - learners.index("svr") if "svr" in learners else len(learners)
     for k, split in enumerate(splits):
         rows = metrics[metrics["split"] == split].set_index("learner").loc[list(learners)]
         aside = height + 0.17 * ((len(splits) - 1) / 2.0 - k)
         look: dict[str, Any] = {"color": SERIES[k % len(SERIES)], "marker": MARKERS[k % len(MARKERS)]}
         axes.hlines(aside, rows["p_ml_low"], rows["p_ml_high"], color=look["color"], lw=1.2)
         axes.plot(rows["p_ml"], aside, ls="", ms=4.0, label=split, **look)
-        if split in published:
-            label = f"{PAPER}, {split}"
-            style: dict[str, Any] = {"marker": look["marker"], "mfc": "none", "mec": PUBLISHED}
-            axes.plot(published[split], papers, ls="", ms=7.0, label=label, zorder=4, **style)
 
 
 def _number(axis: Axis, parts: Sequence[float]) -> None:
