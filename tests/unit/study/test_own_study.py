@@ -234,7 +234,9 @@ def test_the_figure_has_every_model_and_its_head_what_a_random_split_flatters():
     )
     left, right = figure.axes
     assert [label.get_text() for label in left.get_yticklabels()] == ["none", "svr"]
-    assert [line.get_xdata().tolist() for line in right.lines[:3]] == [[100.0, p_ml] for p_ml in flattery.values()]
+    assert [line.get_xdata().tolist() for line in right.lines[:3]] == [
+        [100.0, p_ml] for p_ml in flattery.values()
+    ]
     heads = [text.get_text() for text in figure.texts]
     assert any("= 1 % on grouped rows, 110 % on unseen rows" in head for head in heads)
 
