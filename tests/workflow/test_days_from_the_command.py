@@ -23,9 +23,8 @@ environment: {solar_activity: weather.csv, knowledge: forecast}
 force_models: {assumed: {degree: 8, order: 8, third_bodies: [sun, moon]}}
 integrator: {max_step_s: 120}
 prediction: {max_days: 1}
-uncertainty: {futures: 4}
 study: {}
-day: {models: [fit24], hour: 12}
+day: {models: [fit24], hour: 12, futures: 4}
 """
 TRACKS = ROOT / "tests" / "reference" / "orekit.tdm"
 WEATHER = ROOT / "src" / "opml" / "data" / "space_weather.csv"

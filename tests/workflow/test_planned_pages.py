@@ -42,7 +42,6 @@ force_models:
   truth: {degree: 8, order: 8, third_bodies: [sun, moon]}
   assumed: {degree: 4, order: 4, third_bodies: [sun, moon]}
 prediction: {max_days: 1}
-uncertainty: {futures: 2}
 study:
   cleaning: {fence: 3, fence_days: [0, 3]}
 """

@@ -9,7 +9,7 @@ if PLAN.watched:
         input:
             **{f"fits_{name}": path for name, path in ENVIRONMENT.fits.items()},
             **{f"predictions_{name}": path for name, path in ENVIRONMENT.predictions.items()},
-            futures=ENVIRONMENT.futures(config["uncertainty"]["futures"]),
+            futures=ENVIRONMENT.futures(PLAN.settings.day.futures),
         output:
             OBJECTS.file("json"),
         log:
@@ -36,7 +36,7 @@ if PLAN.watched:
             ],
             activity=ENVIRONMENT.predictions["solar_activity"],
             outlooks=ENVIRONMENT.predictions.get("outlooks", []),
-            futures=ENVIRONMENT.futures(config["uncertainty"]["futures"]),
+            futures=ENVIRONMENT.futures(PLAN.settings.day.futures),
         output:
             **{suffix: DAY.file(suffix) for suffix in ("md", "tsv", "html", "json")},
         log:

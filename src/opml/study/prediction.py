@@ -10,6 +10,7 @@ from opml.learning.models import learners
 from opml.mornings import prediction
 from opml.mornings.prediction import FittedOrbit, OrbitSettings, Request
 from opml.study.settings import packaged
+from opml.study.settings.model.run import DaySettings
 
 MODELS = ("fit48", "running24", "running24m3")
 """Models that the past chooses from: those of every morning whose fits are short."""
@@ -39,6 +40,6 @@ def settings() -> OrbitSettings:
         force_model=real["force_models"]["assumed"] | FIELD,
         integrator=run["integrator"] | {"max_step_s": STEP},
         environment=run["environment"],
-        futures=run["uncertainty"]["futures"],
+        futures=DaySettings().futures,
         models={name: resolve(learners.settings_of(run["learners"][name])) for name in MODELS},
     )

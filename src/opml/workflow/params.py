@@ -198,7 +198,7 @@ class Params:
             "stations": self.all_stations,
             "estimation": _given(self.run.estimation),
             "max_days": self.run.prediction.max_days,
-            "step_s": self.run.ephemeris.step_s,
+            "step_s": day.step_s,
             "models": {name: settings.of_job() for name, settings in models.items()},
             "element_files": self.element_files,
             "weather": self.measured_weather,

@@ -89,15 +89,16 @@ _EARLIER = {
     "forecast": "it is gone: a forecast is the regression",
     "forecasts": "it is gone: a forecast is the regression",
     "find_manoeuvres": "it is gone: burns in element sets are always detected",
-    "from": "it is gone: an ephemeris starts from the newest estimate",
     "high_degree": "it is gone: element sets are predicted as by opml predict",
     "beyond": "it is gone: a study compares models itself, by its station_sets, learners and splits",
     "positions_alone": "it is gone: SP3 velocities in m/s are recognised",
     "pools": "it is gone: opml train learns from many objects",
+    "ephemeris": "it is day.step_s now",
     "every_hours": "it is gone: `opml day --since` runs past mornings again",
     "replayed": "it is gone: `opml day --since` runs past mornings again",
     "rolling": "it is gone: `opml day --since` runs past mornings again",
     "span_days": "it is study.span_days now",
+    "uncertainty": "it is day.futures now",
 }
 """What became of keys of earlier versions."""
 

@@ -101,23 +101,6 @@ class Mechanism(Section):
     )
 
 
-class EphemerisSettings(Section):
-    """Ephemerides of mornings."""
-
-    step_s: Annotated[float, Ge(1), Le(300), Expected("seconds from 1 to 300")] = setting(
-        "time between its epochs, which are counted from the run's; it reaches `prediction.max_days` ahead,"
-        " as far as the run does"
-    )
-
-
-class Uncertainty(Section):
-    """Uncertainty of ephemerides."""
-
-    futures: Annotated[int, Ge(2), Expected("a whole number of 2 or more")] = setting(
-        "futures of the weather that covariances know of, with `knowledge: forecast`"
-    )
-
-
 MORNING_MODELS = ("fit48", "fit96", "running24m3", "running24", "running", "running96")
 """Models that a morning chooses from where none are named."""
 
@@ -135,6 +118,14 @@ class DaySettings(Section):
     )
     together: Annotated[int, Ge(1), Expected("a whole number from 1")] = setting(
         "objects that one job takes at most; their arcs are integrated in step", default=64
+    )
+    step_s: Annotated[float, Ge(1), Le(300), Expected("seconds from 1 to 300")] = setting(
+        "time between the epochs of an ephemeris, which are counted from the run's; it reaches"
+        " `prediction.max_days` ahead, as far as the run does",
+        default=60.0,
+    )
+    futures: Annotated[int, Ge(2), Expected("a whole number of 2 or more")] = setting(
+        "futures of the weather that covariances know of, with `knowledge: forecast`", default=30
     )
     messages: Absent[Annotated[list[Name], Unique()]] = absent(
         "objects whose ephemerides are also written as OEM; by default all", unit="names"
@@ -173,8 +164,6 @@ class RunAlone(Section):
         see="howto.md#a-learner",
     )
     mechanism: Mechanism = setting("columns that laws learn from")
-    ephemeris: EphemerisSettings = setting("ephemerides of mornings")
-    uncertainty: Uncertainty = setting("how far ephemerides may be off")
     day: Absent[DaySettings] = absent("every morning", see="day.md")
     sheets: Sheets = setting("the sheets")
     stations: dict[Name, dict[str, float]] = setting(

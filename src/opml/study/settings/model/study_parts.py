@@ -147,6 +147,9 @@ class ReproductionSettings(Section):
 class OwnStudySettings(Section):
     """A study of any RSO: models against splits."""
 
+    extends: Absent[str | Names] = absent(
+        "in a file, names or paths of studies that this one is laid over", unit="names"
+    )
     rsos: Absent[Names] = absent(
         "RSOs that the study is about; by default that of `defaults`, or the first of the sheet"
     )
