@@ -115,8 +115,8 @@ def make_environment(
     """
     epoch = epochs.instant(epoch)
     t = nodes(epoch, DAY * days)
-    found = solar_activity.tabulate(activity, epoch, t, percentile)
-    return tabulated(epoch, t, found, gravity=gravity, kernel=kernel, degree=degree)
+    indices = solar_activity.tabulate(activity, epoch, t, percentile)
+    return tabulated(epoch, t, indices, gravity=gravity, kernel=kernel, degree=degree)
 
 
 def force_model(
@@ -332,9 +332,9 @@ def predict(
 def _paths(what: str, files: FilePath | Iterable[FilePath]) -> list[FilePath]:
     """Return one path or several as a list. Raises InputError for none, and for what is none."""
     paths = list(files) if isinstance(files, Iterable) and not isinstance(files, (str, bytes)) else [files]
-    for one in paths:
-        if not isinstance(one, (str, os.PathLike)) or one == "":
-            raise InputError(f"{what}: expected files, got {one!r}")
+    for path in paths:
+        if not isinstance(path, (str, os.PathLike)) or path == "":
+            raise InputError(f"{what}: expected files, got {path!r}")
     if not paths:
         raise InputError(f"{what}: expected files, got none")
     return paths
@@ -352,7 +352,7 @@ def read_orbit(*paths: FilePath, object: str | int | None = None) -> KnownOrbit:
     >>> orbit.to_pandas().columns.tolist()
     ['utc', 'x', 'y', 'z', 'vx', 'vy', 'vz', 'sigma_r', 'sigma_s', 'sigma_w']
     """
-    together = [one for each in paths for one in _paths("read_orbit", each)]
+    together = [path for each in paths for path in _paths("read_orbit", each)]
     return known_orbits.read(_paths("read_orbit", together), None if object is None else str(object))
 
 

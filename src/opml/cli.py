@@ -45,12 +45,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _first_of_each() -> Callable[[logging.LogRecord], bool]:
     """Return a filter that passes each message once: a file may be read more than once."""
-    told: set[str] = set()
+    messages: set[str] = set()
 
     def is_new(record: logging.LogRecord) -> bool:
-        before = len(told)
-        told.add(record.getMessage())
-        return len(told) > before
+        before = len(messages)
+        messages.add(record.getMessage())
+        return len(messages) > before
 
     return is_new
 
@@ -66,7 +66,7 @@ class _Help(argparse.HelpFormatter):
 
 def _readable(arguments: Sequence[str]) -> list[str]:
     """Return arguments as argparse reads them: - is standard input, and a latitude may be below 0."""
-    text = "\0".join("/dev/stdin" if one == "-" else one for one in arguments)
+    text = "\0".join("/dev/stdin" if argument == "-" else argument for argument in arguments)
     return re.sub(r"(^|\0)(--station)\0(-\d)", r"\1\2=\3", text).split("\0") if text else []
 
 
@@ -156,11 +156,11 @@ def _screen(options: argparse.Namespace) -> None:
     if options.messages:
         check_folder(os.path.join(options.messages, "*.cdm"))
     limits = {name: getattr(options, name) for name in ("within", "radius", "days", "weather")}
-    found = from_files.conjunctions([options.ours, *options.others], **limits)
+    conjunctions = from_files.conjunctions([options.ours, *options.others], **limits)
     if options.messages:
-        found = list(found)
-        cdm.write_all(options.messages, found, epoch=EPOCH)
-    table = as_text.table(found, epoch=EPOCH)
+        conjunctions = list(conjunctions)
+        cdm.write_all(options.messages, conjunctions, epoch=EPOCH)
+    table = as_text.table(conjunctions, epoch=EPOCH)
     if options.csv:
         tables.comma_separated(table, sys.stdout)
     elif options.json:
@@ -281,19 +281,21 @@ def _predict(options: argparse.Namespace) -> None:
         options.files, fetched = public_data.sets_or_files(options.files, progress)
         options.object = fetched if options.object is None else options.object
         kind = formats.kind_of(options.files[0], formats.ELEMENTS, formats.ORBIT, formats.TRACKS)
-        made = (_propagate_sets if kind == formats.ELEMENTS else _fit)(options, progress)
-    over = {place: station_passes.passes(made, place, mask) for place in places}
+        prediction = (_propagate_sets if kind == formats.ELEMENTS else _fit)(options, progress)
+    over = {place: station_passes.passes(prediction, place, mask) for place in places}
     for path in options.output:
-        prediction_files.write(path, made, over)
+        prediction_files.write(path, prediction, over)
     if options.passes:
         prediction_files.write_passes(options.passes, over)
-    print(f"{made.identity} from {made.date} UTC: {made.way} ({made.reason})")
-    expected = made.expected().dropna(axis="columns", how="all").replace({"utc": r"\.0+$"}, "", regex=True)
+    print(f"{prediction.identity} from {prediction.date} UTC: {prediction.way} ({prediction.reason})")
+    expected = (
+        prediction.expected().dropna(axis="columns", how="all").replace({"utc": r"\.0+$"}, "", regex=True)
+    )
     if "along_track" in expected:
         print("expected errors by lead [d], one sigma [m]:")
     print(expected.to_string(index=False, float_format="{:.0f}".format))
     print(UNKNOWABLE)
-    if line := made.past_in_words:
+    if line := prediction.past_in_words:
         print(line)
     if over:
         print(station_passes.text(over))
@@ -364,10 +366,10 @@ def _train(options: argparse.Namespace) -> None:
     from opml.element_sets import trained_model, training
 
     populations: dict[str, list[str]] = {}
-    for one in options.sets:
-        name, is_named, path = one.rpartition("=")
+    for text in options.sets:
+        name, is_named, path = text.rpartition("=")
         if is_named and not (name and path):
-            raise InputError(f"{one}: expected NAME=PATH or PATH, got no {'path' if name else 'name'}")
+            raise InputError(f"{text}: expected NAME=PATH or PATH, got no {'path' if name else 'name'}")
         populations.setdefault(name if is_named else "all", []).append(path)
     suffix_of(options.output, [trained_model.SUFFIX])
     check_distinct_files([options.output], [options.weather, *chain.from_iterable(populations.values())])

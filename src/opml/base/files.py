@@ -94,7 +94,7 @@ def check_distinct_files(written: Iterable[FilePath], read: Iterable[FilePath]) 
 
 def check_folder(path: FilePath) -> None:
     """Raise InputError where the folder of a path, or the first above it that exists, takes no files."""
-    folder = next(one for one in Path(path).resolve().parents if one.exists())
+    folder = next(parent for parent in Path(path).resolve().parents if parent.exists())
     try:
         tempfile.TemporaryFile(dir=folder).close()
     except OSError as error:

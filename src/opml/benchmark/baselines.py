@@ -139,7 +139,7 @@ def _corrections(known: improve.PublicData, model: CatalogueModel, baseline: str
     if baseline in (IMPROVE, LEARNED):
         tried = weighting.candidates(rows, model.correctors, corrector.jumps(rows))
         if baseline == LEARNED:
-            tried = {name: one for name, one in tried.items() if name not in (UNCHANGED, DENSITY)}
+            tried = {name: value for name, value in tried.items() if name not in (UNCHANGED, DENSITY)}
         # The candidates count by the object's past, where nothing speaks against it.
         why = improve.reasons(known.catalogue, improve.newest_sets(known.catalogue), rows, date=today)
         weights = improve.where_usable(weighting.weights(rows, tried), why)

@@ -47,7 +47,7 @@ class Recipe(TaskRecipe):
     @property
     def mornings(self) -> np.ndarray:
         """Times (n,) that ask, modified Julian days, 06 UTC."""
-        first, last = (modified_julian_day(f"{one}T00:00:00") for one in (self.first, self.last))
+        first, last = (modified_julian_day(f"{text}T00:00:00") for text in (self.first, self.last))
         return np.arange(first, last + 1.0, self.every_days) + HOUR_OF_MORNING
 
 
@@ -153,7 +153,7 @@ def _questioned(recipe: Recipe, catalogue: ElementCatalogue) -> tuple[pd.DataFra
 def _group(numbers: np.ndarray, groups: int) -> np.ndarray:
     """Return the group of each catalogue number (n,), by the number alone."""
     objects, place = np.unique(numbers, return_inverse=True)
-    drawn = [int(derive(0, "group of a benchmark", str(one)).integers(groups)) for one in objects]
+    drawn = [int(derive(0, "group of a benchmark", str(number)).integers(groups)) for number in objects]
     return np.array(drawn, dtype=int)[place]
 
 

@@ -129,7 +129,7 @@ def _intervals(part: pd.DataFrame, lead: int) -> dict[str, float]:
     names = ("along_track_median", "along_track_inside")
     draws = np.array(list(_draws(part, lead))).reshape(-1, len(names))
     known = [column[np.isfinite(column)] for column in draws.T]
-    bounds = [np.percentile(one, _INTERVAL) if len(one) else (np.nan, np.nan) for one in known]
+    bounds = [np.percentile(values, _INTERVAL) if len(values) else (np.nan, np.nan) for values in known]
     return {
         f"{name}_{end}": float(bounds[n][k])
         for n, name in enumerate(names)

@@ -19,7 +19,9 @@ Judge = Callable[[ElementCatalogue, str | Path], pd.DataFrame]
 
 def themselves(sets: ElementCatalogue, weather: str | Path) -> pd.DataFrame:
     """Return the states that SGP4 has of sets at their epochs."""
-    states = [mean_elements.state(one, epoch=elements_epoch(one)) for one in sets.satellites]
+    states = [
+        mean_elements.state(satellite, epoch=elements_epoch(satellite)) for satellite in sets.satellites
+    ]
     return pd.DataFrame(states, columns=[*tasks.STATE])
 
 

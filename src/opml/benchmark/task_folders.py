@@ -136,9 +136,9 @@ def check_free(folder: Path, name: str) -> None:
 def write_truth(folder: Path, questions: Sequence[Question], truth: pd.DataFrame, measured: Weather) -> str:
     """Write the truth and the storms of the weeks after each t; return the truth's SHA-256."""
     cells = truth.to_numpy()
-    rows = [(*one, *_rounded(numbers)) for one, numbers in zip(questions, cells, strict=True)]
+    rows = [(*row, *_rounded(numbers)) for row, numbers in zip(questions, cells, strict=True)]
     tasks.write_csv(folder / tasks.TRUTH, (*tasks.QUESTION, *truth.columns), rows)
-    weeks = [(t, _strongest(measured, modified_julian_day(t))) for t in sorted({one[1] for one in questions})]
+    weeks = [(t, _strongest(measured, modified_julian_day(t))) for t in sorted({row[1] for row in questions})]
     tasks.write_csv(folder / tasks.WEEKS, ("t", "highest_ap"), weeks)
     return tasks.digest(folder / tasks.TRUTH)
 
@@ -176,7 +176,7 @@ def _write_weather(path: Path, known: Weather) -> None:
         ",".join(["DATE", *KP, "F10.7_OBS", "F10.7_DATA_TYPE", "F10.7_OBS_CENTER81"]),
     ]
     for day in range(first, count):
-        kp = (f"{round(10.0 * one)}" for one in known.kp[INTERVALS * day : INTERVALS * (day + 1)])
+        kp = (f"{round(10.0 * value)}" for value in known.kp[INTERVALS * day : INTERVALS * (day + 1)])
         mean = known.flux[day - MEAN_DAYS + 1 : day + 1].mean()
         figures = [*kp, f"{known.flux[day]:.1f}", "OBS", f"{mean:.1f}"]
         lines.append(",".join([epochs.calendar(known.first + day), *figures]))

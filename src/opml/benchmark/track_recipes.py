@@ -65,10 +65,10 @@ def make(recipe: TrackRecipe, orbits: Iterable[FilePath], folders: Folders, weat
     questions: list[Question] = []
     states: list[np.ndarray] = []
     tracks: dict[str, dict[int, pd.DataFrame]] = {}
-    for number, one in recipe.objects.items():
-        epoch = utc_text(modified_julian_day(one.first) - recipe.history_days)
+    for number, observed in recipe.objects.items():
+        epoch = utc_text(modified_julian_day(observed.first) - recipe.history_days)
         orbit, seen = _measured(recipe, number, epoch, files)
-        for t in one.times:
+        for t in observed.times:
             now = DAY * (modified_julian_day(t) - modified_julian_day(epoch))
             times = now + DAY * np.array(LEADS)
             rows = orbit.set_index(orbit["t"].round()).reindex(times)[STATE].dropna()

@@ -80,7 +80,9 @@ def in_figures(outcomes: Sequence[Outcome]) -> Iterator[Block]:
 
 def worst_first(outcomes: Sequence[Outcome]) -> list[Outcome]:
     """Return outcomes, those to look at first."""
-    return sorted(outcomes, key=lambda one: (WORST_FIRST.index(one["verdict"]), -_miss(one), one["object"]))
+    return sorted(
+        outcomes, key=lambda entry: (WORST_FIRST.index(entry["verdict"]), -_miss(entry), entry["object"])
+    )
 
 
 def card(outcome: Outcome) -> Card:
@@ -88,8 +90,8 @@ def card(outcome: Outcome) -> Card:
     name, word, why = outcome["object"], outcome["verdict"], as_it_is(_why(outcome))
     message = f"[{outcome['message']}]({name}/{outcome['message']})" if outcome["message"] else "none"
     last = [
-        (SHAPES[one["verdict"]], f"{one['date']}: {one['verdict']}", one["verdict"])
-        for one in outcome["mornings"]
+        (SHAPES[morning["verdict"]], f"{morning['date']}: {morning['verdict']}", morning["verdict"])
+        for morning in outcome["mornings"]
     ]
     return Card(
         name,
@@ -107,14 +109,14 @@ def card(outcome: Outcome) -> Card:
 
 
 def _expected(outcome: Outcome) -> str:
-    sigmas = {one["day"]: one["along_track_sigma_m"] for one in outcome["expected"]}
+    sigmas = {size["day"]: size["along_track_sigma_m"] for size in outcome["expected"]}
     parts = [f"**{with_unit(sigmas[day])}** after {day} d" for day in LEADS if day in sigmas]
     return ", ".join(parts) or "none, as none was issued"
 
 
 def _sgp4_comparison(outcome: Outcome) -> Iterator[str]:
     """Yield the errors of the selected models and of SGP4, where mean elements were taken."""
-    by_day = {one["day"]: one for one in outcome["beside_sgp4"]}
+    by_day = {row["day"]: row for row in outcome["beside_sgp4"]}
     parts = [
         f"{with_unit(by_day[day]['flown_m'])} (SGP4 {with_unit(by_day[day]['sgp4_m'])}) after {day} d, "
         f"{counted(by_day[day]['mornings'], 'morning')}"
@@ -136,7 +138,7 @@ def _yesterday(outcome: Outcome) -> str:
     """Return a link to the folder of the morning before, if there was one."""
     before = (date.fromisoformat(outcome["date"]) - timedelta(days=1)).isoformat()
     sent = (GOOD, WIDE, UNPROVEN)
-    was_sent = any(one["date"] == before and one["verdict"] in sent for one in outcome["mornings"])
+    was_sent = any(row["date"] == before and row["verdict"] in sent for row in outcome["mornings"])
     is_there = outcome["message"] and was_sent
     return f"; [yesterday's](../{before}/{outcome['object']}/)" if is_there else ""
 

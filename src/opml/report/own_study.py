@@ -189,7 +189,7 @@ def _splits(report: OwnStudyReport, results: Results) -> Iterator[Block]:
         names = [rso, stations, f"`{model}`"]
         experiments = [report.experiments[rso, stations, model, split] for split in report.pairs]
         rows.append([*names, *map(results.p_ml_cell, experiments)])
-        later.append([*names, *(percent(results.row(one).get("p_ml_later")) for one in experiments)])
+        later.append([*names, *(percent(results.row(run).get("p_ml_later")) for run in experiments)])
     yield from texts.blocks(
         "own_study.paper_measure", rows, hours=report.settings.estimation.window_hours, splits=splits
     )

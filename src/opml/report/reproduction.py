@@ -83,10 +83,10 @@ def document(
     results = Results(metrics)
     comparisons = [compare(headline, results) for headline in reproduction.headlines]
     summary = [
-        [_code(one), percent(one.headline.published), percent(one.ours), _cause(one, results)]
-        for one in comparisons
+        [_code(pair), percent(pair.headline.published), percent(pair.ours), _cause(pair, results)]
+        for pair in comparisons
     ]
-    causes = [_cause_row(one, results) for one in comparisons if not one.inside] or [[NO_VALUE] * 5]
+    causes = [_cause_row(pair, results) for pair in comparisons if not pair.inside] or [[NO_VALUE] * 5]
     judged = (judge_claim(claim, results) for claim in reproduction.claims if claim.points)
     counted = [[str(cell) for cell in row] for row in datasets.itertuples(index=False)]
     return [

@@ -279,7 +279,7 @@ def _check_variables(source: Source, study: Study) -> None:
     if not others:
         return
     for name, settings in study.learners.items():
-        if measured := [one for one in settings.get("variables") or () if one in MEASUREMENT]:
+        if measured := [variable for variable in settings.get("variables") or () if variable in MEASUREMENT]:
             expected = f"expected variables that {others[0]} have, too"
             raise source.wrong(("learners", name, "variables"), f"{expected}, got {measured[0]}")
 

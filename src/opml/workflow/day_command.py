@@ -208,9 +208,9 @@ def _forget_failed(folder: Path) -> None:
 
 def _lines(page: dict[str, list[dict[str, str]]], folder: Path) -> list[str]:
     """Return the summary of a day, a line for each object that should be looked at."""
-    watched = [one for one in page["objects"] if one["verdict"] in (outcomes.FAILED, DO_NOT_USE)]
+    watched = [entry for entry in page["objects"] if entry["verdict"] in (outcomes.FAILED, DO_NOT_USE)]
     return [
         f"{page['date']}: {summary(page['objects'])}",
-        *(f"{one['object']}: {one['verdict']}: {one['reason']}" for one in watched),
+        *(f"{entry['object']}: {entry['verdict']}: {entry['reason']}" for entry in watched),
         str(folder / "day.html"),
     ]

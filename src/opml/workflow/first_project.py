@@ -62,17 +62,17 @@ class FirstProject:
     def of_sets(cls, path: FilePath) -> "FirstProject":
         """Return mornings over a file of sets; raise InputError for several objects and for too few days."""
         sets = of_files(known_sets.find_files([path]), known_sets.readable)
-        if len(numbers := sorted({one.number for one in sets})) != 1:
+        if len(numbers := sorted({element_set.number for element_set in sets})) != 1:
             got = ", ".join(map(str, numbers[:5]))
             raise InputError(f"{path}: expected sets of one object, got {len(numbers)}: {got}")
-        epochs_of_sets = [str(elements_epoch(one.satellite)) for one in sets]
+        epochs_of_sets = [str(elements_epoch(element_set.satellite)) for element_set in sets]
         begin, end = (np.datetime64(f(epochs_of_sets), "s") for f in (min, max))
         days = min(LONGEST_SETS, int((end - begin) / np.timedelta64(1, "D")))
         if days < _FEWEST_SETS:
             raise InputError(f"{path}: expected sets of {_FEWEST_SETS} days or more, got those of {days}")
         last = date.fromisoformat(str(end)[:_DATE])
         first = last - timedelta(days=days)
-        drag = float(np.median([one.satellite.bstar for one in sets]))
+        drag = float(np.median([element_set.satellite.bstar for element_set in sets]))
         area_to_mass = float(np.clip(_BALLISTIC * drag / _CD, *_BODIES))
         # Files are copied; a folder stays where it is, as what is fetched into it counts tomorrow.
         files, copied = Path(path).name, [Path(path)]

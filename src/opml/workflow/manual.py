@@ -31,15 +31,15 @@ def contents() -> str:
     """Return the folder of the pages, and their names and titles in the order of the site."""
     lines = [f"`opml docs PAGE` prints a page of {MANUAL.resolve()}"]
     for caption, name in _CAPTION_OR_PAGE.findall(_text("index")):
-        lines += ["", caption] if caption else [f"  {one:19}{_title(page(one))}" for one in _parts(name)]
+        lines += ["", caption] if caption else [f"  {part:19}{_title(page(part))}" for part in _parts(name)]
     return "\n".join(lines)
 
 
 def _pages_with(text: str) -> list[str]:
     """Return the pages that have a text, at most two and none of tables, that with most of it first."""
-    pages = [one for one in _names() if "/" not in one]
-    counts = Counter({one: _text(one).lower().count(text.lower()) for one in pages})
-    return [one for one, count in counts.most_common(2) if count]
+    pages = [name for name in _names() if "/" not in name]
+    counts = Counter({name: _text(name).lower().count(text.lower()) for name in pages})
+    return [name for name, count in counts.most_common(2) if count]
 
 
 def _text(name: str) -> str:

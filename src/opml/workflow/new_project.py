@@ -48,7 +48,7 @@ def write(folder: FilePath, study: str = SIMULATED, others: Sequence[Path] = ())
     if folder.is_file():
         raise InputError(f"{folder}: expected a folder, got a file")
     parts = sorted(PROJECT.iterdir())
-    others = [one for one in others if one.resolve() != (folder / one.name).resolve()]
+    others = [path for path in others if path.resolve() != (folder / path.name).resolve()]
     names = [*(part.name for part in (*parts, *others)), STUDY]
     for name in names:
         if names.count(name) > 1:

@@ -78,7 +78,7 @@ class Settings:
     def companion_files(self, kind: Kind) -> dict[str, list[str]]:
         """Return the files that are read beside those of a kind, such as of where stations are, by RSO."""
         options = {rso: self.options(kind, rso) for rso in self.values.get(kind.options, {})}
-        return {rso: one.files for rso, one in options.items() if isinstance(one, RangeSettings)}
+        return {rso: reading.files for rso, reading in options.items() if isinstance(reading, RangeSettings)}
 
     @property
     def day(self) -> DaySettings:
@@ -97,7 +97,7 @@ class Settings:
         """Return whether all of a station set are radars; what stands in their place is none."""
         names = naming.strip_seed(stations, naming.NOISE)
         return names not in in_place_of_stations() and all(
-            one.is_radar for one in parse_stations(names, self.stations)
+            station.is_radar for station in parse_stations(names, self.stations)
         )
 
     @cached_property
