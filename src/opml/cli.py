@@ -29,10 +29,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     warnings = logging.StreamHandler()
     warnings.addFilter(_first_of_each())
     logging.basicConfig(format=f"{clear()}opml: %(message)s", handlers=[warnings])
-    options = _parser().parse_args(_readable(sys.argv[1:] if arguments is None else arguments))
     if isinstance(sys.stdout, io.TextIOWrapper):  # of names that the terminal has no letters for
         sys.stdout.reconfigure(errors="backslashreplace")
     try:
+        options = _parser().parse_args(_readable(sys.argv[1:] if arguments is None else arguments))
         options.run(options)
         sys.stdout.flush()
     except BrokenPipeError:  # whoever reads has enough, such as `head`
@@ -64,6 +64,20 @@ class _Help(argparse.HelpFormatter):
         return formats.filled_in(action.help or "")
 
 
+class _Intermixed(argparse.ArgumentParser):
+    """A parser of a command whose files may stand on both sides of an option."""
+
+    _is_inner = False  # whether argparse calls it for options and files apart
+
+    def parse_known_args(  # type: ignore[override]  # of several forms
+        self, args: Sequence[str] | None = None, namespace: argparse.Namespace | None = None
+    ) -> tuple[argparse.Namespace, list[str]]:
+        if self._is_inner:
+            return super().parse_known_args(args, namespace)
+        self._is_inner = True
+        return self.parse_known_intermixed_args(args, namespace)
+
+
 def _readable(arguments: Sequence[str]) -> list[str]:
     """Return arguments as argparse reads them: - is standard input, and a latitude may be below 0."""
     text = "\0".join("/dev/stdin" if argument == "-" else argument for argument in arguments)
@@ -82,7 +96,9 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"opml {__version__}")
     parser.set_defaults(run=lambda _: parser.print_help())
-    subparsers = parser.add_subparsers(metavar="COMMAND", help="one of the commands below")
+    subparsers = parser.add_subparsers(
+        metavar="COMMAND", help="one of the commands below", parser_class=_Intermixed
+    )
     for command in COMMANDS:
         subparser = subparsers.add_parser(command.name, description=command.help, formatter_class=_Help)
         command.add_arguments(subparser)

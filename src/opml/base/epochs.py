@@ -23,9 +23,7 @@ Time = str | date | np.datetime64  # UTC, of a day when it begins
 JulianDate = tuple[np.ndarray, np.ndarray]  # whole days and their fractions; the date is the sum
 MJD_ZERO = 2400000.5  # Julian date at which the modified Julian days begin
 
-_DAY_TEXT = re.compile(r"[\d-]{10}", re.ASCII)
-_HOUR_TEXT = re.compile(r"[\d-]{10}T\d\d", re.ASCII)
-_MINUTE_TEXT = re.compile(r"[\d-]{10}T\d\d:\d\d", re.ASCII)
+_SHORT_TEXTS = {10: "T00:00:00", 13: ":00:00", 16: ":00"}  # what days, hours and minutes lack, by length
 _UTC_TEXT = re.compile(r"(\d{4})-(\d\d)-(\d\d)T(\d\d):(\d\d):(\d\d(?:\.\d+)?)", re.ASCII)
 
 
@@ -123,11 +121,12 @@ def instant(time: Time) -> str:
     if not isinstance(text, str):
         raise InputError(f"time: expected UTC text, a datetime or numpy.datetime64, got {time!r}")
     text = text.strip().removesuffix("Z").replace(" ", "T")
-    if _DAY_TEXT.fullmatch(text):
-        return f"{text}T00:00:00"
-    if _HOUR_TEXT.fullmatch(text):
-        return f"{text}:00:00"
-    return f"{text}:00" if _MINUTE_TEXT.fullmatch(text) else text
+    whole = text + _SHORT_TEXTS.get(len(text), "")
+    try:
+        parse(whole)
+    except InputError as reason:
+        raise InputError(str(reason).replace("epoch", "date", 1).replace(whole, text)) from None
+    return whole
 
 
 def days_of_year(epoch: str, duration_s: float) -> tuple[float, np.ndarray]:

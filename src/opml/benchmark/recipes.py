@@ -42,7 +42,7 @@ class Recipe(TaskRecipe):
     last: date
     every_days: Count
     groups: Count  # of objects, each in turn
-    latency_hours: NotNegative = 6.0
+    latency_hours: NotNegative = 6.0  # from epoch to publication of sets without a creation date
 
     @property
     def mornings(self) -> np.ndarray:
@@ -103,7 +103,7 @@ def make(
     def fill(t: str, place: Path) -> None:
         _write_sets(place / "sets.tle", recipe, catalogue, mornings[t])
 
-    return task_folders.freeze(recipe, questions, truth, fill, weather, folders)
+    return task_folders.freeze(recipe, questions, truth, fill, weather, folders, recipe.latency_hours)
 
 
 def make_truth(folders: Folders, sets: Iterable[FilePath]) -> int:

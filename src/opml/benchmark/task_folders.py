@@ -15,7 +15,7 @@ from opml.base import epochs
 from opml.base.errors import InputError
 from opml.base.files import FilePath, replacing_folder
 from opml.base.section import Section
-from opml.base.setting_types import Count, NotNegative, Text
+from opml.base.setting_types import Count, Text
 from opml.benchmark import tasks
 from opml.element_sets.catalogue import modified_julian_day
 from opml.element_sets.improve import OLDEST_WEATHER, check_newest
@@ -68,7 +68,6 @@ class TaskRecipe(Section):
     name: Text
     title: Text
     history_days: Count  # days of inputs before a morning
-    latency_hours: NotNegative = 0.0  # from epoch to publication of sets without a creation date
     digest: str = ""
     source: PinnedFiles | None = None
 
@@ -80,12 +79,14 @@ def freeze(
     fill: Callable[[str, Path], None],
     weather: str | Path,
     folders: Folders,
+    latency_hours: float = 0.0,
 ) -> int:
     """Write the folders of a task and of its truth; return the number of questions.
 
     truth: columns of tasks.TRUE of the questions; no rows: it is made later
     fill: writes the orbits that were known at t into the folder of its inputs
     weather: OBSERVED, the packaged weather, or a CSSI file
+    latency_hours: from epoch to publication of sets without a creation date
 
     Raises InputError for unreadable weather, one that ends before a morning, and a task that is not the
     frozen one.
@@ -110,7 +111,7 @@ def freeze(
             "format": tasks.FORMAT,
             "name": recipe.name,
             "title": recipe.title,
-            "latency_hours": recipe.latency_hours,
+            "latency_hours": latency_hours,
             "truth_sha256": digest,
         }
         (new / tasks.TASK).write_text(json.dumps(facts, indent=1) + "\n", encoding="utf-8")

@@ -102,7 +102,6 @@ def read(
     Raises InputError for an unreadable file, for weather that ends too early, and where no set was public.
     """
     date = epochs.instant(date)
-    check_date(date)
     return public_on(
         date, lambda: catalogues.read(paths, latency=latency), known_weather.read(weather), source=weather
     )
@@ -139,14 +138,6 @@ def check_written(better: FilePath, table: FilePath | None, paths: Iterable[File
             raise InputError(f"{path}: expected a file outside {folder}, as all sets in there are read")
 
 
-def check_date(date: str) -> None:
-    """Raise InputError for a date that is no UTC text, and one that does not exist."""
-    try:
-        epochs.parse(date)
-    except InputError as reason:
-        raise InputError(str(reason).replace("epoch", "date", 1)) from None
-
-
 def check_newest(found: Weather, source: FilePath, *, date: str, oldest: float) -> None:
     """Raise InputError for weather that ends more than so many days before a date (UTC text), or begins then.
 
@@ -170,7 +161,11 @@ def improve(known: PublicData, model: CatalogueModel, *, progress: Progress = _l
     progress(f"{counted(sets['number'].nunique(), 'object')}, {counted(len(sets), 'set')}")
     today = modified_julian_day(known.date)
     rows = replayed(known, model, np.arange(-PAST, 1) + today)
-    progress(f"{counted(len(rows), 'prediction')} replayed, of the last {PAST + 1} mornings")
+    is_judged = np.isfinite(rows["error"])
+    mornings = rows.loc[is_judged, "morning"].nunique()
+    progress(
+        f"{counted(int(is_judged.sum()), 'past prediction')} replayed, of {counted(mornings, 'morning')}"
+    )
     jump = corrector.jumps(rows)
     tried = weighting.candidates(rows, model.correctors, jump)
     # What correctors alone look at is more than half of the rows' memory.
@@ -190,7 +185,7 @@ def improve(known: PublicData, model: CatalogueModel, *, progress: Progress = _l
     ]
     counts = table["applied"].value_counts().items()
     progress("along the track: " + ", ".join(f"{name} for {counted(count, 'set')}" for name, count in counts))
-    judged = rows.loc[np.isfinite(rows["error"]), ["morning", "error"]].join(combined, how="inner")
+    judged = rows.loc[is_judged, ["morning", "error"]].join(combined, how="inner")
     past = judged.assign(left=judged["error"] - judged["correction"])[_PAST_COLUMNS].reset_index(drop=True)
     corrections = now[["number", "lead", "correction", "sigma"]].dropna().reset_index(drop=True)
     hindsight = model.hindsight(known.date)

@@ -201,8 +201,6 @@ def predict(request: Request, settings: OrbitSettings, *, progress: Progress) ->
     check_days(request.days)
     if request.area_to_mass is not None and not 0.0 < request.area_to_mass < np.inf:
         raise InputError(f"predict: expected an area to mass above 0 m2/kg, got {request.area_to_mass:g}")
-    if request.date is not None:
-        improve.check_date(request.date)
     times = _Times.of(request)
     progress(f"weather and forces from {times.epoch[:_DAY]} on")
     watched = _watched(request, settings, times)

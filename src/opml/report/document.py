@@ -115,6 +115,7 @@ _NUMBERS = re.compile(r"-|[-+]?\.?\d[\d.,e+\-]*( %)?( / [-+]?\d[\d.e+\-]*| \([^a
 """A cell of a number, of two, or of one with its interval."""
 
 _TIME = re.compile(r"[\dT:-]+Z")
+_TAG_OR_TIME = re.compile(r"<[^>]*>|(\d{4}-\d\d-\d\d(?:T[\d:]+Z?)?)")  # a time of a text is not broken
 _SENTENCE = 40  # characters of a cell that is not to be squeezed to a word a line
 
 
@@ -205,4 +206,5 @@ def _row(cells: Sequence[str], tag: str, kinds: Sequence[str]) -> str:
 def _inline(text: str) -> str:
     bold = re.sub(r"\*\*(.+?)\*\*", r"<strong>\1</strong>", html.escape(text))
     linked = _LINK.sub(r'<a href="\2">\1</a>', bold)
-    return re.sub(r"`([^`]*)`", r"<code>\1</code>", linked)
+    coded = re.sub(r"`([^`]*)`", r"<code>\1</code>", linked)
+    return _TAG_OR_TIME.sub(lambda one: f'<span class="time">{one[1]}</span>' if one[1] else one[0], coded)

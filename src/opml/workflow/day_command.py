@@ -207,10 +207,15 @@ def _forget_failed(folder: Path) -> None:
 
 
 def _lines(page: dict[str, list[dict[str, str]]], folder: Path) -> list[str]:
-    """Return the summary of a day, a line for each object that should be looked at."""
-    watched = [entry for entry in page["objects"] if entry["verdict"] in (outcomes.FAILED, DO_NOT_USE)]
+    """Return the summary of a day, a line for each object that should be looked at, or of a few for each."""
+    objects = page["objects"]
+    few, watched = len(objects) <= _NAMED, (outcomes.FAILED, DO_NOT_USE)
     return [
-        f"{page['date']}: {summary(page['objects'])}",
-        *(f"{entry['object']}: {entry['verdict']}: {entry['reason']}" for entry in watched),
+        f"{page['date']}: {summary(objects)}",
+        *(
+            f"{entry['object']}: {entry['verdict']}: {entry['reason']}"
+            for entry in objects
+            if few or entry["verdict"] in watched
+        ),
         str(folder / "day.html"),
     ]

@@ -210,7 +210,7 @@ def test_an_area_that_light_does_not_tell_is_a_guess_and_told(hours, monkeypatch
 
 
 def test_a_date_that_does_not_exist_is_refused(hours):
-    expected = "date: expected an instant that exists, got '2016-02-30T00:00:00'"
+    expected = "epoch: expected an instant that exists, got '2016-02-30T00:00:00'"
     assert refusal(made_of, hours, date="2016-02-30T00:00:00").startswith(expected)
 
 

@@ -70,7 +70,8 @@ class OrbitInside:
         pairs = self.now.calibration.errors
         own = f"{len(pairs)} pairs of its sets of the last {inside_now.PAST:g} days, against "
         basis = (
-            f"by {own if len(pairs) else ''}typical errors of that decay, and what all sets have in common; "
+            f"by {own if len(pairs) else ''}typical errors of orbits that decay as fast, "
+            "and what all sets have in common; "
             "along the track the corrector's sigma where it is smaller"
         )
         return ExpectedErrors(sizes, past_errors(pairs), basis)
