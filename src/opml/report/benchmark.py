@@ -114,7 +114,7 @@ def text(score: Score) -> str:
     widths = [max(map(len, column)) for column in zip(header, *rows, strict=True)]
     table = ["  ".join(c.rjust(w) for c, w in zip(row, widths, strict=True)) for row in (header, *rows)]
     weeks = [
-        f"{row.weeks} weeks, {row.lead} d: median {rounded_cell(row.median)} m of {row.answers} answers"
+        f"{row.weeks} weeks, {row.lead} d: median {rounded_cell(row.median)} m (n = {row.answers})"
         for row in score.by_weather.itertuples()
     ]
     return "\n".join([f"{score.task}, along the track: {score.tool}", *table, *weeks, *score.suspicions])

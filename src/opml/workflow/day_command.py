@@ -30,7 +30,7 @@ ALL_RUN, WORKFLOW_FAILED, OBJECTS_FAILED = 0, 1, 2
 
 _PROJECT = "config/config.yaml"
 
-_NAMED = 5  # objects at most
+_NAMED = 5  # objects and warnings at most
 
 _START, _DATE, _OBJECT, _WINDOW = 20.0, 2.2, 0.8, 0.9
 """Time of mornings on a core [s]: before the first, each date, each object on it, as their arcs are side by
@@ -108,8 +108,18 @@ def run(call: Call) -> int:
     if call.dry:
         return ALL_RUN
     page = json.loads((folders[-1] / "day.json").read_text(encoding="utf-8"))
-    print("\n".join([*_lines(page, folders[-1]), *warnings(call.day, whole)]))
+    logs = Path(settings.results, "logs", "days", dates[-1])
+    print("\n".join([*_lines(page, folders[-1]), *warned(logs), *warnings(call.day, whole)]))
     return OBJECTS_FAILED if page["verdicts"].get(outcomes.FAILED) else ALL_RUN
+
+
+def warned(logs: Path) -> list[str]:
+    """Return the warnings in the logs of a morning's jobs, each once: files that were skipped, mostly."""
+    texts = (path.read_text(encoding="utf-8") for path in sorted(logs.glob("objects_*.log")))
+    lines = (line.partition(" WARNING ")[2] for text in texts for line in text.splitlines())
+    told = list(dict.fromkeys(filter(None, lines)))
+    more = [f"{len(told) - _NAMED} more warnings in {logs}"] if len(told) > _NAMED else []
+    return told[:_NAMED] + more
 
 
 def warnings(day: date, settings: Settings) -> list[str]:

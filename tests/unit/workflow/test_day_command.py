@@ -64,6 +64,14 @@ def test_a_day_that_the_model_of_sets_has_seen_is_warned_of(kind, day, warned):
     assert len(day_command.warnings(date.fromisoformat(day), settings)) == warned
 
 
+def test_what_jobs_warned_of_is_told_once(tmp_path):
+    lines = [f"2026-02-19 11:30:59,255 WARNING skipped, {k}.csv" for k in range(7)]
+    for batch in "01":
+        (tmp_path / f"objects_{batch}.log").write_text("\n".join(["... INFO started", *lines]))
+    told = day_command.warned(tmp_path)
+    assert told == [*(f"skipped, {k}.csv" for k in range(5)), f"2 more warnings in {tmp_path}"]
+
+
 def test_what_is_ahead_is_told(tmp_path):
     learners = {
         "fit24": {"window_hours": 24},
