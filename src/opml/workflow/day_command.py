@@ -6,7 +6,7 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import UTC, date, datetime, timedelta
 from pathlib import Path
@@ -32,17 +32,8 @@ _PROJECT = "config/config.yaml"
 
 _NAMED = 5  # objects and warnings at most
 
-_START, _DATE, _OBJECT, _WINDOW = 20.0, 2.2, 0.8, 0.9
-"""Time of mornings on a core [s]: before the first, each date, each object on it, as their arcs are side by
-side, and of one that is measured by points or tracks, as Swarm A, each window of the models' fits."""
-
-_SETS = 4.0  # what an object of public sets takes [s]
-
 _ARENAS = "2"
 """Heaps of the threads of a job, one an object: of one each they keep a quarter more memory (glibc alone)."""
-
-_TABLES, _MESSAGE, _EPHEMERIDES = 0.006, 1.7, 0.33  # what it leaves [MB]
-_STAY = 14  # mornings that ephemerides stay
 
 _LONGER = 28
 """Days by which a run is lengthened at a time: its environment is tabulated again each time."""
@@ -99,8 +90,9 @@ def run(call: Call) -> int:
         with lock.hold(Path(settings.results)):
             for folder in folders:
                 _forget_failed(folder)
-    if any((ahead := mornings_ahead(call.day, whole)).values()):
-        print(f"opml: {beforehand(ahead, whole)}", file=sys.stderr, flush=True)
+    if mornings := sum(mornings_ahead(call.day, whole).values()):
+        text = f"opml: {counted(len(whole.measured), 'object')}, at most {counted(mornings, 'morning')}"
+        print(text, file=sys.stderr, flush=True)
     # The last day brings all others up to date, whose pages then only have to be written.
     for pages in [folders[-1:], folders[:-1]]:
         if pages and _snakemake(call, [str(folder / "day.html") for folder in pages], duration):
@@ -134,24 +126,6 @@ def mornings_ahead(day: date, settings: Settings) -> dict[str, int]:
     store = Store(Path(settings.values["results"], "days"), "0", settings.measured)
     before = date.fromisoformat(settings.values["epoch"][:10]) - timedelta(days=1)
     return {rso: (day - (dates[-1] if dates else before)).days for rso, dates in store.done(day).items()}
-
-
-def beforehand(ahead: Mapping[str, int], settings: Settings) -> str:
-    """Return in words what mornings take, of which there are so many of each object."""
-    objects, number, day = len(settings.measured), sum(ahead.values()), settings.run.day
-    models = [settings.values["learners"][name] for name in settings.morning_models]
-    windows = len({model.get("window_hours") for model in models})
-    of_sets = sum(count for rso, count in ahead.items() if settings.kind_of(rso) is ELEMENTS)
-    fitted = number - of_sets
-    seconds = _START + _DATE * max(ahead.values()) + (_OBJECT + _WINDOW * windows) * fitted + _SETS * of_sets
-    share = 1.0 if day is None or day.messages is None else len(day.messages) / objects
-    stay = min(number, _STAY * objects)
-    megabytes = number * (_TABLES + share * _MESSAGE) + stay * _EPHEMERIDES
-    return (
-        f"{counted(objects, 'object')}, at most {counted(number, 'morning')}: "
-        f"about {math.ceil(seconds / 60.0)} min of one core, "
-        f"{math.ceil(megabytes)} MB in {settings.values['results']}"
-    )
 
 
 def lengthened(duration_days: float, epoch: str, day: date) -> float:

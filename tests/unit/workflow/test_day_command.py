@@ -14,7 +14,7 @@ from support import refusal
 from opml import cli
 from opml.catalog.kinds import ELEMENTS, FIXES
 from opml.workflow import day_command, lock
-from opml.workflow.day_command import Call, beforehand, check_dates, lengthened, mornings_ahead
+from opml.workflow.day_command import Call, check_dates, lengthened, mornings_ahead
 
 EPOCH, TODAY = "2016-09-28T12:09:45", date(2016, 10, 3)
 WITHIN = "expected a day from 2016-09-28 to 2016-10-03, today, got"
@@ -72,35 +72,15 @@ def test_what_jobs_warned_of_is_told_once(tmp_path):
     assert told == [*(f"skipped, {k}.csv" for k in range(5)), f"2 more warnings in {tmp_path}"]
 
 
-def test_what_is_ahead_is_told(tmp_path):
-    learners = {
-        "fit24": {"window_hours": 24},
-        "running24": {"window_hours": 24},
-        "fit48": {"window_hours": 48},
-    }
+def test_mornings_that_were_run_are_not_ahead(tmp_path):
     settings = SimpleNamespace(
-        values={"results": str(tmp_path), "epoch": EPOCH, "learners": learners},
-        measured={"first": ["a"], "second": ["b"]},
-        kind_of={"first": ELEMENTS, "second": FIXES}.get,
+        values={"results": str(tmp_path), "epoch": EPOCH}, measured={"first": ["a"], "second": ["b"]}
     )
     done = tmp_path / "days" / "2016-10-02" / "batch_0"
     done.mkdir(parents=True)
     mark = {"settings": "", "stations": {}, "models": []}
     (done / "done.json").write_text(json.dumps({"second": mark}))
-    ahead = mornings_ahead(TODAY, settings)
-    assert ahead == {"first": 6, "second": 1}
-    for messages, megabytes in ((None, 15), (["first"], 9), ([], 3)):
-        settings.run = SimpleNamespace(day=SimpleNamespace(messages=messages))
-        settings.morning_models = ["fit24"]
-        assert beforehand(ahead, settings) == (
-            f"2 objects, at most 7 mornings: about 1 min of one core, {megabytes} MB in {tmp_path}"
-        )
-    for models, minutes in (["fit24"], 7), (["fit24", "running24"], 7), (["fit24", "fit48"], 9):
-        settings.morning_models = models
-        told = beforehand({"first": 0, "second": 100}, settings)
-        assert f"100 mornings: about {minutes} min of one core" in told
-    assert "about 11 min of" in beforehand({"first": 100, "second": 0}, settings)
-    assert "about 12 min of" in beforehand({"first": 100, "second": 20}, settings)
+    assert mornings_ahead(TODAY, settings) == {"first": 6, "second": 1}
 
 
 def test_a_workflow_that_fails_without_a_word_is_told(monkeypatch, capsys):
