@@ -204,7 +204,9 @@ def _compare(options: argparse.Namespace) -> None:
         suffix_of(options.output, tables.TABLE_SUFFIXES)
         check_distinct_files([options.output], [options.ours, *options.other])
     kinds = (formats.ORBIT, formats.ELEMENTS, formats.TABLE)
-    groups = groupby(options.other, lambda path: formats.of(path, contents(path), *kinds).name)
+    groups = groupby(  # a folder is one of sets
+        options.other, lambda path: os.path.isdir(path) or formats.of(path, contents(path), *kinds).name
+    )
     *between, truth = (list(paths) for _, paths in groups)
     other = known_orbits.read(truth, options.other_object)
     compared = {

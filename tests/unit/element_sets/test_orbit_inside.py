@@ -128,6 +128,9 @@ def test_sizes_are_those_of_the_past_and_grow(past, forces):
     worse = inside_sizes.sizes(off, inside_sizes.rms(off))
     assert (worse["w"] > 200.0).all()
     assert (worse[["r", "s"]] == sizes[["r", "s"]]).all(axis=None)
+    few = replace(now, calibration=now.calibration._replace(errors=errors[errors["days"] < 2.0]))
+    by_sgp4 = inside_sizes.sizes(few, inside_sizes.rms(few))["sgp4"]
+    assert by_sgp4.notna().tolist() == [True, True, False, False, False]
 
 
 def test_what_no_orbit_fits_says_so(forces, sets):

@@ -91,8 +91,9 @@ def sizes(now: InsideNow, rms: pd.DataFrame) -> pd.DataFrame:
     independent = PAST / np.maximum(_LEADS + now.age, 1.0) + _TYPICAL
     wider = stdtrit(independent, _QUANTILE) / ndtri(_QUANTILE)
     errors = [_bounded(_near(now, lead + now.age)[["sgp4_s"]])["sgp4_s"] for lead in _LEADS]
-    by_sgp4 = [np.sqrt((one**2).mean()) if len(one) >= _FEWEST else np.nan for one in errors]
-    sgp4 = np.hypot(np.fmax.accumulate(np.array(by_sgp4, float)) * wider, common[1])
+    by_sgp4 = np.array([np.sqrt((one**2).mean()) if len(one) >= _FEWEST else np.nan for one in errors])
+    sgp4 = np.hypot(np.fmax.accumulate(by_sgp4) * wider, common[1])
+    sgp4[np.isnan(by_sgp4)] = np.nan
     return np.hypot(rms.mul(wider, axis=0), common).assign(sgp4=sgp4)
 
 
