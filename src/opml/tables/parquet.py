@@ -165,6 +165,7 @@ _TAIL_BYTES = 8  # of a Parquet file: the length of its footer and four letters
 _CHUNK_BYTES = 1 << 20
 
 _ALIEN = "damaged, or not written by opml (it has no seal)"
+_OTHER_VERSION = "another version of opml wrote it, use a new folder of results"
 
 
 class _Seal(NamedTuple):
@@ -233,7 +234,8 @@ def _checked(path: FilePath, schema: Schema) -> Iterator[tuple[pq.ParquetFile, S
             dtypes = dict(zip(stored.names, stored.types, strict=True))
             for column in schema.columns:
                 if (dtype := dtypes.get(column.name)) is None:
-                    raise InputError(f"{path}: {column.name}: column of table {schema.name} is missing")
+                    missing = f"{path}: {column.name}: column of table {schema.name} is missing"
+                    raise InputError(f"{missing}: {_OTHER_VERSION}")
                 if dtype != _ARROW[column.dtype]:
                     raise InputError(f"{path}: {column.name}: expected {column.dtype}, got {dtype}")
             if not seal:

@@ -6,7 +6,7 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, date, datetime, timedelta
 from pathlib import Path
@@ -71,7 +71,11 @@ def _settings(configfiles: Sequence[str]) -> Settings:
         raise InputError(
             "day: expected a setting `day` that asks for mornings, got none; `day: {}` is enough"
         )
-    return load_settings(source)
+    try:
+        return load_settings(source)
+    except InputError as error:
+        hint = ": `opml init --upgrade .` helps a project of an older version"
+        raise InputError(f"{error}{hint if str(error).startswith(_PROJECT) else ''}") from None
 
 
 def run(call: Call) -> int:
@@ -101,15 +105,19 @@ def run(call: Call) -> int:
         return ALL_RUN
     page = json.loads((folders[-1] / "day.json").read_text(encoding="utf-8"))
     logs = Path(settings.results, "logs", "days", dates[-1])
-    print("\n".join([*_lines(page, folders[-1]), *warned(logs), *warnings(call.day, whole)]))
+    print("\n".join([*_lines(page, folders[-1]), *warned(logs, page["objects"]), *warnings(call.day, whole)]))
     return OBJECTS_FAILED if page["verdicts"].get(outcomes.FAILED) else ALL_RUN
 
 
-def warned(logs: Path) -> list[str]:
-    """Return the warnings in the logs of a morning's jobs, each once: files that were skipped, mostly."""
+def warned(logs: Path, objects: Iterable[Mapping[str, str]]) -> list[str]:
+    """Return what the logs of a morning's jobs warn of, each once: files that were skipped, mostly.
+
+    objects: of the page, whose verdicts say why they failed
+    """
+    said = {f"{entry['object']}: {entry['reason']}" for entry in objects}
     texts = (path.read_text(encoding="utf-8") for path in sorted(logs.glob("objects_*.log")))
     lines = (line.partition(" WARNING ")[2] for text in texts for line in text.splitlines())
-    told = list(dict.fromkeys(filter(None, lines)))
+    told = [line for line in dict.fromkeys(filter(None, lines)) if line not in said]
     more = [f"{len(told) - _NAMED} more warnings in {logs}"] if len(told) > _NAMED else []
     return told[:_NAMED] + more
 

@@ -64,11 +64,20 @@ def test_a_day_that_the_model_of_sets_has_seen_is_warned_of(kind, day, warned):
     assert len(day_command.warnings(date.fromisoformat(day), settings)) == warned
 
 
+def test_a_project_of_an_older_version_is_told_of_the_upgrade(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "config").mkdir()
+    (tmp_path / "config" / "config.yaml").write_text("ephemeris: {step_s: 60}\nday: {}\n")
+    told = refusal(day_command.show, "mine", date(2026, 2, 19), [])
+    assert told.endswith("it is day.step_s now: `opml init --upgrade .` helps a project of an older version")
+
+
 def test_what_jobs_warned_of_is_told_once(tmp_path):
     lines = [f"2026-02-19 11:30:59,255 WARNING skipped, {k}.csv" for k in range(7)]
+    lines.append("2026-02-19 11:31:00,000 WARNING mine: no weather")
     for batch in "01":
         (tmp_path / f"objects_{batch}.log").write_text("\n".join(["... INFO started", *lines]))
-    told = day_command.warned(tmp_path)
+    told = day_command.warned(tmp_path, [{"object": "mine", "reason": "no weather"}])
     assert told == [*(f"skipped, {k}.csv" for k in range(5)), f"2 more warnings in {tmp_path}"]
 
 
