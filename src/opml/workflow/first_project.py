@@ -69,7 +69,8 @@ class FirstProject:
         begin, end = (np.datetime64(f(epochs_of_sets), "s") for f in (min, max))
         days = min(LONGEST_SETS, int((end - begin) / np.timedelta64(1, "D")))
         if days < _FEWEST_SETS:
-            raise InputError(f"{path}: expected sets of {_FEWEST_SETS} days or more, got those of {days}")
+            expected = f"expected sets of {_FEWEST_SETS} days or more, got those of {days}"
+            raise InputError(f"{path}: {expected}: `opml fetch --since DATE` gets older ones")
         last = date.fromisoformat(str(end)[:_DATE])
         first = last - timedelta(days=days)
         drag = float(np.median([element_set.satellite.bstar for element_set in sets]))
