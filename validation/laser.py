@@ -64,7 +64,7 @@ def fitted(run: Run, track: int, begin: float, end: float) -> Estimate:
     """Return the fit at the start of a pass to all that was measured from begin to end [d]."""
     at = run.measured.epochs[run.measured.at[track]]
     window = run.measured.window(track, at - begin * DAY, end * DAY - at)
-    start = np.append(run.starts.states[track], run.propagator.rso.cd)
+    start = np.append(run.states[track], run.propagator.rso.cd)
     estimate = Estimate(window, Fit(start, run.method(np.arange(7) < 6)))
     run.fit([estimate])
     return estimate

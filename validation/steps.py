@@ -6,8 +6,8 @@ import numpy as np
 import pandas as pd
 
 from opml.base.constants import DAY
+from opml.catalog.predict.mechanism import usable
 from opml.catalog.predict.prediction import predict_all
-from opml.catalog.predict.sensitivity import usable
 from opml.catalog.propagator import Propagator
 from opml.catalog.simulate.observing import QUANTITIES
 from opml.dynamics.kernels.surroundings import ForceModel

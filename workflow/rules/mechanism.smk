@@ -25,7 +25,6 @@ rule sensitivities:
     params:
         settings=lambda wildcards: {
             **PARAMS.assumed_model,
-            "cd_bounds": PARAMS.cd_bounds,
             "rso": PARAMS.rso(wildcards),
         },
         code=code("sensitivities.py"),

@@ -5,17 +5,11 @@ from opml.catalog.propagator import Propagator, PropagatorSettings
 from opml.tables import read_table, write_table
 from opml.workflow.jobs import job, progress
 
-
-class Settings(PropagatorSettings):
-    cd_bounds: tuple[float, float] | None
-
-
 with job(snakemake) as metadata:
-    settings, files = Settings(**snakemake.params.settings), snakemake.input
+    settings, files = PropagatorSettings(**snakemake.params.settings), snakemake.input
     table = sensitivities(
         Propagator.read(files, settings, threads=snakemake.threads, progress=progress),
         read_table(files.estimates, "estimates"),
         read_table(files.predictions, "predictions"),
-        bounds=settings.cd_bounds,
     )
     write_table(snakemake.output[0], table, "sensitivities", metadata=metadata)

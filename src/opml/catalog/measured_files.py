@@ -81,10 +81,10 @@ def read(
     """
     known = manoeuvres.at_times(source.manoeuvres, epoch=span.epoch)
     if source.kind == kinds.TRACKS.name:
-        found = tdm.measurements(source.files, epoch=span.epoch, wanted=source.satellite)
-        tracking = measured_tracks.tracks(found[found["t"] >= since], stations)
+        measured = tdm.measurements(source.files, epoch=span.epoch, wanted=source.satellite)
+        tracking = measured_tracks.tracks(measured[measured["t"] >= since], stations)
         started = [first_state.identity(source.start)] if source.start else []
-        return ObjectMeasurements(tracking, known, most_specific([*started, tdm.identity(found)]))
+        return ObjectMeasurements(tracking, known, most_specific([*started, tdm.identity(measured)]))
     options = FixSettings.model_validate(source.options)
     files = OrbitFiles(source.files, span.epoch, span.duration, source.satellite)
     points = points_from_files.read(files, orientation, options)

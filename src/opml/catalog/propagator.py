@@ -79,11 +79,6 @@ class Propagator:
         model = force_model.read(files, epoch=settings.epoch, settings=settings.force_model)
         return cls(model, settings.rso, settings.integrator, threads, progress)
 
-    def part(self, number: int, parts: int) -> Self:
-        """Return this propagator with the progress of one of several equal parts."""
-        whole = self.progress
-        return replace(self, progress=whole and (lambda share: whole((number + share) / parts)))
-
     def for_neighbours(self) -> Self:
         """Return the propagator of arcs of which only the distance from a neighbour is wanted.
 

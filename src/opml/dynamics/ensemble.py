@@ -83,24 +83,42 @@ def propagate(
     first, last = np.asarray(departures.first, np.int64), np.asarray(departures.last, np.int64)
     if np.array_equal(first, last):
         return Arcs(np.empty((0, 6)), np.zeros(len(first) + 1, np.int64), np.zeros(len(first), np.int64))
-    grid = _Grid(epochs, model.jumps(epochs[0], epochs[-1]), integrator.max_step_s)
+    times, index = _grid(epochs, model.jumps(epochs[0], epochs[-1]), integrator.max_step_s)
+    is_wanted = np.zeros(len(times), np.bool_)
+    is_wanted[index] = True
+    states = np.asarray(departures.states, float)
+    coefficients = np.array([departures.ballistic, departures.reflection], float)
     start = np.concatenate([[0], np.cumsum(last - first)])
-    ensemble = _Ensemble(
-        states=np.asarray(departures.states, float),
-        coefficients=np.array([departures.ballistic, departures.reflection], float),
-        join=grid.index[first],
-        leave=grid.index[last],
-        grid=grid,
-        arcs=Arcs(np.full((start[-1], 6), np.nan), start, np.zeros(len(first), np.int64)),
-        integrator=integrator,
-    )
+    arcs = Arcs(np.full((start[-1], 6), np.nan), start, np.zeros(len(first), np.int64))
     outlook = departures.outlooks(model, epochs)
     if not advance.signatures and not any(Path(advance.stats.cache_path).glob("*.nbi")):
         _log.warning("the force model is compiled, once for each version: ten seconds")
 
     def propagate(members: np.ndarray) -> int:
+        """Propagate one block; spare lanes repeat its first arc and leave where they join."""
         kinds, kind = np.unique(outlook[members], return_inverse=True)
-        ensemble.propagate(members, model.for_block(kinds), kind)
+        block, spare = model.for_block(kinds), WIDTH - len(members)
+        lanes = np.concatenate([members, np.repeat(members[:1], spare)])
+        is_used = np.arange(WIDTH) < len(members)
+        state, own, status = rows(6), rows(3), np.zeros(WIDTH, np.int64)
+        state[:], own[:2] = states[lanes].T, coefficients[:, lanes]
+        own[2] = np.concatenate([kind, np.repeat(kind[:1], spare)])
+        advance(
+            block,
+            times,
+            is_wanted,
+            state,
+            own,
+            index[first[lanes]],
+            index[np.where(is_used, last[lanes], first[lanes])],
+            start[lanes],
+            arcs.states,
+            status,
+            integrator.position_tolerance_m,
+            integrator.min_step_s,
+            workspace(block),
+        )
+        arcs.status[members] = status[: len(members)]
         return len(members)
 
     done = 0
@@ -111,65 +129,20 @@ def propagate(
             done += count
             if progress:
                 progress(done / len(first))
-    return ensemble.arcs
+    return arcs
 
 
-class _Grid:
-    """Times from the first epoch to the last, in even steps of at most max_step between nodes [s].
+def _grid(epochs: np.ndarray, jumps: np.ndarray, max_step: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return times [s] from the first epoch to the last, and the index (n,) of each epoch among them.
 
-    Nodes are the epochs, and the times about the force model's jumps, so that no step has a jump in it.
+    They are in even steps of at most max_step between nodes: the epochs, and the times about the force
+    model's jumps, so that no step has a jump in it.
     """
-
-    def __init__(self, epochs: np.ndarray, jumps: np.ndarray, max_step: float) -> None:
-        nodes = np.concatenate([epochs, np.setdiff1d(jumps, epochs)])
-        order = np.argsort(nodes if epochs[0] <= epochs[-1] else -nodes, kind="stable")
-        gaps = np.diff(nodes[order])
-        counts = np.maximum(np.ceil(np.abs(gaps) / max_step - 1e-9), 1).astype(np.int64)
-        at = np.concatenate([[0], np.cumsum(counts)])
-        within = np.arange(at[-1]) - np.repeat(at[:-1], counts)
-        times = np.repeat(nodes[order[:-1]], counts) + within * np.repeat(gaps / counts, counts)
-        self.times = np.append(times, epochs[-1])
-        self.index = at[np.argsort(order)[: len(epochs)]]  # of each epoch
-        self.wanted = np.zeros(len(self.times), np.bool_)
-        self.wanted[self.index] = True
-
-
-@dataclass(frozen=True)
-class _Ensemble:
-    """Arcs on their grid: how they begin, where they join and leave it, and what has become of them."""
-
-    states: np.ndarray  # (arcs, 6)
-    coefficients: np.ndarray  # (2, arcs) ballistic and reflection
-    join: np.ndarray  # (arcs,)
-    leave: np.ndarray  # (arcs,)
-    grid: _Grid
-    arcs: Arcs  # filled as blocks of them are propagated
-    integrator: Integrator
-
-    def propagate(self, members: np.ndarray, model: ForceModel, kind: np.ndarray) -> None:
-        """Propagate one block; spare lanes repeat its first arc and leave where they join.
-
-        kind: (members,) of the model's activity
-        """
-        spare = WIDTH - len(members)
-        lanes = np.concatenate([members, np.repeat(members[:1], spare)])
-        used = np.arange(WIDTH) < len(members)
-        state, coefficients, status = rows(6), rows(3), np.zeros(WIDTH, np.int64)
-        state[:], coefficients[:2] = self.states[lanes].T, self.coefficients[:, lanes]
-        coefficients[2] = np.concatenate([kind, np.repeat(kind[:1], spare)])
-        advance(
-            model,
-            self.grid.times,
-            self.grid.wanted,
-            state,
-            coefficients,
-            self.join[lanes],
-            np.where(used, self.leave[lanes], self.join[lanes]),
-            self.arcs.start[lanes],
-            self.arcs.states,
-            status,
-            self.integrator.position_tolerance_m,
-            self.integrator.min_step_s,
-            workspace(model),
-        )
-        self.arcs.status[members] = status[: len(members)]
+    nodes = np.concatenate([epochs, np.setdiff1d(jumps, epochs)])
+    order = np.argsort(nodes if epochs[0] <= epochs[-1] else -nodes, kind="stable")
+    gaps = np.diff(nodes[order])
+    counts = np.maximum(np.ceil(np.abs(gaps) / max_step - 1e-9), 1).astype(np.int64)
+    at = np.concatenate([[0], np.cumsum(counts)])
+    within = np.arange(at[-1]) - np.repeat(at[:-1], counts)
+    times = np.repeat(nodes[order[:-1]], counts) + within * np.repeat(gaps / counts, counts)
+    return np.append(times, epochs[-1]), at[np.argsort(order)[: len(epochs)]]

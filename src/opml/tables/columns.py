@@ -33,7 +33,7 @@ SIGMA_STATE = [f"sigma_{name}" for name in STATE]
 
 IMPROVED_LEADS = (1, 3, 5, 7)  # days from the date to the errors that the table of improved sets expects
 
-MECHANISM_AXES = ("s", "v", "r", "l", "v_long", "l_arc", "v_arc")
+MECHANISM_AXES = ("s", "v", "l", "v_long", "l_arc", "v_arc")
 """Prefixes of the mechanism's columns for each error component, such as `v_y` for e_y."""
 
 TRUTH_GROUPS = "truth_groups"  # kind of the tables that list the RSOs whose truths one job made

@@ -5,7 +5,7 @@ import json
 import os
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from typing import Any, BinaryIO, NamedTuple
+from typing import Any, BinaryIO
 
 import numpy as np
 import pandas as pd
@@ -53,9 +53,9 @@ def write_table(
         pq.write_table(table, temporary, compression="zstd", write_statistics=False)
         with open(temporary, "r+b") as file:
             start, footer = _footer(file)
-            seal = _Seal(_digest_to(file, start), hashlib.sha256(footer).digest())
+            seal = _SEAL + _digest_to(file, start) + hashlib.sha256(footer).digest()
             file.seek(start)
-            file.write(_SEAL + b"".join(seal) + footer)
+            file.write(seal + footer)
 
 
 def read_table(path: FilePath, schema: str | Schema) -> pd.DataFrame:
@@ -157,6 +157,11 @@ def _texts(metadata: Mapping[bytes, bytes] | None) -> dict[str, str]:
 _BATCH_ROWS = 65536  # rows that are read at once where a table is read by parts
 
 _SEAL = b"opmlseal"
+"""Letters before the digests of a file's bytes, which stand between its pages and its footer.
+
+Parquet's own checksums leave out the headers of pages and the footer. Readers locate the footer from the end
+of the file, and pages from its beginning; both stay in place.
+"""
 
 _DIGEST_BYTES = hashlib.sha256().digest_size
 
@@ -168,35 +173,25 @@ _ALIEN = "damaged, or not written by opml (it has no seal)"
 _OTHER_VERSION = "another version of opml wrote it, use a new folder of results"
 
 
-class _Seal(NamedTuple):
-    """Digests of all bytes of a file, between its pages and its footer.
-
-    Parquet's own checksums leave out the headers of pages and the footer. Readers locate the footer from the
-    end of the file, and pages from its beginning; both stay in place.
-    """
-
-    pages: bytes
-    footer: bytes
-
-
-def _check_footer(path: FilePath) -> _Seal | None:
-    """Return the seal of a file, None if it has none. Raises InputError where its footer does not match."""
+def _check_footer(path: FilePath) -> bytes | None:
+    """Return the digest of a file's pages, None without a seal; raise InputError for another footer."""
     with open(path, "rb") as file:
         start, footer = _footer(file)
         file.seek(max(_end_of_pages(start), 0))
-        letters, *digests = (file.read(size) for size in (len(_SEAL), _DIGEST_BYTES, _DIGEST_BYTES))
+        letters, of_pages, of_footer = (
+            file.read(size) for size in (len(_SEAL), _DIGEST_BYTES, _DIGEST_BYTES)
+        )
     if letters != _SEAL:
         return None
-    seal = _Seal(*digests)
-    if seal.footer != hashlib.sha256(footer).digest():
+    if of_footer != hashlib.sha256(footer).digest():
         raise InputError(f"{path}: damaged (its footer does not match its seal)")
-    return seal
+    return of_pages
 
 
-def _check_pages(path: FilePath, seal: _Seal) -> None:
+def _check_pages(path: FilePath, digest: bytes) -> None:
     with open(path, "rb") as file:
         start, _ = _footer(file)
-        if _digest_to(file, _end_of_pages(start)) != seal.pages:
+        if _digest_to(file, _end_of_pages(start)) != digest:
             raise InputError(f"{path}: damaged (its pages do not match its seal)")
 
 
@@ -226,8 +221,8 @@ def _footer(file: BinaryIO) -> tuple[int, bytes]:
 def _checked(path: FilePath, schema: Schema) -> Iterator[tuple[pq.ParquetFile, Schema]]:
     """Open a table, with the schema of its columns, and check these and every byte."""
     with _reading(path):
-        if seal := _check_footer(path):
-            _check_pages(path, seal)
+        if digest := _check_footer(path):
+            _check_pages(path, digest)
         with pq.ParquetFile(path) as file:
             stored = file.schema_arrow  # made at each access
             schema = schema.among(stored.names)
@@ -238,7 +233,7 @@ def _checked(path: FilePath, schema: Schema) -> Iterator[tuple[pq.ParquetFile, S
                     raise InputError(f"{missing}: {_OTHER_VERSION}")
                 if dtype != _ARROW[column.dtype]:
                     raise InputError(f"{path}: {column.name}: expected {column.dtype}, got {dtype}")
-            if not seal:
+            if not digest:
                 raise InputError(f"{path}: {_ALIEN}")
             yield file, schema
 

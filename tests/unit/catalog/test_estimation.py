@@ -13,7 +13,7 @@ from opml.base.constants import DAY, HOUR
 from opml.catalog.associate import quarantine
 from opml.catalog.fit import estimation, neighbour_arcs, observations, start_states
 from opml.catalog.fit.least_squares import UNDERDETERMINED
-from opml.catalog.fit.starts import Solution, Starts
+from opml.catalog.fit.starts import Solution, with_known_cd
 from opml.catalog.propagator import Propagator
 from opml.catalog.simulate import tracking, truth
 from opml.tables import PARAMETER_COVARIANCES, PARAMETERS, STATE, symmetric_matrices
@@ -273,12 +273,11 @@ def test_a_fit_without_a_start_takes_the_newest_estimate_whatever_it_says_of_cd(
     assert (none["reason"] == estimation.NO_START).all()
 
 
-def test_an_absurd_estimate_is_nobodys_start(assumed_model, iss):
-    starts = Starts(None, Propagator(assumed_model, iss), None, None, None)
+def test_an_absurd_estimate_is_nobodys_start():
     normal = np.linalg.inv(np.diag([1e4] * 3 + [1e-2] * 3 + [1.0]) + 0.9 * (_tied() + _tied().T))
     for cd, kept in ((4.2, True), (-424469.0, False)):
         best = np.append(np.full(6, 7e6), cd)
-        known = starts.with_known_cd(Solution(3, best, np.linalg.inv(normal), converged=True))
+        known = with_known_cd(Solution(3, best, np.linalg.inv(normal), converged=True), 2.2)
         assert (known is not None) is kept
         if known:
             assert known[1][6] == pytest.approx(2.2)

@@ -48,8 +48,7 @@ def test_almost_every_single_track_gives_an_orbit(
     orbit = truth.simulate(Propagator(truth_model, rso), duration=DAY, step=20.0)
     rows = tracking.simulate(orbit, earth_orientation, three_stations, rso=name, seed=1)
     measured = Measured(rows, earth_orientation, three_stations)
-    none = np.empty((0, 6))
-    run = Run.of_states(Propagator(assumed_model, rso), none, measured, SETTINGS, ages=np.empty(0))
+    run = Run(measured, Propagator(assumed_model, rso), np.empty((0, 6)), np.empty(0), SETTINGS)
     found = first_orbit.single_tracks(run)
     assert len(found) >= 0.9 * rows["track"].nunique()
     true = orbit.set_index("t")[STATE]

@@ -171,7 +171,7 @@ def test_a_fit_finds_the_orbit_behind_ranges(tmp_path, points, sites, orbit, pro
     true = orbit.set_index("t")[STATE]
     states = true.loc[measured.epochs[measured.at].round(6)].to_numpy()
     settings = ESTIMATION.evolve(window_hours=24.0, max_iterations=20, least_drag_m=1e3)
-    run = Run.of_states(propagator, states, measured, settings, ages=np.empty(0))
+    run = Run(measured, propagator, states, np.empty(0), settings)
     last = measured.tracks - 1
     off = states[last] + [30.0, -20.0, 10.0, 0.02, 0.01, -0.02]
     free = np.arange(7) < 6

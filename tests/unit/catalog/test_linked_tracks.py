@@ -122,9 +122,7 @@ def test_fits_go_on_from_telescopes_tracks(assumed_model, iss, orbits, seen, ear
 def test_no_arc_is_flown_that_is_faster_than_any_orbit(assumed_model, iss, seen, earth_orientation):
     rows, stations = seen("iss", STARS)
     measured = Measured(rows, earth_orientation, stations)
-    run = Run.of_states(
-        Propagator(assumed_model, iss), np.empty((0, 6)), measured, SETTINGS, ages=np.empty(0)
-    )
+    run = Run(measured, Propagator(assumed_model, iss), np.empty((0, 6)), np.empty(0), SETTINGS)
     start = np.array([7e6, 0.0, 0.0, 0.0, 1.3e7, 0.0, 2.2])
     estimate = start_estimate_there(run, measured.track(0), start)
     run.fit([estimate])

@@ -151,8 +151,10 @@ def test_what_nothing_explains_for_longer_than_a_window_counts_again(orbit, seen
     """No fit takes a track in that is far, none agree: after six hours they count all the same."""
     monkeypatch.setattr(quarantine.Watch, "_takes_in", lambda *_: False)
     monkeypatch.setattr(quarantine, "farthest", lambda *_: 1.0 + 1e3 * (len(reached) > 6))
-    reached, usual = [], quarantine.UsualInnovation.take
-    monkeypatch.setattr(quarantine.UsualInnovation, "take", lambda *call: (reached.append(0), usual(*call)))
+    reached, accepted = [], quarantine.Watch._accepted
+    monkeypatch.setattr(
+        quarantine.Watch, "_accepted", lambda *call: reached.extend(call[2]) or accepted(*call)
+    )
     found = estimates(orbit, seen(orbit), WATCHING.evolve(window_hours=6.0))
     times, held = found["t"].to_numpy(), found["held_back"].to_numpy()
     first = int(np.argmax(held))
@@ -185,8 +187,8 @@ def test_a_burn_begins_at_the_newest_orbit_that_it_did_not_bend(monkeypatch, cd,
     watch._before = [
         ReferenceOrbit(k, 0, np.append(np.zeros(6), one), np.zeros((7, 7))) for k, one in ((1, cd), (0, 2.0))
     ]
-    for usual in watch._usual:
-        usual.past.extend([1.0] * 5)
+    for past in watch._past:
+        past.extend([1.0] * 5)
     assert watch._burn([away, 9.0]) is None
     assert [one.track for one in asked] == [1 - used]
 

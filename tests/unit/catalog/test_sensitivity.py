@@ -13,7 +13,6 @@ from opml.tables import SCHEMAS, STATE
 
 TIMES = np.array([0.0, 0.3, 1.1, 2.0, 2.9]) * DAY
 CD = np.array([2.25, 2.1, 4.0, 2.3, 2.2])
-BOUNDS = (1.2, 3.2)
 ALONE = np.eye(7)  # a covariance without correlations
 
 
@@ -31,7 +30,7 @@ def run(assumed_model, iss):
         truth = table[["t", *STATE]]
         propagator = Propagator(assumed_model, iss)
         pairs = keep(prediction.predict_all(propagator, truth, table, max_days=2.5))
-        found = sensitivity.sensitivities(propagator, table, pairs, bounds=BOUNDS)
+        found = sensitivity.sensitivities(propagator, table, pairs)
         return table, pairs, found
 
     return make
@@ -88,44 +87,9 @@ def test_a_held_cd_has_no_shift(assumed_model):
     assert not sensitivity.shift_with_cd(estimates(assumed_model.gm, np.zeros((7, 7)))).any()
 
 
-def test_r_leads_to_the_prediction_with_the_running_mean(run, assumed_model, iss):
-    table, pairs, found = run()
-    row = np.flatnonzero((pairs["i"] == 11) & (pairs["j"] == 13))[0]
-    mean = (2.25 + 2.1) / 2
-    assert found["cd_mean"][row] == pytest.approx(mean)
-    start = table.loc[1, STATE].to_numpy(float)
-    again = flown(assumed_model, iss, start, mean, (TIMES[1], TIMES[3]))
-    expected = turned(pairs, row, pairs[STATE].to_numpy()[row] - again)
-    np.testing.assert_allclose(
-        found.loc[row, [f"r_{a}" for a in STATE]].to_numpy(float), expected, rtol=1e-6, atol=1e-2
-    )
-
-
 def test_estimates_without_pairs_are_passed_over(run):
     _, _, whole = run()
     _, pairs, part = run(keep=lambda pairs: pairs[pairs["i"] % 2 == 0].reset_index(drop=True))
     expected = whole[whole["i"] % 2 == 0].reset_index(drop=True)
     assert part["i"].tolist() == pairs["i"].tolist()
     pd.testing.assert_frame_equal(part, expected, check_exact=True)
-
-
-def test_a_running_mean_knows_only_the_past_and_only_what_is_usable():
-    table = pd.DataFrame(
-        {"cd": [9.0, 2.0, 2.4, -1.0, 2.2, 2.6], "converged": [True, True, True, True, False, True]}
-    )
-    expected = [9.0, 2.0, 2.2, 2.2, 2.2, 7.0 / 3.0]
-    np.testing.assert_allclose(sensitivity.running_mean(table, BOUNDS), expected)
-
-
-def test_without_bounds_every_converged_estimate_counts():
-    table = pd.DataFrame({"cd": [9.0, 2.0, -1.0, 2.2, np.nan], "converged": [True, True, True, False, True]})
-    table["cov_cd_cd"] = 0.3
-    assert sensitivity.usable(table, BOUNDS).tolist() == [False, True, False, False, False]
-    assert sensitivity.usable(table, None).tolist() == [True, True, True, False, False]
-    mean = 10.0 / 3.0
-    np.testing.assert_allclose(sensitivity.running_mean(table, None), [9.0, 5.5, mean, mean, mean])
-
-
-def test_without_bounds_a_fit_that_tells_little_of_cd_weighs_little():
-    table = pd.DataFrame({"cd": [-900.0, 2.0, 2.4], "converged": True, "cov_cd_cd": [1e8, 0.01, 0.01]})
-    np.testing.assert_allclose(sensitivity.running_mean(table, None), [-900.0, 2.0, 2.2], atol=1e-6)

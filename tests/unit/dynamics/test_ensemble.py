@@ -254,8 +254,7 @@ def test_a_step_below_the_minimum(assumed_model):
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_the_grid_hits_every_epoch_and_keeps_below_the_ceiling(sign):
     epochs = sign * np.array([0.0, 20.0, 110.0, 200.00001, 1234.5, 1235.0, 9999.0])
-    grid = ensemble._Grid(epochs, np.empty(0), 90.0)
-    times, index = grid.times, grid.index
+    times, index = ensemble._grid(epochs, np.empty(0), 90.0)
     np.testing.assert_array_equal(times[index], epochs)
     steps = sign * np.diff(times)
     assert np.all(steps > 0.0)

@@ -16,7 +16,8 @@ import numpy as np
 
 from opml.catalog.associate.innovations import ReferenceOrbit
 from opml.catalog.fit.estimation import Run
-from opml.catalog.fit.neighbour_arcs import NUDGES, propagate_neighbours
+from opml.catalog.fit.measurements import Window
+from opml.catalog.fit.neighbour_arcs import NUDGES, propagate_around
 from opml.orbits.elements import rsw_rotation
 
 STEP = 20.0  # time between the epochs at which orbits are compared with each other [s]
@@ -44,11 +45,11 @@ def burn_between(
     scale: factor on the standard deviations of both
     """
     t = np.linspace(*span, max(2, int((span[1] - span[0]) / STEP)))
-    old, new = _propagated(run, before, t), _propagated(run, after, t[::-1])
+    old, new = _propagated(run, before, t), _propagated(run, after, t)
     if old is None or new is None:
         return None
-    difference = new[0][::-1] - old[0]
-    covariance = scale**2 * (new[1][::-1] + old[1])
+    difference = new[0] - old[0]
+    covariance = scale**2 * (new[1] + old[1])
     place, both, speed = covariance[:, :3, :3], covariance[:, 3:, :3], covariance[:, 3:, 3:]
     gain = np.linalg.solve(place, both.transpose(0, 2, 1)).transpose(0, 2, 1)
     square = np.sum(difference[:, :3] * np.linalg.solve(place, difference[:, :3, None])[..., 0], axis=1)
@@ -62,11 +63,18 @@ def burn_between(
 
 
 def _propagated(run: Run, orbit: ReferenceOrbit, t: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
-    """Return states (n, 6) of an orbit at times (n,) [s] and their covariances (n, 6, 6); None if lost."""
-    epochs = np.append(run.measured.epochs[orbit.at], t)
-    states, status = propagate_neighbours(run.propagator, epochs, orbit.parameters)
+    """Return states (n, 6) of an orbit and their covariances (n, 6, 6); None if lost.
+
+    t: (n,) times [s], all before the epoch of the orbit, or all after it
+    """
+    epoch = run.measured.epochs[orbit.at]
+    at = 0 if epoch <= t[0] else len(t)
+    window = Window(orbit.track, tracks=1, rows=slice(0, 0), first=0, at=at, last=len(t))
+    epochs = np.insert(t, at, epoch)
+    [around], [status] = propagate_around(run.propagator, epochs, [window], orbit.parameters[None])
     if status:
         return None
-    partials = ((states[1:, 1:] - states[0, 1:]) / NUDGES[:, None, None]).transpose(1, 2, 0)
+    states = np.delete(around.states, at, axis=1)
+    partials = ((states[1:] - states[0]) / NUDGES[:, None, None]).transpose(1, 2, 0)
     covariance = orbit.later_covariance(run.propagator.rso.cd)
-    return states[0, 1:], partials @ covariance @ partials.transpose(0, 2, 1)
+    return states[0], partials @ covariance @ partials.transpose(0, 2, 1)

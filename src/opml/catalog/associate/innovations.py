@@ -9,19 +9,17 @@ err, independently of each other:
 What no orbit could explain, such as an outlier of one measured number, is in none of the directions.
 """
 
-from dataclasses import dataclass, field, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
 
-from opml.catalog.fit.apriori import covariance_root, with_apriori_cd
+from opml.catalog.fit.apriori import CD, covariance_root, with_apriori_cd
 from opml.catalog.fit.estimate import Estimate
 from opml.catalog.fit.estimation import Run
 from opml.catalog.fit.least_squares import Evaluation
 from opml.catalog.fit.neighbour_arcs import propagate_around
-from opml.tables import PARAMETERS
-
-_CD = PARAMETERS.index("cd")
 
 CD_SPREAD = 0.1
 """Variation of the Cd that a model needs, besides the noise of the fits, as a share of it.
@@ -53,7 +51,7 @@ class ReferenceOrbit:
     def later_covariance(self, cd: float) -> np.ndarray:
         """Return the covariance (7, 7) that others are predicted with, as Cd may change by part of `cd`."""
         covariance = self.covariance.copy()
-        covariance[_CD, _CD] += (CD_SPREAD * cd) ** 2
+        covariance[CD, CD] += (CD_SPREAD * cd) ** 2
         return covariance
 
 
@@ -78,18 +76,6 @@ def farthest(run: Run, orbit: ReferenceOrbit, track: int) -> float:
     return float(np.abs(deviations(evaluation, root)).max())
 
 
-@dataclass
-class UsualInnovation:
-    """Usual innovations of an object's tracks."""
-
-    past: list[float] = field(default_factory=list)  # largest innovations of the object's own tracks
-
-    @property
-    def scale(self) -> float:
-        """Factor on the standard deviations, from the median of the past; at least 1."""
-        return max(1.0, float(np.median(self.past)) / _USUAL) if len(self.past) >= LEAST else np.inf
-
-    def take(self, largest: float) -> None:
-        """Take the innovation of a track of the object, if there is one."""
-        if np.isfinite(largest):
-            self.past.append(largest)
+def usual_scale(past: Sequence[float]) -> float:
+    """Return a factor on standard deviations, at least 1, from the largest innovations of past tracks."""
+    return max(1.0, float(np.median(past)) / _USUAL) if len(past) >= LEAST else np.inf

@@ -21,8 +21,9 @@ import pandas as pd
 
 from opml.base.constants import HOUR
 from opml.catalog.associate.burns import TrackedBurn, burn_between
-from opml.catalog.associate.innovations import CD_SPREAD, ReferenceOrbit, UsualInnovation, farthest
+from opml.catalog.associate.innovations import CD_SPREAD, ReferenceOrbit, farthest, usual_scale
 from opml.catalog.fit import biases, estimation
+from opml.catalog.fit.apriori import CD
 from opml.catalog.fit.estimate import Estimate
 from opml.catalog.fit.estimation import Run
 from opml.catalog.fit.estimation_settings import Estimation
@@ -30,7 +31,7 @@ from opml.catalog.fit.least_squares import Fit, Method
 from opml.catalog.fit.measurements import Measurements
 from opml.catalog.fit.starts import StartParameters
 from opml.catalog.propagator import Propagator
-from opml.tables import BURN, PARAMETERS
+from opml.tables import BURN
 
 HELD_BACK = "track of no known orbit"  # why there is no estimate at a track that is held back
 AGREEING = 2  # tracks on one orbit that make a burn, where that orbit meets the old one
@@ -46,7 +47,6 @@ _DRAG = 0.5
 
 _MEDIAN = 1.2533  # standard deviation of the median of many normal deviates, in that of their mean
 
-_CD = PARAMETERS.index("cd")
 _log = logging.getLogger(__name__)
 
 
@@ -67,7 +67,7 @@ class Watch:
         self._known: list[ReferenceOrbit] = []
         self._usable: StartParameters | None = None
         self._spare: StartParameters | None = None
-        self._usual = UsualInnovation(), UsualInnovation()
+        self._past: tuple[list[float], list[float]] = [], []  # innovations of the object's own tracks
         self._sizes: list[float] = []
 
     def take(self, track: int) -> tuple[Estimate, TrackedBurn | None]:
@@ -96,17 +96,14 @@ class Watch:
         beyond = range(firsts[since]), range(firsts[since + 1], firsts[-1])
         return self.foreign.union(*beyond)
 
-    @property
-    def quarantined(self) -> set[int]:
-        """Tracks that no fit takes so far."""
-        return self.foreign.union(self._waiting)
-
     def row(self, estimate: Estimate, burn: TrackedBurn | None) -> dict[str, Any]:
-        """Return an estimate, with what is held back, as a row of the table."""
+        """Return an estimate as a row of the table, with how many tracks its window does without."""
+        track = estimate.window.track
+        is_held_back = track in self.foreign.union(self._waiting)
+        without = 0 if is_held_back else self._run.window(track).tracks - estimate.window.tracks
         shown = [np.nan] * 4 if burn is None else [burn.t, *burn.velocity]
-        return _row(self._run, estimate, estimate.window.track in self.quarantined) | dict(
-            zip(BURN, shown, strict=True)
-        )
+        marks = {"held_back": is_held_back, "tracks_left_out": without}
+        return self._run.row(estimate) | marks | dict(zip(BURN, shown, strict=True))
 
     def _time(self, track: int) -> float:
         return float(self._run.measured.epochs[self._run.measured.at[track]])
@@ -119,14 +116,14 @@ class Watch:
         return [*self._known[-1:], *older[-1:]]
 
     def _are_far(self, away: Sequence[float]) -> bool:
-        scales = [usual.scale for usual in self._usual]
+        scales = map(usual_scale, self._past)
         return any(one > self._limit * scale for one, scale in zip(away, scales, strict=False))
 
     def _fitted(self, track: int) -> Estimate:
         """Return the fit over the window at a track, to what is neither foreign nor beyond a burn."""
         window = self._run.window(track, without=self.excluded(track))
         run = self._run_since_burn(track)
-        starts = run.starts.in_turn([window], self._usable, self._spare)
+        starts = run.candidates([window], self._usable, self._spare)
         [estimate] = run.fit_windows([window], starts, [self._method])
         return estimate
 
@@ -137,24 +134,23 @@ class Watch:
             return run
         propagator = replace(run.propagator, rso=replace(run.propagator.rso, cd=self._cd))
         settings = run.settings.evolve(cd_sigma=CD_SPREAD * abs(self._cd))
-        return replace(
-            run, propagator=propagator, starts=replace(run.starts, propagator=propagator), settings=settings
-        )
+        return replace(run, propagator=propagator, settings=settings)
 
     def _accepted(self, estimate: Estimate, away: Sequence[float]) -> Estimate:
         """Return an estimate that later tracks are compared with."""
-        for usual, one in zip(self._usual, away, strict=False):
-            usual.take(one)
+        for past, largest in zip(self._past, away, strict=False):
+            if np.isfinite(largest):
+                past.append(largest)
         if estimate.fit.converged:
             self._sizes.append(float(self._run.row(estimate)["weighted_rms"]))
         if orbit := ReferenceOrbit.of_estimate(estimate, self._run.propagator.rso.cd):
             self._known.append(orbit)
-        self._usable, self._spare = self._run.starts.newest([estimate.solution], self._usable, self._spare)
+        self._usable, self._spare = self._run.newest([estimate.solution], self._usable, self._spare)
         return estimate
 
     def _goes_across(self, estimate: Estimate) -> bool:
         """Whether a fit takes a track in that is far from its prediction, with about the drag from before."""
-        cd, variance = estimate.fit.best[_CD], estimate.fit.covariance[_CD, _CD]
+        cd, variance = estimate.fit.best[CD], estimate.fit.covariance[CD, CD]
         if any(_has_other_drag(cd, variance, one) for one in self._before):
             return False
         return self._takes_in(estimate)
@@ -192,7 +188,7 @@ class Watch:
     def _burn(self, away: Sequence[float]) -> TrackedBurn | None:
         """Return the burn that the tracks held back show, if any, and restart after it."""
         newest, older = self._before[0], self._before[-1]
-        went_along = _has_other_drag(newest.parameters[_CD], newest.covariance[_CD, _CD], older)
+        went_along = _has_other_drag(newest.parameters[CD], newest.covariance[CD, CD], older)
         before = older if went_along or not self._are_far(away[:1]) else newest
         for tracks in _agreements(self._waiting):
             fitted = self._orbit(tracks, before)
@@ -211,8 +207,8 @@ class Watch:
 
     def _orbit(self, tracks: Sequence[int], before: ReferenceOrbit) -> Estimate | None:
         window = self._run.measured.of_tracks(tracks[-1], tracks)
-        start = self._run.starts.propagate(before.at, before.parameters, np.array([window.at]))[0]
-        method = replace(self._method, free=self._method.free & (np.arange(7) != _CD))
+        start = self._run.carry(before.at, before.parameters, np.array([window.at]))[0]
+        method = replace(self._method, free=self._method.free & (np.arange(7) != CD))
         [estimate] = self._run.complete([Estimate(window, Fit(start, method))])
         return estimate if self._takes_in(estimate) else None
 
@@ -220,11 +216,11 @@ class Watch:
         """Return the burn between an orbit and one of tracks that were held back, by the first of these."""
         measured = self._run.measured
         span = float(measured.epochs[measured.ends[before.track]]), self._time(first)
-        return burn_between(self._run, before, after, span, self._usual[0].scale)
+        return burn_between(self._run, before, after, span, usual_scale(self._past[0]))
 
     def _restart_after_burn(self, burn: TrackedBurn, after: ReferenceOrbit, tracks: Sequence[int]) -> None:
         """Take a burn for found: what was held back on the new orbit counts, what is older does not."""
-        self._cd = float(after.parameters[_CD])
+        self._cd = float(after.parameters[CD])
         times = self._run.measured.epochs[self._run.measured.at]
         first = min(int(np.searchsorted(times, burn.t)), tracks[0])
         self._refuse([track for track in self._waiting if track not in tracks])
@@ -238,8 +234,8 @@ class Watch:
 
 def _has_other_drag(cd: float, variance: float, before: ReferenceOrbit) -> bool:
     """Return whether Cd, of a variance, is another one than that of an orbit before."""
-    sigma = np.sqrt(variance + before.covariance[_CD, _CD])
-    return bool(abs(cd - before.parameters[_CD]) > _DRAG * abs(before.parameters[_CD]) + sigma)
+    sigma = np.sqrt(variance + before.covariance[CD, CD])
+    return bool(abs(cd - before.parameters[CD]) > _DRAG * abs(before.parameters[CD]) + sigma)
 
 
 def _agreements(tracks: Sequence[int]) -> Iterator[list[int]]:
@@ -278,10 +274,3 @@ def with_noise(
         if propagator.progress:
             propagator.progress((track + 1) / measured.tracks)
     return pd.DataFrame(rows), biases.instrument_residuals(measured, estimates, run.residuals)
-
-
-def _row(run: Run, estimate: Estimate, is_held_back: bool) -> dict[str, Any]:
-    """Return an estimate as a row of the table, with how many tracks its window does without."""
-    without = run.window(estimate.window.track).tracks - estimate.window.tracks
-    marks = {"held_back": is_held_back, "tracks_left_out": 0 if is_held_back else without}
-    return run.row(estimate) | marks

@@ -1,7 +1,5 @@
 """Prior knowledge of an orbit: Cd, and that it is nearly round."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from opml.catalog.fit.first.round_orbits import eccentricity
@@ -17,25 +15,18 @@ LINEAR = 10e3  # how far a state may be moved along its covariance [m], to where
 APRIORI_SIGMA = 0.5  # uncertainty of the sheet's Cd, as a part of it
 
 
-@dataclass(frozen=True)
-class Apriori:
-    """Pseudo-measurements of a fit, in addition to its tracks."""
+def cd_residual(trial: np.ndarray, cd: float, sigma: float) -> Evaluation:
+    """Return the residual of a trial (7,) from the RSO's own Cd, as a measurement of a standard deviation."""
+    return Evaluation(np.array([cd - trial[CD]]) / sigma, np.eye(len(PARAMETERS))[[CD]] / sigma)
 
-    cd: float  # the RSO's own
-    cd_sigma: float | None  # its standard deviation; None where nothing is known
-    gm: float  # [m3/s2]
-    eccentricity_sigma: float | None = None  # of the eccentricity about 0; None where nothing is known
 
-    def added_to(self, evaluation: Evaluation, trial: np.ndarray) -> Evaluation:
-        """Return an evaluation at a trial (7,) with a residual more for each number that is known."""
-        if self.cd_sigma is not None:
-            residual = np.array([self.cd - trial[CD]]) / self.cd_sigma
-            evaluation = evaluation.and_also(residual, np.eye(len(PARAMETERS))[[CD]] / self.cd_sigma)
-        if self.eccentricity_sigma is not None:
-            vector, derivative = eccentricity(trial[:6], self.gm)
-            weighted = np.hstack([derivative, np.zeros((3, 1))]) / self.eccentricity_sigma
-            evaluation = evaluation.and_also(-vector / self.eccentricity_sigma, weighted)
-        return evaluation
+def eccentricity_residuals(trial: np.ndarray, gm: float, sigma: float) -> Evaluation:
+    """Return the residuals of a trial (7,) from a circle, as a measurement of a standard deviation.
+
+    gm: of the Earth [m3/s2]
+    """
+    vector, derivative = eccentricity(trial[:6], gm)
+    return Evaluation(-vector / sigma, np.hstack([derivative, np.zeros((3, 1))]) / sigma)
 
 
 def covariance_root(covariance: np.ndarray) -> np.ndarray:

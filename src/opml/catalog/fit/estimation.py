@@ -17,7 +17,7 @@ import pandas as pd
 
 from opml.base.constants import HOUR
 from opml.catalog.fit import biases
-from opml.catalog.fit.apriori import CD, SCALES, Apriori
+from opml.catalog.fit.apriori import CD, SCALES, cd_residual, eccentricity_residuals
 from opml.catalog.fit.estimate import Estimate
 from opml.catalog.fit.estimation_settings import Estimation
 from opml.catalog.fit.iterations import Iterations
@@ -25,7 +25,7 @@ from opml.catalog.fit.least_squares import Evaluation, Fit, Method
 from opml.catalog.fit.measurements import Measurements, Window
 from opml.catalog.fit.neighbour_arcs import propagate_around, propagate_parameters
 from opml.catalog.fit.outliers import fit_without_outliers
-from opml.catalog.fit.starts import Solution, Starts, solutions
+from opml.catalog.fit.starts import Solution, StartParameters, is_usable, solutions, with_known_cd
 from opml.catalog.propagator import Propagator
 from opml.tables import PARAMETERS, STATE
 
@@ -45,7 +45,8 @@ class Run:
 
     measured: Measurements
     propagator: Propagator
-    starts: Starts
+    states: np.ndarray  # (tracks, 6) GCRF at the tracks' starts
+    ages: np.ndarray  # (tracks,) how long before each start its orbit was known [s]
     settings: Estimation
     eccentricity_sigma: float | None = None  # of the eccentricity about 0; None where nothing is known
 
@@ -55,22 +56,7 @@ class Run:
     ) -> Self:
         """Return the run of a table `starts`; its callers report the progress."""
         states, ages = starts[STATE].to_numpy(), starts["age"].to_numpy()
-        return cls.of_states(propagator.without_progress(), states, measured, settings, ages=ages)
-
-    @classmethod
-    def of_states(
-        cls,
-        propagator: Propagator,
-        states: np.ndarray,
-        measured: Measurements,
-        settings: Estimation,
-        *,
-        ages: np.ndarray,
-    ) -> Self:
-        """Return the run of states (tracks, 6) at the tracks' starts; ages: as in `Starts`."""
-        return cls(
-            measured, propagator, Starts(measured, propagator, states, ages, settings.cd_bounds), settings
-        )
+        return cls(measured, propagator.without_progress(), states, ages, settings)
 
     def method(self, free: np.ndarray) -> Method:
         """Return how the parameters that are free (7,) are fitted."""
@@ -81,9 +67,9 @@ class Run:
 
         A short track leaves Cd as uncertain, but there the orbit has drag, and the fit says so.
         """
-        known = int(np.isfinite(self.starts.states).all(axis=1).argmax())
+        known = int(np.isfinite(self.states).all(axis=1).argmax())
         begin = self.measured.epochs[self.measured.at[known]]
-        start = np.append(self.starts.states[known], self.propagator.rso.cd)
+        start = np.append(self.states[known], self.propagator.rso.cd)
         pair = np.stack([start, start + np.eye(7)[CD]])
         epochs = np.array([begin, begin + self._window])
         near = self.propagator.for_neighbours()  # drag is the same under all harmonics
@@ -97,12 +83,57 @@ class Run:
         """Return the window of the settings at a track; `without`: tracks that are left out."""
         return self.measured.window(track, self._window, without=without)
 
+    def candidates(
+        self, windows: Sequence[Window], usable: StartParameters | None, spare: StartParameters | None
+    ) -> Iterator[np.ndarray]:
+        """Yield parameters (windows, 7) to start from, the best first; not finite where there are none.
+
+        usable, spare: from `newest`
+
+        First those of the newest usable estimate, carried to each track's start; then the newer of the
+        track's state and the spare estimate, then the older.
+        """
+        at = np.array([window.at for window in windows])
+        tracks = [window.track for window in windows]
+        first = np.column_stack([self.states[tracks], np.full(len(tracks), self.propagator.rso.cd)])
+        if usable is not None:
+            yield self.carry(*usable, at)
+        if spare is None:
+            yield first
+            return
+        kept, epochs = self.carry(*spare, at), self.measured.epochs
+        is_newer = (epochs[at] - epochs[spare[0]] < self.ages[tracks])[:, None]
+        yield np.where(is_newer, kept, first)
+        yield np.where(is_newer, first, kept)
+
+    def carry(self, begin: int, parameters: np.ndarray, at: np.ndarray) -> np.ndarray:
+        """Return parameters (7,) at an epoch `begin` carried to epochs `at`: (n, 7), lost ones not finite."""
+        epochs = self.measured.epochs[np.append(begin, at)]
+        arcs = propagate_parameters(
+            self.propagator, epochs, parameters[None], np.array([0]), np.array([len(at)])
+        )
+        return np.column_stack([arcs.path(0), np.full(len(at), parameters[CD])])
+
+    def newest(
+        self,
+        solutions: Sequence[Solution],
+        usable: StartParameters | None = None,
+        spare: StartParameters | None = None,
+    ) -> tuple[StartParameters | None, StartParameters | None]:
+        """Return the newest usable and the newest spare start of solutions; without one, that given.
+
+        usable: of an estimate whose Cd is known; spare: of one that has a state at least
+        """
+        cd, bounds, last_first = self.propagator.rso.cd, self.settings.cd_bounds, solutions[::-1]
+        usable = next(((one.at, one.best) for one in last_first if is_usable(one, bounds)), usable)
+        return usable, next((known for one in last_first if (known := with_known_cd(one, cd))), spare)
+
     def fit_windows(
         self, windows: Sequence[Window], candidates: Iterable[np.ndarray], methods: Sequence[Method]
     ) -> list[Estimate]:
         """Return estimates over `windows`, each from the best start that its arc can be propagated from.
 
-        candidates: parameters (windows, 7) to start from, as `Starts.in_turn` yields them
+        candidates: parameters (windows, 7) to start from, as `candidates` yields them
         methods: of each window
         """
         estimates = [
@@ -156,9 +187,13 @@ class Run:
         if self.settings.bias_sigma is not None:
             instruments = self.measured.instruments(estimate.window.rows)[kept]
             evaluation = biases.whiten(evaluation, instruments, self.settings.bias_sigma)
-        rso, gm = self.propagator.rso, self.propagator.model.gm
-        apriori = Apriori(rso.cd, self.settings.cd_sigma, gm, self.eccentricity_sigma)
-        return apriori.added_to(evaluation, estimate.fit.trial)
+        trial, sigma = estimate.fit.trial, self.settings.cd_sigma
+        if sigma is not None:
+            evaluation = evaluation.and_also(cd_residual(trial, self.propagator.rso.cd, sigma))
+        if self.eccentricity_sigma is not None:
+            gm = self.propagator.model.gm
+            evaluation = evaluation.and_also(eccentricity_residuals(trial, gm, self.eccentricity_sigma))
+        return evaluation
 
     def row(self, estimate: Estimate) -> dict[str, Any]:
         """Return an estimate as a row of the table."""
@@ -193,11 +228,11 @@ def in_turn(
     run: Run, method: Method, windows: Sequence[Window], *, earlier: Sequence[Solution] = ()
 ) -> Iterator[Estimate]:
     """Yield the fits over windows, batch after batch, each from what earlier ones show."""
-    usable, spare = run.starts.newest(earlier, None, None)
+    usable, spare = run.newest(earlier)
     for begin in range(0, len(windows), BATCH):
         batch = windows[begin : begin + BATCH]
-        estimates = run.fit_windows(batch, run.starts.in_turn(batch, usable, spare), [method] * len(batch))
-        usable, spare = run.starts.newest([estimate.solution for estimate in estimates], usable, spare)
+        estimates = run.fit_windows(batch, run.candidates(batch, usable, spare), [method] * len(batch))
+        usable, spare = run.newest([estimate.solution for estimate in estimates], usable, spare)
         yield from estimates
 
 
@@ -264,7 +299,7 @@ def estimate_over_windows(
     ]
     windows = [run.window(track) for run in runs]
     candidates = [
-        run.starts.in_turn([window], *run.starts.newest(solutions(rows, measured.at), None, None))
+        run.candidates([window], *run.newest(solutions(rows, measured.at)))
         for run, window, rows in zip(runs, windows, earlier.values(), strict=True)
     ]
     methods = [run.method(run.free_parameters()) for run in runs]

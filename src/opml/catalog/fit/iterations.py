@@ -40,7 +40,7 @@ class Iterations:
 
     def run(self, fits: Sequence[Fit], *, most: int) -> None:
         """Iterate the fits until they end, or after so many iterations."""
-        known: dict[int, _Propagated] = {}
+        known: dict[int, tuple[NeighbourArcs, Evaluation]] = {}
         for _ in range(most):
             trials = {k: fit.trial for k, fit in enumerate(fits) if _is_running(fit)}
             if not trials:
@@ -54,8 +54,9 @@ class Iterations:
                 if lost:
                     fits[k].reject(f"start arc {REASONS[lost]}")
                 else:
-                    known[k] = _Propagated(around, self.evaluation(k, around.states))
-                    fits[k].take(known[k].evaluation)
+                    evaluation = self.evaluation(k, around.states)
+                    known[k] = around, evaluation
+                    fits[k].take(evaluation)
 
     def _propagated(self, trials: Mapping[int, np.ndarray]) -> Iterator[tuple[int, NeighbourArcs, int]]:
         """Yield the arcs around trials, by the numbers of their fits, and their status."""
@@ -66,7 +67,7 @@ class Iterations:
             )
 
     def _near(
-        self, trials: Mapping[int, np.ndarray], known: Mapping[int, "_Propagated"]
+        self, trials: Mapping[int, np.ndarray], known: Mapping[int, tuple[NeighbourArcs, Evaluation]]
     ) -> dict[int, Evaluation]:
         """Return the evaluations of those trials that are near what was propagated for the same fits."""
         if not trials or self.propagator.for_neighbours() is self.propagator:
@@ -74,21 +75,13 @@ class Iterations:
         windows, parameters = [self.windows[k] for k in trials], np.array(list(trials.values()))
         paths, _ = propagate_near(self.propagator, self.epochs, windows, parameters)
         estimates = {
-            k: self.evaluation(k, known[k].around.moved(path)) for k, path in zip(trials, paths, strict=True)
+            k: self.evaluation(k, known[k][0].moved(path)) for k, path in zip(trials, paths, strict=True)
         }
-        return {k: one for k, one in estimates.items() if known[k].is_near(one)}
+        return {k: one for k, one in estimates.items() if _are_near(one, known[k][1])}
 
 
-@dataclass(frozen=True)
-class _Propagated:
-    """A trial of a fit that was propagated with all of the field, and its evaluation."""
-
-    around: NeighbourArcs
-    evaluation: Evaluation
-
-    def is_near(self, other: Evaluation) -> bool:
-        """Whether the trial of another evaluation is near."""
-        return bool(np.abs(other.residuals - self.evaluation.residuals).max(initial=0.0) <= NEAR)
+def _are_near(one: Evaluation, other: Evaluation) -> bool:
+    return bool(np.abs(one.residuals - other.residuals).max(initial=0.0) <= NEAR)
 
 
 def _is_running(fit: Fit) -> bool:

@@ -82,9 +82,10 @@ class Evaluation:
         """Sum of the squared residuals."""
         return float(np.sum(self.residuals**2))
 
-    def and_also(self, residuals: np.ndarray, jacobian: np.ndarray) -> "Evaluation":
-        """Return the evaluation with further residuals (k,) and their rows (k, n) of the Jacobian."""
-        return Evaluation(np.append(self.residuals, residuals), np.vstack([self.jacobian, jacobian]))
+    def and_also(self, more: "Evaluation") -> "Evaluation":
+        """Return the evaluation with further residuals and their rows of the Jacobian."""
+        residuals = np.append(self.residuals, more.residuals)
+        return Evaluation(residuals, np.vstack([self.jacobian, more.jacobian]))
 
 
 class Fit:

@@ -8,9 +8,6 @@ import numpy as np
 from opml.catalog.fit.measurements import Window
 from opml.catalog.propagator import Propagator, neighbour_paths
 from opml.dynamics.ensemble import Arcs
-from opml.tables import PARAMETERS
-
-_CD = PARAMETERS.index("cd")
 
 NUDGES = np.array([1.0, 1.0, 1.0, 1e-3, 1e-3, 1e-3, 1e-2])
 """Differences [m, m/s, -] of the neighbouring arcs: small against the orbit, large against rounding."""
@@ -23,35 +20,7 @@ def propagate_parameters(
     propagator: Propagator, epochs: np.ndarray, parameters: np.ndarray, first: np.ndarray, last: np.ndarray
 ) -> Arcs:
     """Propagate arcs from parameters (arcs, 7) at epochs[first] to epochs[last]."""
-    return propagator.propagate(epochs, parameters[:, :6], cd=parameters[:, _CD], first=first, last=last)
-
-
-def propagate_neighbours(
-    propagator: Propagator, epochs: np.ndarray, parameters: np.ndarray
-) -> tuple[np.ndarray, int]:
-    """Return (states of an arc and its neighbours, worst status), as `propagate_around`, forward in time.
-
-    parameters: (7,) at the first epoch
-    epochs: (n,) at which the states (8, n, 6) are wanted [s]
-    """
-    near = propagator.for_neighbours()
-    states, status = _propagate_forward(near, epochs, parameters + _NEIGHBOURS)
-    if near is propagator:
-        return states, status
-    [whole], lost = _propagate_forward(propagator, epochs, parameters[None])
-    return neighbour_paths(whole, states[0], states), max(status, lost)
-
-
-def _propagate_forward(
-    propagator: Propagator, epochs: np.ndarray, parameters: np.ndarray
-) -> tuple[np.ndarray, int]:
-    """Return (states (arcs, n, 6), worst status) of arcs from parameters (arcs, 7) through all epochs."""
-    count = len(parameters)
-    arcs = propagate_parameters(
-        propagator, epochs, parameters, np.zeros(count, int), np.full(count, len(epochs) - 1)
-    )
-    later = arcs.states.reshape(count, len(epochs) - 1, 6)
-    return np.concatenate([parameters[:, None, :6], later], axis=1), int(arcs.status.max())
+    return propagator.propagate(epochs, parameters[:, :6], cd=parameters[:, -1], first=first, last=last)
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,6 @@ import numpy as np
 import pandas as pd
 
 from opml.catalog.predict.resonance import Resonances, drifts
-from opml.catalog.predict.sensitivity import running_mean, usable
 from opml.orbits.elements import in_rsw
 from opml.tables import STATE
 
@@ -34,19 +33,15 @@ def build(
     bounds: on Cd, None for any
     resonances: met by the long arcs; their columns are those of `resonance.drifts`
 
-    l_* is the predicted state less that from the long arc, in RSW of the predicted state [m, m/s]; d_cd_long
-    is the long arc's Cd less the running mean of all long arcs' so far. Where the long arc did not converge,
-    has its Cd outside `bounds` or does not reach t_j, the short arc stands for it: l_* is 0, and v_long_*,
-    cd_long are the short arc's.
+    l_* is the predicted state less that from the long arc, in RSW of the predicted state [m, m/s]. Where the
+    long arc did not converge, has its Cd outside `bounds` or does not reach t_j, the short arc stands for it:
+    l_* is 0, and v_long_*, cd_long are the short arc's.
     """
     predictions = short.predictions
     pairs = pd.MultiIndex.from_frame(predictions[["i", "j"]])
     cd = short.estimates.set_index("track").loc[predictions["i"], "cd"].to_numpy()
     table = short.sensitivities.set_index(["i", "j"]).loc[pairs].assign(cd=cd)
-    d_cd = table["cd"] - table["cd_mean"]
-
-    fits = long.estimates
-    ends = fits.assign(mean=running_mean(fits, bounds), usable=usable(fits, bounds))
+    ends = long.estimates.assign(usable=usable(long.estimates, bounds))
     ends = ends.set_index("track").reindex(predictions["i"])
     predicted = predictions[STATE].to_numpy()
     arrived = long.predictions.set_index(["i", "j"])[STATE].reindex(pairs).to_numpy()
@@ -56,9 +51,14 @@ def build(
     is_known = ends["usable"].eq(True).to_numpy() & reached
 
     table["cd_long"] = np.where(is_known, ends["cd"], table["cd"])
-    table["d_cd_long"] = np.where(is_known, ends["cd"] - ends["mean"], d_cd)
     for k, axis in enumerate(STATE):
         table[f"l_{axis}"] = np.where(is_known, gap[:, k], 0.0)
         table[f"v_long_{axis}"] = np.where(is_known, answers[f"v_{axis}"], table[f"v_{axis}"])
     drift = drifts(short.estimates, predictions, resonances)
     return table.reset_index().join(drift.reset_index(drop=True))
+
+
+def usable(estimates: pd.DataFrame, bounds: tuple[float, float] | None) -> np.ndarray:
+    """Return which estimates (n,) converged with their Cd within `bounds`, None for any Cd."""
+    low, high = bounds or (-np.inf, np.inf)
+    return np.asarray(estimates["converged"] & estimates["cd"].between(low, high))

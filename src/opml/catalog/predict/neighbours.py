@@ -1,8 +1,5 @@
 """Arcs near those of predictions, under as much of the gravity field as their distances need."""
 
-from dataclasses import dataclass, replace
-from typing import Self
-
 import numpy as np
 import pandas as pd
 
@@ -10,38 +7,24 @@ from opml.catalog.propagator import Propagator, neighbour_paths
 from opml.tables import STATE
 
 
-@dataclass(frozen=True)
-class Neighbours:
-    """Arcs that begin near the estimates of predictions."""
+def propagate_neighbours(
+    propagator: Propagator,
+    predictions: pd.DataFrame,
+    started: pd.DataFrame,
+    states: np.ndarray,
+    cd: np.ndarray,
+) -> np.ndarray:
+    """Return the states (families, n, 6) in GCRF [m, m/s] at t_j of arcs that begin near the predictions'.
 
-    propagator: Propagator  # of the neighbours
-    predictions: pd.DataFrame
-    origin: np.ndarray | None  # (n, 6) where the estimates' own arcs come then; None: the predictions
-
-    @classmethod
-    def of_predictions(cls, propagator: Propagator, predictions: pd.DataFrame, started: pd.DataFrame) -> Self:
-        """Return the neighbours of predictions.
-
-        propagator: of the predictions
-        started: the estimates that they start from, a row per arc
-        """
-        near = propagator.for_neighbours()
-        if near is propagator:
-            return cls(propagator, predictions, None)
-        states, cd = started[STATE].to_numpy(), started["cd"].to_numpy()
-        origin, _ = near.without_progress().propagate_pairs(predictions, states, cd=cd)
-        return cls(near, predictions, origin)
-
-    def part(self, number: int, parts: int) -> Self:
-        """Return the same with the progress of one of several equal parts."""
-        return replace(self, propagator=self.propagator.part(number, parts))
-
-    def propagate(self, states: np.ndarray, cd: np.ndarray) -> np.ndarray:
-        """Return the states (n, 6) in GCRF [m, m/s] of neighbours at t_j.
-
-        cd: (arcs,)
-        """
-        propagated, _ = self.propagator.propagate_pairs(self.predictions, states, cd=cd)
-        if self.origin is None:
-            return propagated
-        return neighbour_paths(self.predictions[STATE].to_numpy(float), self.origin, propagated[None])[0]
+    propagator: of the predictions
+    started: the estimates that these start from, a row per arc
+    states, cd: (families * arcs, 6) and (families * arcs,) of the neighbours, one family behind the other
+    """
+    near = propagator.for_neighbours()
+    propagated, _ = near.propagate_pairs(predictions, states, cd=cd)
+    families = propagated.reshape(-1, len(predictions), len(STATE))
+    if near is propagator:
+        return families
+    quiet, own_cd = near.without_progress(), started["cd"].to_numpy()
+    origin, _ = quiet.propagate_pairs(predictions, started[STATE].to_numpy(), cd=own_cd)
+    return neighbour_paths(predictions[STATE].to_numpy(float), origin, families)

@@ -12,7 +12,7 @@ import pandas as pd
 from opml.base.constants import DAY, HOUR
 from opml.catalog.associate.innovations import CD_SPREAD
 from opml.catalog.fit.apriori import APRIORI_SIGMA
-from opml.catalog.predict.neighbours import Neighbours
+from opml.catalog.predict.neighbours import propagate_neighbours
 from opml.catalog.predict.sensitivity import CD_NUDGE, shift_with_cd
 from opml.catalog.propagator import Propagator
 from opml.orbits.elements import in_rsw
@@ -118,8 +118,8 @@ def perturbed_predictions(
     first = np.searchsorted(estimates["track"], np.unique(predictions["i"]))
     started = estimates.iloc[first]
     departing = perturbed(started)
-    neighbours = Neighbours.of_predictions(propagator, predictions, started)
-    propagated = neighbours.propagate(departing[STATE].to_numpy(), departing["cd"].to_numpy())
+    states, cd = departing[STATE].to_numpy(), departing["cd"].to_numpy()
+    [propagated] = propagate_neighbours(propagator, predictions, started, states, cd)
     # Differences are taken of columns of tables, as sums of another layout in memory round differently.
     return _of_pairs(predictions, dict(zip(STATE, propagated.T, strict=True)))
 

@@ -48,55 +48,36 @@ def drifts(estimates: pd.DataFrame, predictions: pd.DataFrame, resonances: Reson
     """
     started = estimates.set_index("track").loc[predictions["i"].unique()]
     row = pd.Index(started.index).get_indexer(predictions["i"])
-    duration = predictions["t_j"] - predictions["t_i"]
-    course = _Course(window=resonances.window_hours * HOUR, reach=float(duration.max()))
+    duration = (predictions["t_j"] - predictions["t_i"]).to_numpy()
+    # Time about t_i on an even grid s [s]: from where a fit's window begins to the longest prediction.
+    origin = int(np.ceil(resonances.window_hours * HOUR / PHASE_STEP))
+    s = PHASE_STEP * np.arange(-origin, int(np.ceil(duration.max() / PHASE_STEP)) + 1)
+    place = duration / PHASE_STEP + origin
+    low = np.minimum(place.astype(int), len(s) - 2)
+    part = place - low
     table: dict[str, np.ndarray] = {}
     for pair in resonances.pairs:
-        phase = course.polynomials(_phases(started, predictions, row, pair, resonances.gm))
+        phase = _phases(started, predictions, row, pair, resonances.gm) @ np.stack([np.ones(len(s)), s, s**2])
         # Real and imaginary part are what cosine and sine of the phase do.
-        moved = course.without_line(course.twice_integrated(np.exp(1j * phase)))
-        drift = course.interpolated(moved, row, duration.to_numpy())
+        moved = _without_line(_integral(_integral(np.exp(1j * phase), origin), origin), s)
+        drift = (1.0 - part) * moved[row, low] + part * moved[row, low + 1]
         cosine, sine = columns([pair])
         table |= {cosine: drift.real, sine: drift.imag}
     return pd.DataFrame(table, index=predictions.index)
 
 
-class _Course:
-    """Time about t_i on an even grid s [s]: from where a fit's window begins to the longest prediction."""
+def _integral(f: np.ndarray, origin: int) -> np.ndarray:
+    """Return the integral in time of f (n, grid) by the trapezoidal rule, zero at the origin of the grid."""
+    integral = np.zeros_like(f)
+    integral[:, 1:] = np.cumsum(0.5 * PHASE_STEP * (f[:, 1:] + f[:, :-1]), axis=1)
+    return np.asarray(integral - integral[:, [origin]])
 
-    def __init__(self, *, window: float, reach: float) -> None:
-        self._origin = int(np.ceil(window / PHASE_STEP))
-        self._s = PHASE_STEP * np.arange(-self._origin, int(np.ceil(reach / PHASE_STEP)) + 1)
-        self._in_window = self._s <= 0.0
-        line = np.stack([np.ones(len(self._s)), self._s], axis=1)
-        # The least squares of a straight line, as a matrix from values in the window to the line everywhere.
-        self._line = line @ np.linalg.pinv(line[self._in_window])
 
-    def polynomials(self, coefficients: np.ndarray) -> np.ndarray:
-        """Return the values (n, grid) of polynomials with coefficients (n, 3) of 1, s and s^2."""
-        return coefficients @ np.stack([np.ones(len(self._s)), self._s, self._s**2])
-
-    def twice_integrated(self, f: np.ndarray) -> np.ndarray:
-        """Return the double integral in time of f (n, grid), zero with its slope at s = 0."""
-        return self._integrated(self._integrated(f))
-
-    def _integrated(self, f: np.ndarray) -> np.ndarray:
-        """Return the integral in time of f (n, grid) by the trapezoidal rule, zero at s = 0."""
-        integral = np.zeros_like(f)
-        integral[:, 1:] = np.cumsum(0.5 * PHASE_STEP * (f[:, 1:] + f[:, :-1]), axis=1)
-        integral -= integral[:, [self._origin]]
-        return integral
-
-    def without_line(self, moved: np.ndarray) -> np.ndarray:
-        """Return values (n, grid) less the straight line through those in the window."""
-        return moved - moved[:, self._in_window] @ self._line.T
-
-    def interpolated(self, values: np.ndarray, row: np.ndarray, s: np.ndarray) -> np.ndarray:
-        """Return values (n, grid) in rows `row` (m,) at times s (m,) [s], linear between the grid's."""
-        place = s / PHASE_STEP + self._origin
-        low = np.minimum(place.astype(int), len(self._s) - 2)
-        part = place - low
-        return (1.0 - part) * values[row, low] + part * values[row, low + 1]
+def _without_line(moved: np.ndarray, s: np.ndarray) -> np.ndarray:
+    """Return values (n, grid) less the straight line through those of the window, where s is up to 0."""
+    line, is_in_window = np.stack([np.ones(len(s)), s], axis=1), s <= 0.0
+    # The least squares of a straight line, as a matrix from values in the window to the line everywhere.
+    return moved - moved[:, is_in_window] @ (line @ np.linalg.pinv(line[is_in_window])).T
 
 
 def _phases(

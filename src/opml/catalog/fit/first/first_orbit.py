@@ -95,7 +95,7 @@ def determined(propagator: Propagator, measured: Measurements, *, settings: Esti
     """
     times = _times(measured)
     states = np.full((len(times), 6), np.nan)
-    run = Run.of_states(propagator, states, measured, settings, ages=np.empty(0))
+    run = Run(measured, propagator, states, np.empty(0), settings)
     alone = single_tracks(run)
     best = _grown(run, alone) if alone else orbit_of_angles(run)
     _log.info("first orbit: %d tracks fitted together", best.window.tracks)
@@ -129,7 +129,7 @@ def _grown(run: Run, alone: list[Estimate]) -> Estimate:
     t, axis = run.measured.epochs[best.window.at], axis_sigma(best.fit, gm)
     _log.info("first orbit: of track %d at %.0f s, semi-major axis to %.0f m", best.window.track, t, axis)
     for window in following(run, best.window):
-        start = run.starts.propagate(best.window.at, best.fit.best, np.array([window.at]))[0]
+        start = run.carry(best.window.at, best.fit.best, np.array([window.at]))[0]
         longer = start_estimate_there(run, window, start)
         run.fit([longer])
         best = longer if longer.fit.converged else best
