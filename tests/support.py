@@ -108,7 +108,7 @@ def environment(days=50.0):
     t = nodes(EPOCH, days * DAY)
     return {
         "earth_orientation": earth_orientation.tabulate(EPOCH, t),
-        "ephemerides": celestial_bodies.tabulate("DE440", EPOCH, t),
+        "ephemerides": celestial_bodies.tabulate(EPOCH, t),
         "solar_activity": solar_activity.tabulate("MSAFE", EPOCH, t, 50),
     }
 

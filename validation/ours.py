@@ -53,7 +53,7 @@ class Environment:
     def with_de440(self) -> "Environment":
         """Return these settings' environment, but with the third bodies of DE440, as in the product."""
         t = self.tables["ephemerides"]["t"].to_numpy()
-        table = celestial_bodies.tabulate(celestial_bodies.DE440, self.epoch, t)
+        table = celestial_bodies.tabulate(self.epoch, t)
         return replace(self, tables={**self.tables, "ephemerides": table}, gms=GM)
 
 

@@ -98,15 +98,14 @@ def make_environment(
     *,
     days: float,
     gravity: str | Path = "EGM2008",
-    kernel: str | Path = "DE440",
     activity: str | Path = "MSAFE",
     percentile: int = 50,
     degree: int = 40,
 ) -> Environment:
     """Tabulate the environment of a run of `days` from an epoch (UTC), once for all that follows.
 
-    gravity: EGM2008 or an ICGEM file; kernel: DE440 or an SPK file; activity: MSAFE, OBSERVED or a
-    file of either kind; percentile: of MSAFE; degree: highest degree and order kept of the field.
+    gravity: EGM2008 or an ICGEM file; activity: MSAFE, OBSERVED or a file of either kind; percentile: of
+    MSAFE; degree: highest degree and order kept of the field.
     Raises InputError where a source cannot be read or does not reach.
 
     >>> environment = opml.make_environment("2016-09-28T12:09:45", days=2)
@@ -116,7 +115,7 @@ def make_environment(
     epoch = epochs.instant(epoch)
     t = nodes(epoch, DAY * days)
     indices = solar_activity.tabulate(activity, epoch, t, percentile)
-    return tabulated(epoch, t, indices, gravity=gravity, kernel=kernel, degree=degree)
+    return tabulated(epoch, t, indices, gravity=gravity, degree=degree)
 
 
 def force_model(
@@ -444,9 +443,7 @@ def learn(
     if component not in COMPONENTS:
         raise InputError(f"learn: component: expected {', '.join(COMPONENTS)}, got {component}")
     chosen = splits.training_rows(dataset, train, span_days=span_days, seed=seed)
-    settings = learners.resolved(
-        learners.settings_of(learner), component=component, variables=LEARNING_VARIABLES
-    )
+    settings = learners.settings_of(learner).resolved(component=component, variables=LEARNING_VARIABLES)
     return learners.train(dataset[chosen], component=component, settings=settings, seed=seed)
 
 

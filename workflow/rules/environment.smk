@@ -40,8 +40,6 @@ rule earth_orientation:
 
 
 rule ephemerides:
-    input:
-        users(ENVIRONMENT.source_files("ephemerides")),
     output:
         EPHEMERIDES.table,
     log:
@@ -51,9 +49,7 @@ rule ephemerides:
     conda:
         "../envs/opml.yaml"
     params:
-        settings=lambda _: PARAMS.span
-        | {"kernel": ENVIRONMENT.source("ephemerides")}
-        | contents(ENVIRONMENT.source_files("ephemerides")),
+        settings=lambda _: PARAMS.span,
         code=code("ephemerides.py"),
     message:
         "Third bodies: positions of Sun, Moon, planets and Pluto"

@@ -3,7 +3,7 @@
 from opml.base.constants import HOUR
 from opml.base.section import JobSettings
 from opml.learning.data import dataset
-from opml.learning.data.cleaning import Burns, Cleaning
+from opml.learning.data.cleaning import Cleaning
 from opml.orbits.manoeuvres import read_manoeuvres
 from opml.tables import read_measured, read_metadata, read_table, write_table
 from opml.workflow.jobs import job
@@ -22,7 +22,8 @@ with job(snakemake) as metadata:
         read_measured(snakemake.input.tracking),
         gm=read_metadata(snakemake.input.gravity_field)["gm"],
         cleaning=settings.cleaning,
-        burns=Burns(read_manoeuvres(snakemake.input.manoeuvres), HOUR * settings.window_hours),
+        manoeuvres=read_manoeuvres(snakemake.input.manoeuvres),
+        window=HOUR * settings.window_hours,
         labels=labels and read_table(labels, "labels"),
     )
     write_table(snakemake.output[0], table, "labelled" if labels else "dataset", metadata=metadata)

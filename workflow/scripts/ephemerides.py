@@ -1,6 +1,6 @@
 """Tabulate the third bodies on the environment's time grid."""
 
-from opml.base.constants import DAY
+from opml.base.constants import DAY, GM
 from opml.base.section import JobSettings
 from opml.environment import celestial_bodies, nodes
 from opml.tables import write_table
@@ -10,12 +10,11 @@ from opml.workflow.jobs import job
 class Settings(JobSettings):
     epoch: str
     duration_days: float
-    kernel: str
 
 
 with job(snakemake) as metadata:
     settings = Settings(**snakemake.params.settings)
     t = nodes(settings.epoch, DAY * settings.duration_days)
-    table = celestial_bodies.tabulate(settings.kernel, settings.epoch, t)
-    metadata |= celestial_bodies.metadata(settings.kernel)
+    table = celestial_bodies.tabulate(settings.epoch, t)
+    metadata |= {"kernel": "DE440", "gm": GM}
     write_table(snakemake.output[0], table, "ephemerides", metadata=metadata)

@@ -5,32 +5,12 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Annotated, Any
 
-from pydantic import ConfigDict, create_model
+from pydantic import create_model
 
-from opml.base.section import Section
+from opml.base.section import JobSettings, Section
 from opml.base.setting_types import Handler, OneOf, TypeSchema
 
 KINDS = "x-kinds"  # key under which the JSON schema of settings of any kind has the name of their definition
-
-
-class KindSection(Section):
-    """Settings that name their kind."""
-
-    kind: str
-
-    def get(self, key: str) -> Any:
-        """Return a setting, None where it was left out or the kind has none of this name."""
-        return getattr(self, key, None)
-
-    def of_job(self) -> dict[str, Any]:
-        """Return the settings that were given, as JSON values."""
-        return self.model_dump(exclude_unset=True)
-
-
-class _KindAlone(KindSection):
-    """Settings of which the kind alone is looked at."""
-
-    model_config = ConfigDict(extra="ignore")
 
 
 @dataclass(frozen=True)
@@ -38,7 +18,7 @@ class OfItsKind:
     """Mark of a mapping whose keys are those of its kind."""
 
     name: str  # of the definition in the JSON schema
-    sections: Callable[[], Mapping[str, type[KindSection]]]  # by kind, when settings are checked
+    sections: Callable[[], Mapping[str, type[Section]]]  # by kind, when settings are checked
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Handler) -> TypeSchema:
         return {"type": "function-plain", "function": {"type": "no-info", "function": self.validated}}
@@ -46,15 +26,17 @@ class OfItsKind:
     def __get_pydantic_json_schema__(self, core: TypeSchema, handler: Handler) -> TypeSchema:
         return {KINDS: self.name}
 
-    def validated(self, values: Any) -> KindSection:
+    def validated(self, values: Any) -> Section:
         """Return settings as the section of their kind. Raises pydantic's ValidationError."""
-        if isinstance(values, KindSection):
+        if isinstance(values, Section):
             return values
         sections = self.sections()
-        return sections[_kind_alone(tuple(sections)).model_validate(values).kind].model_validate(values)
+        kind = _kind_alone(tuple(sections)).model_validate(values).model_dump()["kind"]
+        return sections[kind].model_validate(values)
 
 
 @lru_cache
-def _kind_alone(kinds: tuple[str, ...]) -> type[KindSection]:
+def _kind_alone(kinds: tuple[str, ...]) -> type[JobSettings]:
+    """Return the model of settings of which the kind alone is looked at."""
     fields: dict[str, Any] = {"kind": (Annotated[str, OneOf(kinds)], ...)}
-    return create_model("KindAlone", __base__=_KindAlone, **fields)
+    return create_model("KindAlone", __base__=JobSettings, **fields)

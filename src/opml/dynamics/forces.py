@@ -22,11 +22,11 @@ from opml.environment.weather import ACTIVITY
 
 
 def tabulated(
-    epoch: str, t: np.ndarray, activity: pd.DataFrame, *, gravity: str | Path, kernel: str | Path, degree: int
+    epoch: str, t: np.ndarray, activity: pd.DataFrame, *, gravity: str | Path, degree: int
 ) -> Environment:
     """Tabulate an environment at times `t` (n,) [s since `epoch`, UTC text], as `environment.nodes` has them.
 
-    activity: table `solar_activity`; gravity, kernel: names or files of field, up to a degree, and bodies
+    activity: table `solar_activity`; gravity: name or file of the field, up to a degree
 
     Raises InputError where a source cannot be read or does not reach.
     """
@@ -34,12 +34,11 @@ def tabulated(
     return Environment(
         epoch=epoch,
         earth_orientation=earth_orientation.tabulate(epoch, t),
-        ephemerides=celestial_bodies.tabulate(kernel, epoch, t),
+        ephemerides=celestial_bodies.tabulate(epoch, t),
         solar_activity=activity,
         gravity_field=gravity_field.table(field, epoch),
         gm=field.gm,
         radius=field.radius,
-        gms=celestial_bodies.metadata(kernel)["gm"],
         tide_system=field.tide_system,
     )
 

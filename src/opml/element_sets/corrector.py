@@ -20,7 +20,7 @@ from opml.element_sets.features import BANDS, FEATURES
 from opml.element_sets.set_errors import LEADS
 from opml.learning.models import boosting
 from opml.learning.models.boosting import BoostingModel
-from opml.learning.models.contract import Predictor
+from opml.learning.models.contract import Model
 from opml.learning.models.training_inputs import subsample
 
 LEVEL = 0.9  # share of the errors that the learned size holds
@@ -63,7 +63,7 @@ class BandModels:
 
     bands: tuple[int, ...]
     leads: tuple[int, ...]
-    miss: Predictor  # of what is left of the density-scaled prediction, in scales
+    miss: Model  # of what is left of the density-scaled prediction, in scales
     size: BoostingModel  # of the logarithm of the size of what the correction leaves, in scales
     shares: Shares  # by band and lead, how much of the miss is taken off
 
@@ -143,7 +143,7 @@ def widen_jumps(found: pd.DataFrame, jump: pd.Series) -> pd.DataFrame:
     return found.assign(sigma=found["sigma"] * (_WIDER * jump).where(jump > JUMP, 1.0))
 
 
-Fit = Callable[[pd.DataFrame, int], Predictor]  # learns the target of rows; the seed is the second argument
+Fit = Callable[[pd.DataFrame, int], Model]  # learns the target of rows; the seed is the second argument
 
 
 def fit_trees(rows: pd.DataFrame, seed: int) -> BoostingModel:

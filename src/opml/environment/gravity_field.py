@@ -1,9 +1,9 @@
 """Gravity fields of the Earth from ICGEM files, with their time-variable terms.
 
-Format: Barthelmes & Förste 2011, 'The ICGEM-format' (GFZ Potsdam), and its version 2.0 with intervals.
+Format: Barthelmes & Förste 2011, 'The ICGEM-format' (GFZ Potsdam), version 1.0.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from datetime import date
 from importlib.resources import files
@@ -30,7 +30,7 @@ class Variation(NamedTuple):
 
     kind: ICGEM's key: gfct (the value itself), trnd (per Julian year since `reference`), acos and asin (of
         the angle since `reference`)
-    reference, start, end: TT Julian dates; the row counts from `start` up to `end`
+    reference: TT Julian date
     """
 
     kind: str
@@ -39,14 +39,10 @@ class Variation(NamedTuple):
     c: float
     s: float
     reference: float
-    start: float = -np.inf
-    end: float = np.inf
     period: float = np.nan  # [Julian years]
 
     def weight(self, jd: float) -> float:
         """Return the factor of c and s at a TT Julian date."""
-        if not self.start <= jd < self.end:
-            return 0.0
         years = (jd - self.reference) * _YEARS_PER_DAY
         match self.kind:
             case "gfct":
@@ -59,9 +55,6 @@ class Variation(NamedTuple):
 
 TIDE_FREE, ZERO_TIDE = "tide_free", "zero_tide"
 """Tide systems, as ICGEM files name them: without the Earth's permanent deformation, and with it."""
-
-_RowReader = Callable[[list[str], dict[tuple[int, int], float]], Variation]
-"""A reader of the fields of a row, with the reference dates of the degrees and orders read so far."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,24 +87,15 @@ class GravityField:
         return int(self.c.shape[1]) - 1
 
     def freeze(self, epoch: str) -> "GravityField":
-        """Return the field at a UTC epoch, its variations added to c and s.
-
-        Raises InputError on a malformed epoch, and one outside all intervals of a coefficient.
-        """
+        """Return the field at a UTC epoch, its variations added; raise InputError on a malformed epoch."""
         if not self.variations:
             return self
         jd = float(sum(epochs.tt(epoch, 0.0)))
         c, s = self.c.copy(), self.s.copy()
-        covered = np.zeros(c.shape, dtype=bool)
         for row in self.variations:
             weight = row.weight(jd)
             c[row.n, row.m] += weight * row.c
             s[row.n, row.m] += weight * row.s
-            covered[row.n, row.m] |= row.kind == "gfct" and weight == 1.0
-        for row in self.variations:
-            if not covered[row.n, row.m]:
-                where = f"{self.name}: degree {row.n}, order {row.m}"
-                raise InputError(f"{where}: expected a row gfct for {epoch}, got none")
         return replace(self, c=c, s=s, variations=())
 
     def truncate(self, degree: int, order: int) -> "GravityField":
@@ -152,7 +136,7 @@ def resolve(name_or_path: str | Path) -> Path:
 
 
 def read_icgem(path: str | Path) -> GravityField:
-    """Read the gravity field of an ICGEM file, format 1.0 or 2.0.
+    """Read the gravity field of an ICGEM file, format 1.0.
 
     Raises InputError, naming file and key or row, for a missing or truncated file, a header without a
     required key, a field that is not fully normalised, and a malformed row.
@@ -168,8 +152,7 @@ def read_icgem(path: str | Path) -> GravityField:
     c[0, 0] = 1.0
     present = np.zeros((degree + 1, degree + 1), dtype=bool)
     variations = []
-    read_row = _row_with_interval if header.get("format", "").startswith("icgem2") else _row_with_reference
-    for row in _rows(path, lines, head_length, degree, read_row):
+    for row in _rows(path, lines, head_length, degree):
         if row.kind == "gfc":
             c[row.n, row.m], s[row.n, row.m] = row.c, row.s
         else:
@@ -188,16 +171,14 @@ def read_icgem(path: str | Path) -> GravityField:
     )
 
 
-def _rows(
-    path: str | Path, lines: list[str], head_length: int, degree: int, read_row: _RowReader
-) -> Iterator[Variation]:
+def _rows(path: str | Path, lines: list[str], head_length: int, degree: int) -> Iterator[Variation]:
     references: dict[tuple[int, int], float] = {}
     for number, line in enumerate(lines[head_length:], start=head_length + 1):
         fields = line.split()
         if not fields:
             continue
         try:
-            row = read_row(fields, references)
+            row = _row(fields, references)
         except (ValueError, IndexError, KeyError):
             where, text = f"{path}: line {number}", " ".join(fields)
             raise InputError(f"{where}: expected a row of coefficients, got {text!r}") from None
@@ -224,6 +205,8 @@ def _read_header(path: str | Path, lines: list[str]) -> tuple[dict[str, str], in
             raise InputError(f"{path}: header: expected the key {key}, got none")
     if header["product_type"] != "gravity_field":
         raise InputError(f"{path}: product_type: expected gravity_field, got {header['product_type']}")
+    if (version := header.get("format", "icgem1.0")) != "icgem1.0":
+        raise InputError(f"{path}: format: expected icgem1.0, got {version}")
     if header.get("norm", "fully_normalized") != "fully_normalized":
         raise InputError(f"{path}: norm: expected fully_normalized, got {header['norm']}")
     return header, end + 1
@@ -239,44 +222,25 @@ def _header_number(path: str | Path, header: dict[str, str], key: str) -> float:
     return value
 
 
-def _row_with_reference(fields: list[str], references: dict[tuple[int, int], float]) -> Variation:
-    """Return a row of format 1.0: gfct ends in the reference day for all its rows, acos and asin in a period.
+def _row(fields: list[str], references: dict[tuple[int, int], float]) -> Variation:
+    """Return a row: gfct ends in the reference day for all its rows, acos and asin in a period.
 
     The reference is the day's noon, as in Orekit; the format leaves the hour open. Midnight would change the
     acceleration of an ISS by up to 2e-10 m/s2.
     """
-    kind, n, m, c, s, rest = _split_row(fields)
+    kind, degree, order, *numbers = fields
+    n, m, c, s = int(degree), int(order), _number(numbers[0]), _number(numbers[1])
     match kind:
         case "gfc":
             return Variation(kind, n, m, c, s, reference=np.nan)
         case "gfct":
-            references[n, m] = _julian_date(rest[-1]) + 0.5
+            references[n, m] = _julian_date(numbers[-1]) + 0.5
             return Variation(kind, n, m, c, s, references[n, m])
         case "trnd" | "dot":
             return Variation("trnd", n, m, c, s, references[n, m])
         case "acos" | "asin":
-            return Variation(kind, n, m, c, s, references[n, m], period=_period(rest[-1]))
+            return Variation(kind, n, m, c, s, references[n, m], _period(numbers[-1]))
     raise ValueError(kind)
-
-
-def _row_with_interval(fields: list[str], _: dict[tuple[int, int], float]) -> Variation:
-    """Return a row of format 2.0: all kinds but gfc end in an interval, acos and asin in a period, too."""
-    kind, n, m, c, s, rest = _split_row(fields)
-    match kind:
-        case "gfc":
-            return Variation(kind, n, m, c, s, reference=np.nan)
-        case "gfct" | "trnd":
-            start, end = map(_julian_date, rest[-2:])
-            return Variation(kind, n, m, c, s, start, start, end)
-        case "acos" | "asin":
-            start, end = map(_julian_date, rest[-3:-1])
-            return Variation(kind, n, m, c, s, start, start, end, _period(rest[-1]))
-    raise ValueError(kind)
-
-
-def _split_row(fields: list[str]) -> tuple[str, int, int, float, float, list[str]]:
-    kind, n, m, c, s, *rest = fields
-    return kind, int(n), int(m), _number(c), _number(s), rest
 
 
 def _number(text: str) -> float:
@@ -295,13 +259,10 @@ def _period(text: str) -> float:
 
 
 def _julian_date(text: str) -> float:
-    """Return the Julian date of 'yyyymmdd' or 'yyyymmdd.hhmm'."""
-    day, _, clock = text.partition(".")
-    clock = (clock + "0000")[:4]
-    if len(day) != 8:
+    """Return the Julian date of 'yyyymmdd'."""
+    if len(text) != 8:
         raise ValueError(text)
-    days = date(int(day[:4]), int(day[4:6]), int(day[6:])).toordinal()
-    return days + _JD_OF_ORDINAL_ZERO + int(clock[:2]) / 24.0 + int(clock[2:]) / 1440.0
+    return date(int(text[:4]), int(text[4:6]), int(text[6:])).toordinal() + _JD_OF_ORDINAL_ZERO
 
 
 def _check_complete(path: str | Path, present: np.ndarray) -> None:

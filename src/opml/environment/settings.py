@@ -13,7 +13,6 @@ class EnvironmentSettings(Section):
         "`EGM2008` (to degree 70, in the package) or an ICGEM file, such as EIGEN-6S (the paper's)",
         unit="name or path",
     )
-    ephemerides: Text = setting("`DE440` or an SPK kernel", unit="name or path")
     solar_activity: Text = setting(
         "`MSAFE`, `OBSERVED`, `NEWEST` (of `opml fetch`) or a file of either kind",
         unit="name or path",

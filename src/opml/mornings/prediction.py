@@ -322,14 +322,8 @@ def _object_propagators(
     date = _text(times.epoch, times.date)
     improve.check_newest(known_weather.read(weather), weather, date=date, oldest=OLDEST / DAY)
     activity = known_weather.measured_activity(weather, times.epoch, t)
-    environment = tabulated(
-        times.epoch,
-        t,
-        activity,
-        gravity=sources.gravity_field,
-        kernel=sources.ephemerides,
-        degree=settings.force_model.degree,
-    )
+    gravity, degree = sources.gravity_field, settings.force_model.degree
+    environment = tabulated(times.epoch, t, activity, gravity=gravity, degree=degree)
     issues = Issues(source=weather, epoch=times.epoch, issue_hours=hours, max_days=max_days)
     expected = known_weather.outlooks(issues, t)
     futures = known_weather.tabulate_futures(issues, t, members=settings.futures)

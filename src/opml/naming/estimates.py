@@ -12,9 +12,9 @@ LABELS = {"truth": "", "later": "_later"}
 
 MEMBERS = r"[2-9]|[1-9][0-9]{1,2}"  # regular expression of the number of futures of an ensemble
 
-ARC_PATTERN = f"_l{POSITIVE}"  # regular expression of the suffix of arcs
+ARC, MEMORY = "_l", "_m"  # beginnings of the suffixes of arcs, and of a memory of the arcs' Cd
 
-MEMORY_PATTERN = f"_m{POSITIVE}"  # regular expression of the suffix of a memory of the arcs' Cd
+ARC_PATTERN, MEMORY_PATTERN = (f"{mark}{POSITIVE}" for mark in (ARC, MEMORY))
 
 
 def other_reading(previous: str) -> str:
@@ -43,21 +43,11 @@ def window_pattern(*, default: float) -> str:
     return rf"(?:_w(?!{re.escape(number(default))}(?![\d.])){POSITIVE})?"
 
 
-def arc_suffix(hours: float) -> str:
-    """Return the suffix of arcs over a window [h]."""
-    return f"_l{number(hours)}"
+def number_suffix(mark: str, value: float) -> str:
+    """Return the suffix of arcs over a window [h], ARC, or of a memory of their Cd [days], MEMORY."""
+    return f"{mark}{number(value)}"
 
 
-def parse_arc(suffix: str) -> float:
-    """Return the window [h] of a suffix of arcs."""
-    return float(suffix.removeprefix("_l"))
-
-
-def memory_suffix(days: float) -> str:
-    """Return the suffix of a memory of the arcs' Cd [days]."""
-    return f"_m{number(days)}"
-
-
-def parse_memory(suffix: str) -> float:
-    """Return the memory [days] of a suffix."""
-    return float(suffix.removeprefix("_m"))
+def parse_number(suffix: str) -> float:
+    """Return the number in a suffix of arcs or of a memory."""
+    return float(suffix[2:])

@@ -5,10 +5,9 @@ from collections.abc import Iterable, Mapping
 from typing import TypeVar
 
 from opml.base.errors import InputError
-from opml.base.kind_sections import KindSection
 from opml.naming.spelling import NUMBER, POSITIVE, alternatives
 
-OfKind = TypeVar("OfKind", bound=KindSection)
+Settings = TypeVar("Settings")
 
 
 def rso_parts(text: str, sheet: Iterable[str]) -> tuple[str, str, str]:
@@ -58,7 +57,7 @@ def stations_pattern(sheet: Iterable[str]) -> str:
     return f"(?:{name})(?:-(?:{name}))*"
 
 
-def parse_learner(text: str, learners: Mapping[str, OfKind]) -> OfKind:
+def parse_learner(text: str, learners: Mapping[str, Settings]) -> Settings:
     """Return the settings of the learner in a name. Raises InputError for an unknown text."""
     if text not in learners:
         raise InputError(f"learner '{text}': expected one of {', '.join(learners)}")

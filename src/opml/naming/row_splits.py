@@ -42,18 +42,10 @@ class Split:
             case "days":
                 first, last = map(number, self.days)
                 suffix = "-unseen" if self.starts_inside else ""
-                return f"days-{first}-{last}{suffix}{fence_suffix(self.fence)}"
+                if self.fence is not None:
+                    suffix += "-unfenced" if math.isinf(self.fence) else f"-fence{number(self.fence)}"
+                return f"days-{first}-{last}{suffix}"
         return self.kind
-
-
-def fence_suffix(fence: float | None) -> str:
-    """Return the suffix for a test's fence [IQR].
-
-    `''` for None (the dataset's fences), `-unfenced` for infinity, else `-fence<number>`.
-    """
-    if fence is None:
-        return ""
-    return "-unfenced" if math.isinf(fence) else f"-fence{number(fence)}"
 
 
 def parse_train(text: str) -> Split:
@@ -89,18 +81,10 @@ def parse_test(text: str) -> Split:
     kind, first, last, starts_inside, fence = match.groups()
     if kind is not None:
         return Split(kind)
-    return Split(
-        "days",
-        days=_days(text, first, last),
-        starts_inside=starts_inside is not None,
-        fence=_fence(fence),
-    )
-
-
-def _fence(text: str | None) -> float | None:
-    if text is None:
-        return None
-    return math.inf if text == "unfenced" else float(text.removeprefix("fence"))
+    split = Split("days", days=_days(text, first, last), starts_inside=starts_inside is not None)
+    if fence is None:
+        return split
+    return replace(split, fence=math.inf if fence == "unfenced" else float(fence.removeprefix("fence")))
 
 
 def _days(text: str, first: str, last: str) -> tuple[float, float]:

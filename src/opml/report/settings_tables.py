@@ -33,7 +33,7 @@ def learner_table(models: Mapping[str, LearnerSettings]) -> Iterator[Block]:
 
 def force_models(environment: EnvironmentSettings, models: ForceModels) -> Table:
     """Return the table of the truth and the assumed model, side by side."""
-    both, kernel = (models.truth, models.assumed), environment.ephemerides
+    both = models.truth, models.assumed
     assumed = environment.solar_activity
     truth = environment.true_solar_activity or assumed
     percentile = f", percentile {environment.percentile}"
@@ -41,7 +41,7 @@ def force_models(environment: EnvironmentSettings, models: ForceModels) -> Table
         ["Earth's shape", "WGS84", "WGS84"],
         ["gravity field", *(f"{environment.gravity_field} {m.degree}x{m.order}" for m in both)],
         ["third bodies", *(", ".join(m.third_bodies) for m in both)],
-        ["ephemerides", kernel, kernel],
+        ["ephemerides", "DE440", "DE440"],
         ["atmosphere", "DTM2000", "DTM2000"],
         ["solar activity", truth + percentile, assumed + percentile + _knowledge(environment)],
         ["radiation pressure", *["sphere, umbra and penumbra"] * 2],

@@ -115,11 +115,8 @@ def _check_day(source: Source, settings: Settings) -> None:
     _check_places(run.day.passes, source)
     for name in settings.morning_models:
         with source.naming(("day", "models")):
-            learner = learners.resolved(
-                naming.parse_learner(name, Study(settings).learners),
-                component=CORRECTED,
-                variables=run.learning.variables,
-            )
+            chosen = naming.parse_learner(name, Study(settings).learners)
+            learner = chosen.resolved(component=CORRECTED, variables=run.learning.variables)
             fits = {"arcs", "cd_past"}
             if learners.learns(learner.own) or not fits.issuperset(learners.needed_tables(learner.variables)):
                 raise InputError(f"expected a model that learns nothing, made of fits of one RSO, got {name}")

@@ -1,7 +1,5 @@
 """An object's prediction from whatever tells its orbit: element sets, points or tracks."""
 
-from functools import partial
-
 from opml.base.files import PROJECT
 from opml.base.progress import Progress
 from opml.base.yaml_files import read_yaml
@@ -32,14 +30,13 @@ def settings() -> OrbitSettings:
     """Return the settings of mornings that come with the package, for real objects."""
     run = packaged.RUN
     real = read_yaml(PROJECT / "config" / "real_satellites.yaml")
-    resolve = partial(
-        learners.resolved, component=error_components.CORRECTED, variables=run["learning"]["variables"]
-    )
+    component, variables = error_components.CORRECTED, run["learning"]["variables"]
+    models = {name: learners.settings_of(run["learners"][name]) for name in MODELS}
     return OrbitSettings(
         estimation=run["estimation"] | {"cd_sigma": CD_SIGMA},
         force_model=real["force_models"]["assumed"] | FIELD,
         integrator=run["integrator"] | {"max_step_s": STEP},
         environment=run["environment"],
         futures=DaySettings().futures,
-        models={name: resolve(learners.settings_of(run["learners"][name])) for name in MODELS},
+        models={name: m.resolved(component=component, variables=variables) for name, m in models.items()},
     )

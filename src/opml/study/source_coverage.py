@@ -7,7 +7,6 @@ from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.dynamics.settings import ForceModelSettings
 from opml.environment import (
-    celestial_bodies,
     earth_orientation,
     gravity_field,
     known_weather,
@@ -25,7 +24,6 @@ def check(run: RunSettings, *, is_measured: bool = False) -> None:
     epoch, sources = run.epoch, run.environment
     ends = nodes(epoch, DAY * run.duration_days)[[0, -1]]
     earth_orientation.tabulate(epoch, ends)
-    celestial_bodies.tabulate(sources.ephemerides, epoch, ends)
     activities = {"true_solar_activity": sources.true_solar_activity}
     # Measurements before a forecast need not reach into the days ahead.
     if sources.knowledge != known_weather.FORECAST or not (is_measured or sources.true_solar_activity):

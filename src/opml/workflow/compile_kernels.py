@@ -17,7 +17,7 @@ def compile_kernels() -> None:
     """Call each kernel of propagations, frames and the SVR with the least it takes; the cache keeps them."""
     t = nodes(_EPOCH, HOUR)
     activity = solar_activity.tabulate("MSAFE", _EPOCH, t, 50)
-    environment = tabulated(_EPOCH, t, activity, gravity="EGM2008", kernel="DE440", degree=2)
+    environment = tabulated(_EPOCH, t, activity, gravity="EGM2008", degree=2)
     model = build(environment, ForceModelSettings(degree=2, order=2, third_bodies=["sun"]))
     arc = Departures(
         [[7e6, 0.0, 0.0, 0.0, 7.5e3, 0.0]], first=[0], last=[1], ballistic=[0.01], reflection=[0.01]

@@ -94,8 +94,8 @@ def _tables_needed(settings: ResolvedSettings) -> list[tuple[str, str]]:
     """Return kind and suffix of the further tables that have the variables of a learner."""
     suffixes: dict[str, str] = {}
     if arc := learners.arc_of(settings):
-        suffixes["arcs"] = naming.arc_suffix(arc[0])
-        suffixes["cd_past"] = suffixes["arcs"] + naming.memory_suffix(arc[1])
+        suffixes["arcs"] = naming.number_suffix(naming.ARC, arc[0])
+        suffixes["cd_past"] = suffixes["arcs"] + naming.number_suffix(naming.MEMORY, arc[1])
     return [(kind, suffixes.get(kind, "")) for kind in learners.needed_tables(settings.variables)]
 
 
@@ -190,7 +190,7 @@ class Inputs:
     @_input_function
     def at_arc(self, wildcards: Wildcards, pattern: _Pattern) -> _Paths:
         """Find a file of estimates over the window of the wildcard `arc`."""
-        hours = naming.parse_arc(wildcards.arc)
+        hours = naming.parse_number(wildcards.arc)
         return self._estimates(pattern, wildcards, self.plan.window(hours))
 
     def _estimates(self, pattern: _Pattern, wildcards: Wildcards, window: str) -> str:

@@ -11,7 +11,6 @@ from opml.catalog import kinds
 from opml.environment import known_weather
 from opml.learning.data import error_components
 from opml.learning.data.dataset import MEASUREMENT
-from opml.learning.models import learners
 from opml.learning.models.contract import ResolvedSettings
 from opml.naming import Experiment
 from opml.orbits import sheets
@@ -107,11 +106,11 @@ class Params:
 
     def arc(self, wildcards: Wildcards) -> dict[str, float]:
         """Return the window [h] of arcs."""
-        return {"window_hours": naming.parse_arc(wildcards.arc)}
+        return {"window_hours": naming.parse_number(wildcards.arc)}
 
     def arc_with_past(self, wildcards: Wildcards) -> dict[str, float]:
         """Return window [h] and memory [days] of arcs."""
-        return self.arc(wildcards) | {"memory_days": naming.parse_memory(wildcards.memory)}
+        return self.arc(wildcards) | {"memory_days": naming.parse_number(wildcards.memory)}
 
     def cleaning(self, wildcards: Wildcards) -> dict[str, Any]:
         """Return the settings of the cleaning, with the reading of t_b that the wildcards ask for."""
@@ -128,11 +127,9 @@ class Params:
         return self._resolved(wildcards.learner, dict(wildcards.items()))
 
     def _resolved(self, name: str, parts: Mapping[str, str]) -> ResolvedSettings:
-        return learners.resolved(
-            naming.parse_learner(name, self.plan.study.learners),
-            component=parts.get("component", error_components.CORRECTED),
-            variables=self._variables(parts),
-        )
+        learner = naming.parse_learner(name, self.plan.study.learners)
+        component = parts.get("component", error_components.CORRECTED)
+        return learner.resolved(component=component, variables=self._variables(parts))
 
     def _variables(self, parts: Mapping[str, str]) -> list[str]:
         """Return the variables that learners learn from by default: those that the measurements have."""

@@ -136,7 +136,7 @@ def chain(assumed_model, orbit, earth_orientation, three_stations, iss):
         short, long = estimated(tracks), estimated(tracks, window_hours=24)
         pairs = predicted(short)
         beside = (
-            sensitivity.sensitivities(propagator, short, pairs, bounds=None),
+            sensitivity.sensitivities(propagator, short, pairs),
             other_windows.build_arcs(propagator, pairs, arc_estimates=long, arc_predictions=predicted(long)),
             other_windows.build_past(pairs, arc_estimates=long, apriori=iss.cd, memory_days=30),
         )
@@ -166,9 +166,7 @@ def models(table, folder):
     chosen = table[splits.training_rows(table, TRAIN, span_days=[0, 1], seed=1)]
     found = {}
     for name, given in LEARNERS.items():
-        settings = learners.resolved(
-            learners.settings_of(given), component="e_y", variables=LEARNING_VARIABLES
-        )
+        settings = learners.settings_of(given).resolved(component="e_y", variables=LEARNING_VARIABLES)
         weights, described = learners.train(chosen, component="e_y", settings=settings, seed=1).to_table()
         write_table(folder / name, weights, learners.schema(described), metadata=described)
         found[name] = (folder / name).read_bytes()

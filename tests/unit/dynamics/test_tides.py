@@ -35,7 +35,7 @@ def _add(values, first, risen, flown):
 
 def nodes(t, tide_system="tide_free"):
     """Changes of coefficients (n, COLUMNS) at times t (n,) [s], n from 6."""
-    of_earth, bodies = earth_orientation.tabulate(EPOCH, t), celestial_bodies.tabulate("DE440", EPOCH, t)
+    of_earth, bodies = earth_orientation.tabulate(EPOCH, t), celestial_bodies.tabulate(EPOCH, t)
     nothing = pd.DataFrame()
     return solid_tides.nodes(
         Environment(EPOCH, of_earth, bodies, nothing, nothing, **FIELD, tide_system=tide_system)

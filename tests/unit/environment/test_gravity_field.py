@@ -29,14 +29,6 @@ asin 2 0  5.32367408468e-11 0.0 1.9687e-13 0.0 1.0
 gfc  2 1  1.0D-10 2.0d-10 0.0 0.0
 gfc  2 2  2.4e-06 -1.4e-06 0.0 0.0
 """
-HEAD_2 = HEAD.replace("modelname TOY", "modelname TOY\nformat icgem2.0")
-ROWS_2 = """gfct 2 0 -4.84e-04 0.0 0.0 0.0 20000101.0000 20100101.0000
-trnd 2 0  1.0e-11 0.0 0.0 0.0 20000101.0000 20100101.0000
-gfct 2 0 -4.85e-04 0.0 0.0 0.0 20100101.0000 20200101.0000
-asin 2 0  3.0e-11 0.0 0.0 0.0 20100101.0000 20200101.0000 1.0
-gfc  2 1  0.0 0.0 0.0 0.0
-gfc  2 2  2.4e-06 -1.4e-06 0.0 0.0
-"""
 
 
 @pytest.fixture
@@ -92,16 +84,6 @@ def test_trend_and_seasons_count_from_the_reference_day(read, epoch, expected):
     field = read(HEAD + ROWS).freeze(epoch)
     assert field.c[2, 0] == pytest.approx(expected, abs=1e-18)
     assert field.variations == ()
-
-
-def test_intervals_of_format_2_choose_the_row(read):
-    field = read(HEAD_2 + ROWS_2)
-    assert field.freeze("2010-01-01T12:00:00").c[2, 0] == pytest.approx(-4.85e-04, abs=1e-12)
-    later = field.freeze("2010-04-02T07:28:53.816").c[2, 0]
-    assert later == pytest.approx(-4.85e-04 + 3.0e-11, abs=1e-18)
-    assert field.freeze("2005-01-01T00:00:00").c[2, 0] == pytest.approx(-4.84e-04 + 5.0e-11, abs=1e-13)
-    with pytest.raises(InputError, match="TOY: degree 2, order 0: expected a row gfct for 2021"):
-        field.freeze("2021-01-01T00:00:00")
 
 
 @pytest.mark.parametrize(("degree", "order"), [(3, 3), (-1, 0), (2, 3)])

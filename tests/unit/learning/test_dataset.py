@@ -19,7 +19,7 @@ from support import refusal
 
 from opml.base.errors import InputError
 from opml.learning.data import dataset
-from opml.learning.data.cleaning import NO_BURNS, Burns, Cleaning
+from opml.learning.data.cleaning import Cleaning
 from opml.orbits.elements import cartesian_from_coe
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import LEARNING_VARIABLES, SCHEMAS, SIGMAS, STATE, read_table, write_table
@@ -85,11 +85,10 @@ def tracking():
     )
 
 
-def build(estimates, predictions, tracking, *, labels=None, burns=NO_BURNS, **changes):
+def build(estimates, predictions, tracking, *, labels=None, manoeuvres=(), window=0.0, **changes):
+    given = {"manoeuvres": manoeuvres, "window": window, "labels": labels}
     cleaning = Cleaning(**CLEANING).evolve(**changes)
-    return dataset.build(
-        estimates, predictions, tracking, gm=GM, cleaning=cleaning, burns=burns, labels=labels
-    )
+    return dataset.build(estimates, predictions, tracking, gm=GM, cleaning=cleaning, **given)
 
 
 def with_errors(predictions, *e_y):
@@ -240,7 +239,7 @@ def test_no_cleaning_drops_only_what_lacks_something(estimates, predictions, tra
 def test_rows_that_cross_a_manoeuvre_are_dropped_with_that_reason(estimates, predictions, tracking):
     before = build(estimates, predictions, tracking)
     t = float(before["t_i"].iloc[len(before) // 2])
-    after = build(estimates, predictions, tracking, burns=Burns([Manoeuvre(t + 1.0)], window=100.0))
+    after = build(estimates, predictions, tracking, manoeuvres=[Manoeuvre(t + 1.0)], window=100.0)
     begin = before[["t_b", "t_i"]].min(axis=1) - 100.0
     crossing = (begin < t + 1.0) & (t + 1.0 <= before["t_j"])
     assert crossing.any()
@@ -282,8 +281,8 @@ def test_a_manoeuvre_changes_no_row_whose_error_was_known_before_it_was_found(
     estimates, predictions, tracking
 ):
     def dropped(known):
-        burns = Burns([Manoeuvre(3.5 * DAY, known)], window=0.1 * DAY)
-        rows = build(estimates, predictions, tracking, burns=burns)
+        manoeuvres = [Manoeuvre(3.5 * DAY, known)]
+        rows = build(estimates, predictions, tracking, manoeuvres=manoeuvres, window=0.1 * DAY)
         return rows["reason"] == dataset.CROSSES_MANOEUVRE
 
     rows, always = build(estimates, predictions, tracking), dropped(-np.inf)
@@ -332,8 +331,7 @@ def test_labels_take_the_place_of_the_true_errors(tmp_path, estimates, predictio
 
 def test_a_manoeuvre_before_the_label_is_known_drops_the_row(estimates, predictions, tracking):
     def dropped(labels):
-        burns = Burns([Manoeuvre(5.5 * DAY)])
-        rows = build(estimates, predictions, tracking, burns=burns, labels=labels)
+        rows = build(estimates, predictions, tracking, manoeuvres=[Manoeuvre(5.5 * DAY)], labels=labels)
         return set(rows.loc[rows["reason"] == dataset.CROSSES_MANOEUVRE, "j"])
 
     assert 5 not in dropped(None)

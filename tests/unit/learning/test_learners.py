@@ -21,7 +21,7 @@ from opml.study import checks
 from opml.study.settings.json_schema import json_schema
 from opml.study.settings.model.whole import RunSettings
 from opml.study.settings.overlay import Source
-from opml.tables import read_metadata, read_table, write_table
+from opml.tables import write_table
 
 VARIABLES = ["duration", "d_a", "cd", "v_y"]
 BOOSTING = {"kind": "boosting", "trees": 40, "leaves": 7, "learning_rate": 0.2, "min_rows": 5}
@@ -53,7 +53,7 @@ def sample(count, seed=0):
 
 
 def resolved(settings, component="e_y", variables=VARIABLES):
-    return learners.resolved(learners.settings_of(settings), component=component, variables=variables)
+    return learners.settings_of(settings).resolved(component=component, variables=variables)
 
 
 def trained(kind, rows, y, seed=42, changes=None):
@@ -78,8 +78,7 @@ def test_saved_and_loaded_bit_for_bit(tmp_path, models, kind):
     table, metadata = model.to_table()
     path = tmp_path / "model.parquet"
     write_table(path, table, learners.schema(metadata), metadata=metadata | {"component": "e_y"})
-    described = read_metadata(path)
-    loaded = learners.from_table(read_table(path, learners.schema(described)), described)
+    loaded = learners.read(path)
     assert loaded.variables == model.variables
     np.testing.assert_array_equal(predicted(loaded, new), predicted(model, new))
     again, metadata_again = loaded.to_table()

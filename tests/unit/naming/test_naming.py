@@ -11,21 +11,13 @@ from support import refusal, refusals, rsos, stations
 
 from opml import naming
 from opml.base.errors import InputError
-from opml.base.kind_sections import KindSection
 from opml.naming import Split, rso_pattern, stations_pattern
 from opml.orbits.sheets import name_at_inclination, name_at_offset, parse_rso, parse_stations
 
 STATIONS, RSOS = stations(), rsos()
 
 
-class Scaled(KindSection):
-    kernel_scale: str | float
-
-
-LEARNERS = {
-    "svr": Scaled(kind="svr", kernel_scale="sigest"),
-    "svrfixed": Scaled(kind="svr", kernel_scale=2.0),
-}
+LEARNERS = {"svr": {"kernel_scale": "sigest"}, "svrfixed": {"kernel_scale": 2.0}}
 
 
 @given(st.sampled_from(["eglin", "eglin-kaena"]), st.integers(0, 10**6), st.integers(0, 10**6))

@@ -27,22 +27,13 @@ FILES = {
     "gravity": ("gravity_field", "field.gfc", ANY_TEXT),
     "activity": ("solar_activity", "sun.txt", TOO_SHORT),
     "weather": ("solar_activity", "sun.txt", TOO_SHORT),
-    "kernel": (
-        "ephemerides",
-        "week.bsp",
-        ANY_TEXT
-        | {
-            "another kind of DAF": lambda content: b"DAF/CK  " + content[8:],
-            "another byte order": lambda content: content[:88] + b"VAX-GFLT" + content[96:],
-        },
-    ),
 }
 SHEETS = ("stations", "rsos")
 
 
 @pytest.fixture(scope="module")
-def sound(tmp_path_factory):
-    return sound_files(tmp_path_factory.mktemp("kernel"))
+def sound():
+    return sound_files()
 
 
 @pytest.fixture
@@ -110,7 +101,6 @@ ENTRIES = [
 OVERLAYS = [
     ({"epoch": "2016-02-30T00:00:00"}, "epoch: expected an instant that exists"),
     ({"epoch": "1957-10-04T19:28:34"}, "finals2000A"),
-    ({"environment": {"ephemerides": "week.bsp"}}, "week.bsp: "),
     ({"environment": {"gravity_field": "none.gfc"}}, "none.gfc: no such file"),
     ({"environment": {"solar_activity": "none.txt"}}, "none.txt: no such file"),
     ({"force_models": {"truth": {"degree": 71, "order": 71}}}, "EGM2008: degree: expected 0 to 70, got 71"),
@@ -126,10 +116,9 @@ def test_a_wrong_experiment_is_told_in_one_line(project, entry, message):
 @pytest.mark.parametrize(
     ("overlay", "beginning"),
     OVERLAYS,
-    ids=["no day", "before the finals", "week", "no field", "no sun", "degree"],
+    ids=["no day", "before the finals", "no field", "no sun", "degree"],
 )
 def test_data_that_do_not_reach_far_enough_are_told_in_one_line(project, overlay, beginning):
-    sound_files(project)  # a kernel of ten days, for a run of fifty
     assert refusal(project, on_top=Layer(COMMAND_LINE, overlay)).startswith(beginning)
 
 

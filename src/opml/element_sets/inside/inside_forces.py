@@ -21,7 +21,7 @@ from opml.dynamics.settings import FORCES, ForceModelSettings, Integrator
 from opml.environment import known_weather, nodes
 from opml.environment.known_weather import Issues
 
-GRAVITY, KERNEL = "EGM2008", "DE440"
+GRAVITY = "EGM2008"
 
 DEGREE = 48
 """Degree of gravity. At 400 km a field of 36 moves an orbit by 25 m across the track in a week; one of 70
@@ -121,7 +121,6 @@ def read(
         t,
         known_weather.measured_activity(weather, epoch, t),
         gravity=GRAVITY,
-        kernel=KERNEL,
         degree=degree,
     )
     settings = ForceModelSettings.read(

@@ -4,8 +4,6 @@ The paper's are bounds on the drag coefficient and Tukey's fences on e_y.
 Source: the paper, section 'Building the SVM model for the Simulated RSO'.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -13,7 +11,6 @@ import numpy as np
 from opml.base.errors import InputError
 from opml.base.section import Section, absent, setting
 from opml.base.setting_types import Absent, Days, Positive
-from opml.orbits.manoeuvres import Manoeuvre, contain_any
 
 Previous = Literal["kept_estimate", "track"]
 
@@ -47,27 +44,6 @@ class Cleaning(Section):
         kept: np.ndarray = (cd >= low) & (cd <= high)
         return kept
 
-
-@dataclass(frozen=True)
-class Burns:
-    """The manoeuvres of an RSO, each with the time since which it is known."""
-
-    manoeuvres: Sequence[Manoeuvre] = ()
-    window: float = 0.0  # how long before an estimate its oldest measurement may be [s]
-
-    def crosses(self, begin: np.ndarray, t: np.ndarray, known: np.ndarray) -> np.ndarray:
-        """Return which rows (n,) have a manoeuvre in them, as far as anybody knew.
-
-        begin: (n,) time of their earlier estimate, whose window lies before it [s]
-        t: (n,) time of their prediction's estimate; of manoeuvres up to it those count that were known then
-        known: (n,) when their error is known, and with it manoeuvres in between
-        """
-        crossed: np.ndarray = contain_any(begin, t, self.manoeuvres, window=self.window)
-        crossed |= contain_any(t, known, self.manoeuvres)
-        return crossed
-
-
-NO_BURNS = Burns()
 
 OUTSIDE_FENCES = "outside Tukey fences"  # why a row is dropped that only the fences drop
 

@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 
 from opml.base.errors import InputError
-from opml.learning.data.cleaning import NO_BURNS, OUTSIDE_FENCES, Burns, Cleaning, tukey_fences
+from opml.learning.data.cleaning import OUTSIDE_FENCES, Cleaning, tukey_fences
 from opml.learning.data.splits import in_days, known_at
 from opml.orbits.elements import coe_from_cartesian, in_rsw, wrap_half_turn
 from opml.orbits.manoeuvres import Manoeuvre, contain_any
@@ -46,13 +46,15 @@ def build(
     *,
     gm: float,
     cleaning: Cleaning,
-    burns: Burns = NO_BURNS,
+    manoeuvres: Sequence[Manoeuvre] = (),
+    window: float = 0.0,
     labels: pd.DataFrame | None = None,
 ) -> pd.DataFrame:
     """Build the `dataset` table: one row per pair of `predictions`, in the order of (i, j), none removed.
 
     estimates, predictions, tracking: those tables (SI units, radians, GCRF); `fixes` may stand for tracking
     gm: for the orbital elements [m3/s2]
+    window: how long before an estimate its oldest measurement may be [s]
     labels: that table, whose errors replace those of the predictions; the table is `labelled` then
 
     Learning variables are NaN where they do not exist, as those of stations for fixes. With `kept_estimate`
@@ -75,7 +77,8 @@ def build(
     rows["reason"] = _reasons(rows, cleaning)
     begin = rows[["t_b", "t_i"]].min(axis=1).to_numpy()
     t_i, end = rows["t_i"].to_numpy(), rows["t_known"].to_numpy()
-    crosses = burns.crosses(begin, t_i, end) | _crosses_burn(estimates, begin, t_i, end)
+    known = _and_shown(manoeuvres, estimates)
+    crosses = contain_any(begin, t_i, known, window=window) | contain_any(t_i, end, known)
     rows.loc[crosses, "reason"] = CROSSES_MANOEUVRE
     rows["keep"] = rows["reason"] == ""
     return rows[SCHEMAS["dataset" if labels is None else "labelled"].names]
@@ -182,18 +185,14 @@ def may_depart(
     t = estimates["t"].to_numpy()
     whole = known["converged"] & known["cd_inside"] & known["eps_y"].notna()
     begin = np.fmin(known["t_b"].to_numpy(), t)
-    crosses = contain_any(begin, t, manoeuvres, window=window) | _crosses_burn(estimates, begin, t, t)
+    crosses = contain_any(begin, t, _and_shown(manoeuvres, estimates), window=window)
     return whole.to_numpy() & ~crosses
 
 
-def _crosses_burn(estimates: pd.DataFrame, begin: np.ndarray, t_i: np.ndarray, end: np.ndarray) -> np.ndarray:
-    """Return which spans (n,), from begin to t_i or on to end [s], have a burn in them that `estimates` show.
-
-    It counts from its detection. Fits restart after it, so no window holds it.
-    """
+def _and_shown(manoeuvres: Sequence[Manoeuvre], estimates: pd.DataFrame) -> list[Manoeuvre]:
+    """Return manoeuvres and the burns that `estimates` show, which count from their detection."""
     shown = estimates[estimates["burn_t"].notna()] if "burn_t" in estimates else estimates.iloc[:0]
-    burns = [Manoeuvre(row["burn_t"], row["t"]) for _, row in shown.iterrows()]
-    return contain_any(begin, t_i, burns) | contain_any(t_i, end, burns)
+    return [*manoeuvres, *(Manoeuvre(row["burn_t"], row["t"], restarts=True) for _, row in shown.iterrows())]
 
 
 def _previous(tracks: np.ndarray, usable: np.ndarray, setting: str) -> np.ndarray:

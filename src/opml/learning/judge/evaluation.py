@@ -3,11 +3,11 @@
 import numpy as np
 import pandas as pd
 
-from opml.learning.models.contract import Predictor
+from opml.learning.models.contract import Model
 from opml.learning.models.training_inputs import columns_of
 
 
-def evaluate(model: Predictor, dataset: pd.DataFrame, rows: np.ndarray, *, component: str) -> pd.DataFrame:
+def evaluate(model: Model, dataset: pd.DataFrame, rows: np.ndarray, *, component: str) -> pd.DataFrame:
     """Return the `evaluation` table: true, predicted and residual error of a component.
 
     rows: (bool, n) which rows of the dataset

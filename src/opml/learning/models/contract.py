@@ -2,12 +2,12 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any, Generic, Protocol, TypeVar
+from typing import Annotated, Any, ClassVar, Generic, Protocol, TypeVar
 
 import numpy as np
 import pandas as pd
 
-from opml.base.kind_sections import KindSection
+from opml.base.section import Section
 from opml.base.setting_types import Absent, Expected, OneOf, Unique
 from opml.learning.models.training_inputs import Training
 from opml.tables import LEARNING_VARIABLES, MECHANISM_AXES, Column, Schema
@@ -23,8 +23,24 @@ _Chosen = Absent[
 _LeftOut = Absent[Annotated[list[Variable], Unique()]]
 
 
-class LearnerSettings(KindSection):
+class LearnerSettings(Section):
     """Settings of a learner; those of its kind follow `kind`."""
+
+    columns: ClassVar[tuple[str, ...]] = ()  # that the kind learns from, where there is no choice
+
+    kind: str
+
+    def get(self, key: str) -> Any:
+        """Return a setting, None where it was left out or the kind has none of this name."""
+        return getattr(self, key, None)
+
+    def of_job(self) -> dict[str, Any]:
+        """Return the settings that were given, as JSON values."""
+        return self.model_dump(exclude_unset=True)
+
+    def resolved(self, *, component: str, variables: Sequence[str]) -> "ResolvedSettings":
+        """Return the settings for an error component; variables: to learn from where nothing else is said."""
+        return ResolvedSettings(self, component_columns(self.columns, component))
 
 
 class ChoosingSettings(LearnerSettings):
@@ -32,6 +48,15 @@ class ChoosingSettings(LearnerSettings):
 
     variables: _Chosen = None
     without: _LeftOut = None
+
+    def resolved(self, *, component: str, variables: Sequence[str]) -> "ResolvedSettings":
+        """Return the settings for an error component, with the variables that they choose."""
+        left_out = self.without or ()
+        wanted = variables if self.variables is None else self.variables
+        names = [name for name in wanted if name not in left_out]
+        own = {key: value for key, value in self.of_job().items() if key not in ("variables", "without")}
+        chosen = list(dict.fromkeys(component_columns(names, component)))
+        return ResolvedSettings(type(self).model_validate(own), chosen)
 
 
 @dataclass(frozen=True)
@@ -49,8 +74,11 @@ class ResolvedSettings:
 S = TypeVar("S", bound=LearnerSettings)
 
 
-class Predictor(Protocol):
-    """A correction of rows of a dataset."""
+class Model(Protocol):
+    """A trained model of any kind: frozen, and the same again when read from its table.
+
+    It predicts row by row: the prediction of a row does not depend on the other rows.
+    """
 
     @property
     def variables(self) -> tuple[str, ...]:
@@ -59,19 +87,11 @@ class Predictor(Protocol):
     def predict(self, x: np.ndarray) -> np.ndarray:
         """Return predicted errors (n,) of rows x (n, variables), all in their own units."""
 
-
-class Model(Predictor, Protocol):
-    """A trained model of any kind: frozen, and the same again when read from its table.
-
-    It predicts row by row: the prediction of a row does not depend on the other rows.
-    """
-
     def to_table(self) -> tuple[pd.DataFrame, dict[str, Any]]:
         """Return the model as a table, and JSON-able metadata with its `kind` and `variables`."""
 
 
 Load = Callable[[pd.DataFrame, Metadata], Model]
-Resolve = Callable[..., ResolvedSettings]  # of settings for a component, with the default variables
 Table = Callable[[Metadata], Schema]
 
 
@@ -79,28 +99,6 @@ def component_columns(names: Sequence[str], component: str) -> list[str]:
     """Return names of columns with the component's axis on each sensitivity: `v` becomes `v_y` for `e_y`."""
     axis = component.removeprefix("e_")
     return [f"{name}_{axis}" if name in MECHANISM_AXES else name for name in names]
-
-
-def choose_variables(
-    settings: LearnerSettings, /, *, component: str, variables: Sequence[str]
-) -> ResolvedSettings:
-    """Return settings with the variables that those of `ChoosingSettings` choose, else the default ones."""
-    own_variables, left_out = settings.get("variables"), settings.get("without") or ()
-    names = [name for name in (variables if own_variables is None else own_variables) if name not in left_out]
-    own = {key: value for key, value in settings.of_job().items() if key not in ("variables", "without")}
-    chosen = list(dict.fromkeys(component_columns(names, component)))
-    return ResolvedSettings(type(settings).model_validate(own), chosen)
-
-
-def fixed(*names: str) -> Resolve:
-    """Return how settings are resolved that leave no choice of variables."""
-
-    def resolve(
-        settings: LearnerSettings, /, *, component: str, variables: Sequence[str]
-    ) -> ResolvedSettings:
-        return ResolvedSettings(settings, component_columns(names, component))
-
-    return resolve
 
 
 def table_of(row: str, *columns: Column) -> Table:
@@ -115,7 +113,7 @@ def table_of(row: str, *columns: Column) -> Table:
     return table
 
 
-def describe(model: Predictor, kind: str, *fields: str) -> dict[str, Any]:
+def describe(model: Model, kind: str, *fields: str) -> dict[str, Any]:
     """Return the metadata of a model: kind, variables and these of its fields, arrays as lists."""
     values = {name: getattr(model, name) for name in fields}
     lists = {name: value.tolist() for name, value in values.items() if isinstance(value, np.ndarray)}
@@ -143,5 +141,4 @@ class Learner(Generic[S]):
     table: Table  # the schema of a model's table from the metadata with it; `table_of` makes a plain one
     fit: Callable[[Training, S], Model]
     load: Load  # makes the model again from its table and metadata, bit for bit
-    resolve: Resolve = choose_variables  # finds the variables to learn from
     learns: bool = True  # whether it takes anything from the errors that it is trained on

@@ -5,7 +5,7 @@ P_ML then says what the catalogue itself would leave of the errors of its short 
 """
 
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 import pandas as pd
@@ -16,7 +16,6 @@ from opml.learning.models.contract import (
     LearnerSettings,
     Metadata,
     describe,
-    fixed,
     restore,
     table_of,
 )
@@ -49,18 +48,19 @@ class FixedLaw:
 
 
 class WindowSettings(LearnerSettings):
+    columns: ClassVar[tuple[str, ...]] = ("l_arc",)
+
     window_hours: Positive
 
 
 class RunningSettings(WindowSettings):
+    columns: ClassVar[tuple[str, ...]] = ("l_arc", "v_arc", "cd_arc", "cd_past")
+
     memory_days: Positive
 
 
 def _law(
-    kind: str,
-    description: str,
-    *variables: str,
-    settings: type[LearnerSettings] = LearnerSettings,
+    kind: str, description: str, settings: type[LearnerSettings] = LearnerSettings
 ) -> Learner[LearnerSettings]:
     """Return the learner of a law."""
 
@@ -75,7 +75,6 @@ def _law(
         table=table_of("nothing: there is no number to keep"),
         fit=fit,
         load=FixedLaw.from_table,
-        resolve=fixed(*variables),
         learns=False,
     )
 
@@ -83,11 +82,10 @@ def _law(
 NONE = _law("none", "no correction")
 
 
-REFITTED = _law("refitted", "fit over another window, nothing learned", "l_arc", settings=WindowSettings)
+REFITTED = _law("refitted", "fit over another window, nothing learned", WindowSettings)
 
 RUNNING = _law(
     "running",
     "law without a truth: l_arc + v_arc (cd_arc - cd_past), with the running mean of Cd",
-    *("l_arc", "v_arc", "cd_arc", "cd_past"),
-    settings=RunningSettings,
+    RunningSettings,
 )

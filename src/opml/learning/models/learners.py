@@ -83,7 +83,7 @@ def fit(training: Training, settings: ResolvedSettings) -> Model:
 def train(rows: pd.DataFrame, *, component: str, settings: ResolvedSettings, seed: int) -> Model:
     """Train a learner on rows of a dataset for one error component.
 
-    settings: as `resolved` returns them
+    settings: as `LearnerSettings.resolved` returns them
 
     Raises InputError as `Training.from_rows` and `fit` do.
     """
@@ -97,7 +97,7 @@ def read(path: str | PathLike[str]) -> Model:
         columns = schema(described)
     table = read_table(path, columns)
     with _naming(path):
-        model = from_table(table, described)
+        model = by_kind(described["kind"]).load(table, described)
         # The file may come from elsewhere: one row shows whether its parts fit each other.
         with np.errstate(all="ignore"):
             tried = model.predict(np.zeros((1, len(model.variables))))
@@ -115,11 +115,6 @@ def _naming(path: str | PathLike[str]) -> Iterator[None]:
         raise InputError(f"{path}: expected a model whose parts fit each other, got {reason!r}") from None
 
 
-def from_table(table: pd.DataFrame, metadata: Metadata) -> Model:
-    """Return the model of a saved table, whatever its kind; raise InputError for an unknown kind."""
-    return by_kind(metadata["kind"]).load(table, metadata)
-
-
 def schema(metadata: Metadata) -> Schema:
     """Return the schema of a model's table from its metadata; raise InputError for an unknown kind."""
     return by_kind(metadata["kind"]).table(metadata)
@@ -128,16 +123,6 @@ def schema(metadata: Metadata) -> Schema:
 def schemas() -> list[Schema]:
     """Return the tables of models of all learning variables."""
     return [learner.table({"kind": learner.kind, "variables": LEARNING_VARIABLES}) for learner in LEARNERS]
-
-
-def resolved(settings: LearnerSettings, *, component: str, variables: Sequence[str]) -> ResolvedSettings:
-    """Return the settings of a learner for one error component, with its `variables` spelled out.
-
-    variables: of a learner whose settings name none; its `without` are left out
-
-    A sensitivity (`v`) becomes that of the component (`v_y`), in both variables and terms.
-    """
-    return by_kind(settings.kind).resolve(settings, component=component, variables=variables)
 
 
 def of_job(values: Mapping[str, Any] | ResolvedSettings) -> ResolvedSettings:
@@ -197,7 +182,7 @@ def check(
     further = [name for kind in ARC_TABLES for name in SCHEMAS[kind].names]
     known = {*LEARNING_VARIABLES, "gap", *drifts, *further} - {"i", "j"}
     for name, own in settings.items():
-        learner = resolved(own, component=COMPONENTS[0], variables=variables)
+        learner = own.resolved(component=COMPONENTS[0], variables=variables)
         if unknown := sorted(set(learner.variables) - known):
             raise InputError(
                 f"config: learners.{name}: expected learning variables and columns of the mechanism, "

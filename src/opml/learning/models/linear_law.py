@@ -81,6 +81,11 @@ class LawSettings(LearnerSettings):
         list[_Term], MinLen(1), Unique(), Expected("a list of products of variables, such as v*cd")
     ]
 
+    def resolved(self, *, component: str, variables: Sequence[str]) -> ResolvedSettings:
+        """Return the settings with the terms of an error component, and the factors of these as variables."""
+        terms = ["*".join(component_columns(term.split("*"), component)) for term in self.terms]
+        return ResolvedSettings(self.evolve(terms=terms), factors(terms))
+
 
 def fit(training: Training, settings: LawSettings) -> LinearLaw:
     """Fit the target by the terms, products of variables such as `v_y*cd`.
@@ -93,12 +98,6 @@ def fit(training: Training, settings: LawSettings) -> LinearLaw:
     values = products(training.x, training.variables, terms)
     coefficient = least_absolute_deviations(root[:, None] * values, root * training.y)
     return LinearLaw(tuple(training.variables), terms, coefficient)
-
-
-def resolve(settings: LawSettings, /, *, component: str, variables: Sequence[str]) -> ResolvedSettings:
-    """Return settings with the terms for the component, and with the factors of the terms as variables."""
-    terms = ["*".join(component_columns(term.split("*"), component)) for term in settings.terms]
-    return ResolvedSettings(settings.evolve(terms=terms), factors(terms))
 
 
 def factors(terms: Sequence[str]) -> list[str]:
@@ -146,5 +145,4 @@ LEARNER = Learner(
     ),
     fit=fit,
     load=LinearLaw.from_table,
-    resolve=resolve,
 )

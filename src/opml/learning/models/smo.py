@@ -13,7 +13,6 @@ precision, and gradients are sums in double.
 """
 
 import warnings
-from dataclasses import dataclass
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -35,17 +34,10 @@ MOST_SWEEPS = 100_000  # a hundred are enough, unless tol is below what rounding
 MOST_STEPS = 1_000_000  # in one sweep
 
 
-@dataclass(frozen=True, eq=False)
-class DualSolution:
-    """Dual coefficients beta (n,), the offset of the function, and the number of pairs moved."""
-
-    beta: np.ndarray
-    offset: float
-    steps: int
-
-
-def solve(z: np.ndarray, y: np.ndarray, limits: np.ndarray, *, epsilon: float, tol: float) -> DualSolution:
-    """Solve the dual problem.
+def solve(
+    z: np.ndarray, y: np.ndarray, limits: np.ndarray, *, epsilon: float, tol: float
+) -> tuple[np.ndarray, float, int]:
+    """Return dual coefficients beta (n,), the offset of the function, and the number of pairs moved.
 
     z: (n, variables) rows in units of the kernel scale
     y: (n,) targets
@@ -131,7 +123,7 @@ class _Descent:
         self.size = min(WORKING, len(y))
         self.steps = 0
 
-    def run(self) -> DualSolution:
+    def run(self) -> tuple[np.ndarray, float, int]:
         """Sweep until no two slopes differ by tol; warn where that takes too many sweeps."""
         for sweep in range(1, MOST_SWEEPS + 1):
             kernels.slopes(self.beta, self.gradient, self.limits, self.epsilon, self.up, self.down)
@@ -144,7 +136,7 @@ class _Descent:
                 f"SVR: stopped after {MOST_SWEEPS} sweeps, slopes off by {violation:.1e}; tol {self.tol:.1e}",
                 stacklevel=3,
             )
-        return DualSolution(self.beta, self._offset(), self.steps)
+        return self.beta, self._offset(), self.steps
 
     def _sweep(self, sweep: int, tol: float) -> None:
         """Move the variables of a working set until their slopes differ by less than tol."""

@@ -8,7 +8,7 @@ second.
 """
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Annotated, Any, Self
+from typing import Annotated, Any, Self
 
 import numpy as np
 import pandas as pd
@@ -20,9 +20,6 @@ from opml.learning.models.contract import ChoosingSettings, Learner, Metadata, d
 from opml.learning.models.gaussian_kernel import QUANTILES, distance_quantile, expansion
 from opml.learning.models.training_inputs import Training, check_rows, standardisation
 from opml.tables import Schema, real
-
-if TYPE_CHECKING:
-    from opml.learning.models.smo import DualSolution
 
 NORMAL_IQR = 1.349  # interquartile range of the standard normal distribution
 MIN_ROWS = 2  # a standard deviation needs two
@@ -100,13 +97,13 @@ def fit(training: Training, settings: SvrSettings) -> SvrModel:
 
     scaled = replace(training, x=z, y=training.y / y_scale)
     scale = _kernel_scale(scaled, settings)
-    solution = _solve(scaled, scale, settings)
-    support = solution.beta != 0.0
+    beta, offset, steps = _solve(scaled, scale, settings)
+    support = beta != 0.0
     return SvrModel(
         variables=tuple(training.variables),
         support_vectors=z[support],
-        dual_coef=solution.beta[support],
-        offset=solution.offset,
+        dual_coef=beta[support],
+        offset=offset,
         kernel_scale=scale,
         kernel_rule=str(settings.kernel_scale),
         x_mean=x_mean,
@@ -115,7 +112,7 @@ def fit(training: Training, settings: SvrSettings) -> SvrModel:
         c=settings.c,
         epsilon=settings.epsilon,
         tol=settings.tol,
-        iterations=solution.steps,
+        iterations=steps,
         seed=training.seed,
     )
 
@@ -127,7 +124,7 @@ def _kernel_scale(scaled: Training, settings: SvrSettings) -> float:
     return float(rule)
 
 
-def _solve(scaled: Training, scale: float, settings: SvrSettings) -> "DualSolution":
+def _solve(scaled: Training, scale: float, settings: SvrSettings) -> tuple[np.ndarray, float, int]:
     """Solve for standardised rows and the scaled target; the root of a weight scales the limit of its row."""
     # Imported only to train: it brings Numba, which takes longer to start than most models to predict.
     from opml.learning.models import smo
