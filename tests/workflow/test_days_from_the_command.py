@@ -135,5 +135,6 @@ def test_without_the_setting_one_line_says_what_is_missing(operator):
     code, told = opml_day(operator, "-n", settings="other.yaml")
     assert code == 1
     assert (
-        told == "opml: day: expected a setting `day` that asks for mornings, got none; `day: {}` is enough\n"
+        told == "opml: day: expected a setting `day` that asks for mornings, got none in --configfile;"
+        " `day: {}` is enough\n"
     )

@@ -207,4 +207,6 @@ def _inline(text: str) -> str:
     bold = re.sub(r"\*\*(.+?)\*\*", r"<strong>\1</strong>", html.escape(text))
     linked = _LINK.sub(r'<a href="\2">\1</a>', bold)
     coded = re.sub(r"`([^`]*)`", r"<code>\1</code>", linked)
-    return _TAG_OR_TIME.sub(lambda one: f'<span class="time">{one[1]}</span>' if one[1] else one[0], coded)
+    return _TAG_OR_TIME.sub(
+        lambda match: f'<span class="time">{match[1]}</span>' if match[1] else match[0], coded
+    )

@@ -68,9 +68,8 @@ def _settings(configfiles: Sequence[str]) -> Settings:
         raise InputError(f"{_PROJECT}: no such file in {Path.cwd()}; `opml init FOLDER` makes a project")
     source = merged([_PROJECT, *configfiles])
     if "day" not in source.values:
-        raise InputError(
-            "day: expected a setting `day` that asks for mornings, got none; `day: {}` is enough"
-        )
+        expected = "expected a setting `day` that asks for mornings, got none in --configfile"
+        raise InputError(f"day: {expected}; `day: {{}}` is enough")
     try:
         return load_settings(source)
     except InputError as error:
@@ -114,12 +113,12 @@ def warned(logs: Path, objects: Iterable[Mapping[str, str]]) -> list[str]:
 
     objects: of the page, whose verdicts say why they failed
     """
-    said = {f"{entry['object']}: {entry['reason']}" for entry in objects}
+    printed = {f"{entry['object']}: {entry['reason']}" for entry in objects}
     texts = (path.read_text(encoding="utf-8") for path in sorted(logs.glob("objects_*.log")))
     lines = (line.partition(" WARNING ")[2] for text in texts for line in text.splitlines())
-    told = [line for line in dict.fromkeys(filter(None, lines)) if line not in said]
-    more = [f"{len(told) - _NAMED} more warnings in {logs}"] if len(told) > _NAMED else []
-    return told[:_NAMED] + more
+    distinct = [line for line in dict.fromkeys(filter(None, lines)) if line not in printed]
+    more = [f"{len(distinct) - _NAMED} more warnings in {logs}"] if len(distinct) > _NAMED else []
+    return distinct[:_NAMED] + more
 
 
 def warnings(day: date, settings: Settings) -> list[str]:
