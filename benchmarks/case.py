@@ -95,7 +95,7 @@ def environment(days: float) -> dict:
     t = nodes(epoch, days * DAY)
     return {
         "earth_orientation": earth_orientation.tabulate(epoch, t),
-        "ephemerides": celestial_bodies.tabulate(settings["ephemerides"], epoch, t),
+        "ephemerides": celestial_bodies.tabulate(epoch, t),
         "solar_activity": solar_activity.tabulate(
             settings["solar_activity"], epoch, t, settings["percentile"]
         ),

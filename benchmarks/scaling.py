@@ -12,14 +12,14 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks import case, measure
-from opml.base.constants import DAY
+from opml.base.constants import DAY, GM
 from opml.base.seeds import derive
 from opml.catalog.associate import quarantine
 from opml.catalog.fit import observations, start_states
 from opml.catalog.propagator import Propagator
 from opml.catalog.simulate import tracking, truth
 from opml.dynamics.ensemble import REASONS, Departures, propagate
-from opml.environment import celestial_bodies, gravity_field
+from opml.environment import gravity_field
 from opml.orbits.elements import TURN, cartesian_from_coe
 from opml.tables import write_table
 
@@ -160,12 +160,11 @@ def start(progress: Callable[[str], None]) -> str:
 
 
 def _write_environment(folder):
-    kernel = case.paper().values["environment"]["ephemerides"]
     field = gravity_field.read_icgem(gravity_field.resolve("EGM2008")).truncate(40, 40)
     frames = case.environment(2 * case.DAYS) | {
         "gravity_field": gravity_field.table(field, case.paper().epoch)
     }
-    extra = {"gravity_field": gravity_field.metadata(field), "ephemerides": celestial_bodies.metadata(kernel)}
+    extra = {"gravity_field": gravity_field.metadata(field), "ephemerides": {"gm": GM}}
     for name, frame in frames.items():
         write_table(folder / f"{name}.parquet", frame, name, metadata=extra.get(name, {}))
 
