@@ -1,5 +1,6 @@
-"""Observed space weather of each day as inputs of DTM2000: CSSI's comma-separated file, by CelesTrak.
+"""Observed space weather of each day, from CSSI's files, which CelesTrak keeps, as inputs of DTM2000.
 
+Both forms are read: comma-separated (SW-All.csv) and fixed columns (SpaceWeather-All-v1.2.txt).
 Format: CelesTrak, Space Weather Data Documentation; inputs of DTM2000: Bruinsma, Thuillier & Barlier 2003.
 Nodes are hourly and interpolated linearly, so that a step of Kp becomes a ramp over the hour before it.
 The 81-day mean is centred: it looks 40 days ahead. The weather as known on a day is in `knowledge`.
@@ -7,6 +8,7 @@ The 81-day mean is centred: it looks 40 days ahead. The weather as known on a da
 
 import logging
 import math
+import re
 from collections.abc import Iterable, Iterator
 from datetime import date
 from operator import itemgetter
@@ -25,6 +27,11 @@ _FLUX = ["F10.7_OBS", "F10.7_OBS_CENTER81"]
 _FIGURES = [*KP, *_FLUX]
 _KIND = "F10.7_DATA_TYPE"
 PREDICTED = ("PRD", "PRM")
+_TEXT_TITLE = "DATATYPE CssiSpaceWeather"
+_TEXT_SECTION = re.compile(r"(BEGIN|END) (\w+)")
+_TEXT_DAILY = ("OBSERVED", "DAILY_PREDICTED")
+# FORMAT(I4,I3,I3,I5,I3,8I3,I4,8I4,I4,F4.1,I2,I4,F6.1,I2,5F6.1): the flux as observed is the fourth of six.
+_TEXT_COLUMNS = [slice(18 + 3 * k, 21 + 3 * k) for k in range(8)] + [slice(112, 118), slice(118, 124)]
 
 _KP_AS_PRINTED = frozenset(round(10.0 * third / 3.0) for third in range(28))
 _LEAST_FLUX, _MOST_FLUX = 40.0, 1000.0  # what the Sun can do [sfu]; 53.5 and 938.6 were printed since 1957
@@ -54,8 +61,8 @@ _Row = tuple[int, str, list[str], bool]  # line, date and figures of a day, and 
 
 
 def is_space_weather(text: str) -> bool:
-    """Return whether a file's text is space weather."""
-    return _heading(text.splitlines()) is not None
+    """Return whether a file's text is space weather in either form."""
+    return _TEXT_TITLE in text or _heading(text.splitlines()) is not None
 
 
 def read(path: str | Path, text: str) -> pd.DataFrame:
@@ -66,8 +73,9 @@ def read(path: str | Path, text: str) -> pd.DataFrame:
     The table ends before the first day without Kp, where the monthly predictions begin. Raises InputError
     for a malformed line and a day that is missing or out of order.
     """
+    rows = _text_rows if _TEXT_TITLE in text else _csv_rows
     days: list[list[float]] = []
-    listed = _rows(text.splitlines())
+    listed = rows(text.splitlines())
     for line, date_text, figures, is_measured in listed:
         if not _has_kp(figures):
             _check_ends(path, line, "eight Kp", listed)
@@ -111,7 +119,8 @@ def observed_days(path: str | Path, text: str) -> int:
 
     Raises InputError for a predicted day before a measured one.
     """
-    listed, count = _rows(text.splitlines()), 0
+    rows = _text_rows if _TEXT_TITLE in text else _csv_rows
+    listed, count = rows(text.splitlines()), 0
     for line, _, _, is_measured in listed:
         if not is_measured:
             _check_ends(path, line, "a measured day", listed)
@@ -195,8 +204,8 @@ def _heading(lines: list[str]) -> int | None:
     return None
 
 
-def _rows(lines: list[str]) -> Iterator[_Row]:
-    """Yield the days of a file; without a column of types all count as measured."""
+def _csv_rows(lines: list[str]) -> Iterator[_Row]:
+    """Yield the days of the comma-separated form; without a column of types all count as measured."""
     first = _heading(lines) or 0
     names = lines[first].split(",")
     kind = names.index(_KIND) if _KIND in names else len(names)
@@ -207,6 +216,16 @@ def _rows(lines: list[str]) -> Iterator[_Row]:
             cells = line.split(",") + lacking
             day, *figures = columns(cells)
             yield number, day, figures, cells[kind] not in PREDICTED
+
+
+def _text_rows(lines: list[str]) -> Iterator[_Row]:
+    section = ""
+    for number, line in enumerate(lines, start=1):
+        if match := _TEXT_SECTION.match(line):
+            section = match[2] if match[1] == "BEGIN" else ""
+        elif section in _TEXT_DAILY and line.strip():
+            figures = [line[columns] for columns in _TEXT_COLUMNS]
+            yield number, "-".join(line[:10].split()), figures, section == _TEXT_DAILY[0]
 
 
 def _day(path: str | Path, line: int, day: str, figures: list[str], is_measured: bool) -> list[float]:

@@ -1,4 +1,4 @@
-"""Observed space weather: CSSI's files, and what DTM2000 is given of them."""
+"""Observed space weather: both forms of CSSI's files, and what DTM2000 is given of them."""
 
 import gzip
 
@@ -23,6 +23,33 @@ DATE,ND,KP1,KP2,KP3,KP4,KP5,KP6,KP7,KP8,KP_SUM,F10.7_OBS,F10.7_ADJ,F10.7_DATA_TY
 """
 
 
+def fixed_columns(line):
+    """A day of the comma-separated form in the fixed columns of SpaceWeather-All-v1.2.txt."""
+    day, _, *kp, total, flux, _, _, mean = line.split(",")
+    return (
+        f"{day.replace('-', ' ')} 2501 22"
+        + "".join(f"{figure:>3}" for figure in kp)
+        + f"{total:>4}{8 * '   7'}   5 0.2 0   0   1.0 0   1.0   1.0{flux:>6}{mean:>6}   1.0\n"
+    )
+
+
+DAYS = [fixed_columns(line) for line in CSV.splitlines()[2:]]
+TEXT = f"""DATATYPE CssiSpaceWeather
+VERSION 1.2
+# FORMAT(I4,I3,I3,I5,I3,8I3,I4,8I4,I4,F4.1,I2,I4,F6.1,I2,5F6.1)
+NUM_OBSERVED_POINTS 3
+BEGIN OBSERVED
+{"".join(DAYS[:3])}END OBSERVED
+
+NUM_DAILY_PREDICTED_POINTS 1
+BEGIN DAILY_PREDICTED
+{DAYS[3]}END DAILY_PREDICTED
+BEGIN MONTHLY_PREDICTED
+{DAYS[4]}END MONTHLY_PREDICTED
+"""
+FORMS = pytest.mark.parametrize("text", [CSV, TEXT], ids=["csv", "text"])
+
+
 @pytest.fixture
 def weather(tmp_path):
     """Writes a file's text and gives its path."""
@@ -40,32 +67,36 @@ def activity(path, *utc):
     return solar_activity.tabulate(path, EPOCH, t, 50)
 
 
-def test_flux_is_of_the_day_before_and_linear_between_the_measurements(weather):
-    found = activity(weather(), "2016-12-29T20:00:00", "2016-12-30T14:00:00", "2016-12-30T20:00:00")
+@FORMS
+def test_flux_is_of_the_day_before_and_linear_between_the_measurements(weather, text):
+    found = activity(weather(text), "2016-12-29T20:00:00", "2016-12-30T14:00:00", "2016-12-30T20:00:00")
     assert found["f107"].tolist() == pytest.approx([70.0, 77.5, 80.0])
     assert found["f107_mean"].tolist() == pytest.approx([77.0, 78.5, 79.0])
 
 
-def test_kp_lags_by_three_hours_and_its_mean_spans_twenty_four(weather):
-    found = activity(weather(), "2016-12-30T00:00:00", "2016-12-30T02:59:59", "2016-12-30T03:00:00")
+@FORMS
+def test_kp_lags_by_three_hours_and_its_mean_spans_twenty_four(weather, text):
+    found = activity(weather(text), "2016-12-30T00:00:00", "2016-12-30T02:59:59", "2016-12-30T03:00:00")
     # The last interval of the 29th has Kp 5; then the first of the 30th, 0.
     assert found["kp_3h"].tolist() == pytest.approx([5.0, 5.0, 0.0])
     thirds = np.arange(8, 16) / 3.0
     assert found["kp_24h"].tolist() == pytest.approx([thirds.mean()] * 2 + [(thirds.sum() - 8 / 3) / 8])
 
 
-def test_kp_comes_in_thirds(weather):
-    kp = space_weather.read("w", CSV)[space_weather.KP].to_numpy()[:2].ravel()
+@FORMS
+def test_kp_comes_in_thirds(weather, text):
+    kp = space_weather.read("w", text)[space_weather.KP].to_numpy()[:2].ravel()
     np.testing.assert_array_equal(kp, np.arange(16) / 3.0)
 
 
-def test_monthly_predictions_have_no_kp_and_end_the_file(weather):
-    assert len(space_weather.read("w", CSV)) == 4
-    activity(weather(), "2016-12-31T19:59:00")
+@FORMS
+def test_monthly_predictions_have_no_kp_and_end_the_file(weather, text):
+    assert len(space_weather.read("w", text)) == 4
+    activity(weather(text), "2016-12-31T19:59:00")
     with pytest.raises(
         InputError, match=r"^weather\.txt: epoch: expected dates from 2016-12-30 to 2016-12-30"
     ):
-        activity(weather(), "2016-12-31T20:01:00")
+        activity(weather(text), "2016-12-31T20:01:00")
 
 
 def test_before_the_first_day_of_flux_and_kp_is_refused(weather):

@@ -94,6 +94,7 @@ _EARLIER = {
     "positions_alone": "it is gone: SP3 velocities in m/s are recognised",
     "pools": "it is gone: opml train learns from many objects",
     "ephemeris": "it is day.step_s now",
+    "ephemerides": "it is gone: bodies are where DE440 has them",
     "every_hours": "it is gone: `opml day --since` runs past mornings again",
     "replayed": "it is gone: `opml day --since` runs past mornings again",
     "rolling": "it is gone: `opml day --since` runs past mornings again",
