@@ -21,7 +21,7 @@ from opml.benchmark.scores import drawn_weights, weeks_of, weighted_median
 from opml.element_sets import catalogue as catalogues
 from opml.element_sets import corrector, density, features, set_errors, weighting
 from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day
-from opml.element_sets.density import Densities, LearnedAir
+from opml.element_sets.density import Densities
 from opml.element_sets.features import APART, BANDS
 from opml.element_sets.set_errors import LEADS
 from opml.element_sets.training import FIRST_DAY, HOUR_OF_MORNING
@@ -116,7 +116,7 @@ def rows(
     measured: of `densities`, learned from up to the first morning; orbits: `set_states`
     """
     first = min(season.train[0], season.test[0])
-    air = LearnedAir(known, measured, density.fit(measured, known, end=first))
+    air = density.air(known, measured, density.fit(measured, known, end=first))
     mornings, t = season.mornings, sets.table["t"]
     around = t.between(mornings[0] - _SETS_BEFORE, mornings[-1] + _SETS_AFTER)
     own = sets.take(np.flatnonzero(around))

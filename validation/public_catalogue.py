@@ -29,7 +29,7 @@ from opml.element_sets.inside.orbit_prediction import OrbitInside
 from opml.element_sets.prediction import Prediction, PublicMorning
 from opml.element_sets.set_errors import REACH
 from opml.interop.element_sets import known_sets, mean_elements
-from opml.interop.element_sets.element_set import ElementSet, seconds_since
+from opml.interop.element_sets.element_set import ElementSet, changed, seconds_since
 from opml.interop.predicted_orbit import LEADS
 from opml.orbits.elements import bent_rsw
 from opml.orbits.rsw_covariance import half_width
@@ -119,10 +119,11 @@ def _row(prediction: Prediction, judge, inside: np.ndarray) -> dict[str, object]
     by_orbit = isinstance(prediction.inside, OrbitInside) and bool(np.isfinite(inside).all())
     by_set = mean_elements.states(judge, epoch=prediction.date, t=t)
     truth = inside[None] if by_orbit else by_set
+    improved = changed(prediction.published, prediction.how["motion"], prediction.how["bstar"])
     flown = {
         "": prediction.states(t),
         "sgp4_": mean_elements.states(prediction.published, epoch=prediction.date, t=t),
-        "improved_": mean_elements.states(prediction.improved, epoch=prediction.date, t=t),
+        "improved_": mean_elements.states(improved, epoch=prediction.date, t=t),
         "later_": by_set,
     }
     values = {name: bent_rsw(states[:, :3], truth)[0] for name, states in flown.items()}

@@ -26,7 +26,7 @@ from opml.benchmark.scores import drawn_weights
 from opml.element_sets import catalogue as catalogues
 from opml.element_sets import density, features, set_errors
 from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day
-from opml.element_sets.density import LearnedAir
+from opml.element_sets.density import Air
 from opml.element_sets.features import FEATURES
 from opml.element_sets.inside import inside_forces
 from opml.element_sets.inside.inside_forces import Forces
@@ -63,7 +63,7 @@ GEOMETRY = tuple(
 VARIABLES = (*FEATURES, *GEOMETRY)
 
 
-def rows(sets: ElementCatalogue, inside: np.ndarray, air: LearnedAir, mornings: np.ndarray) -> pd.DataFrame:
+def rows(sets: ElementCatalogue, inside: np.ndarray, air: Air, mornings: np.ndarray) -> pd.DataFrame:
     """Return the rows of `features.build` whose sets have orbits, with GEOMETRY and true errors r, s, w [m].
 
     inside: (sets, 7) GCRF states of orbits at the epochs of sets and their Cd A/m, NaN where unknown
@@ -215,7 +215,7 @@ def main(arguments: Sequence[str]) -> None:
     inside = known.reindex(pd.MultiIndex.from_arrays([sets.table["number"], utc])).to_numpy()
     first, last, cut = modified_julian_day(begin), sets.table["t"].max(), modified_julian_day(end)
     measured = density.clean(known_weather.read(weather))
-    air = density.learned_air(measured, first=FIRST_DAY, end=first)
+    air, _ = density.learned_air(measured, first=FIRST_DAY, end=first)
     own = rows(sets, inside, air, np.arange(first, last))
     judging = np.flatnonzero((own["morning"] > cut) & (np.floor(own["morning"]) % _EVERY == 0))
     errors = np.full((len(own), 3), np.nan)

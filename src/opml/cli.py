@@ -147,8 +147,8 @@ def _add_rso(parser: argparse.ArgumentParser) -> None:
 def _rso(options: argparse.Namespace) -> None:
     from opml.interop.element_sets import mean_elements
 
-    body = mean_elements.Body(options.area_to_mass, options.cd, options.cr)
-    print(mean_elements.line_of_sheet(options.file, options.name, options.epoch, body))
+    asked = {name: getattr(options, name) for name in ("name", "epoch", "area_to_mass", "cd", "cr")}
+    print(mean_elements.line_of_sheet(options.file, **asked))
 
 
 def _add_screen(parser: argparse.ArgumentParser) -> None:
@@ -300,7 +300,8 @@ def _predict(options: argparse.Namespace) -> None:
         options.object = fetched if options.object is None else options.object
         kind = formats.kind_of(options.files[0], formats.ELEMENTS, formats.ORBIT, formats.TRACKS)
         prediction = (_propagate_sets if kind == formats.ELEMENTS else _fit)(options, progress)
-    over = {place: station_passes.passes(prediction, place, mask) for place in places}
+    orbit, date = prediction.ephemeris, prediction.date
+    over = {place: station_passes.passes(orbit, date, place, mask) for place in places}
     for path in options.output:
         prediction_files.write(path, prediction, over)
     if options.passes:

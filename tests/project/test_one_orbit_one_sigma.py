@@ -22,7 +22,7 @@ from opml.element_sets.inside import inside_forces, inside_now
 from opml.interop.element_sets import known_sets
 from opml.interop.ephemeris import EPOCH
 from opml.mornings.records import Records
-from opml.mornings.set_mornings import ObjectOfSets, RunSets
+from opml.mornings.set_mornings import RunSets, of_sets
 from opml.mornings.watched_object import MorningPlan
 
 NUMBERS = range(101, 111)
@@ -103,7 +103,7 @@ def test_day_says_what_predict_says(paths, predicted):
     days = np.arange(1.0, 8.0)
     for path, made in zip(paths, predicted, strict=True):
         (history,) = known_sets.by_object([path]).values()
-        left = ObjectOfSets(plan, sets, history).morning(Records.empty(), now=0.0)
+        left = of_sets(plan, sets, history).morning(Records.empty(), 0.0)
         assert left.records.issued["model"].iloc[0] == made.model
         told = [[one[name] for name in SIGMAS] for one in left.figures["expected"]]
         np.testing.assert_allclose(told, made.sigmas(DAY * days)[:, [1, 0, 2]], atol=0.051)

@@ -23,7 +23,7 @@ def test_hubble_s_numbers_are_those_of_the_page():
     expected = predicted.expected().set_index("lead")
     along, cross, radial = expected.loc[3, ["along_track", "cross_track", "radial"]]
     assert f"{along / 1e3:.1f} km along the track, {cross:.0f} m across and {radial:.0f} m outwards" in TEXT
-    passes = station_passes.passes(predicted, station_passes.place(tour.STATION))
+    passes = station_passes.passes(predicted.ephemeris, predicted.date, station_passes.place(tour.STATION))
     assert f"late by at most {passes['early_or_late'].max():.1f} s" in TEXT
     (conjunction,) = cdm.read(str(shared(CASE)), epoch=EPOCH)
     assert f"{conjunction.relative[1] / 1e3:.1f} km ahead" in TEXT

@@ -82,7 +82,7 @@ def _plane(axes: Axes, conjunction: Conjunction) -> None:
 def main(sets: str, weather: str, message: str) -> None:
     """Draw the picture and shrink it."""
     predicted = prediction.predict([sets], date=DATE, weather=weather)
-    passes = station_passes.passes(predicted, station_passes.place(STATION))
+    passes = station_passes.passes(predicted.ephemeris, predicted.date, station_passes.place(STATION))
     (conjunction,) = cdm.read(message, epoch=EPOCH)
     shrunk.save(tour(predicted.expected(), passes, conjunction), "tour")
 

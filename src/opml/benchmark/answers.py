@@ -158,7 +158,7 @@ def _read_oem(path: Path, questions: _Questions) -> None:
                 f"{where}: object {number or segment.name}: no question is about it at its first time"
             )
             continue
-        orbit = known_orbits.States(str(path), known_orbits.parts_of(segment))
+        orbit = known_orbits.KnownOrbit(str(path), known_orbits.parts_of(segment))
         times = questions.time[places]
         states = orbit.at(times)
         _check_orbits(states, where, path)

@@ -70,7 +70,7 @@ def write(
         raise InputError(f"{task.name}: expected a task of element sets, got tracks: benchmark/track_fits.py")
     lines: list[list[str]] = []
     model, first = models.read(trained), process_time()
-    if hindsight := model.hindsight(task.questions["t"].min()):
+    if hindsight := models.hindsight(model.card, task.questions["t"].min()):
         progress(hindsight)
     for t, questions in task.questions.groupby("t", sort=True):
         begin = process_time()

@@ -166,10 +166,7 @@ def read(path: FilePath, *, epoch: str, radius: float | None = None) -> list[Con
     """
     names = _DENSITY_KEYS | {_RADIUS: _RADIUS}
     message = ccsds.Message(path, version_key=_KEY, versions=("1.0",), in_comments=names)
-    conjunctions = [_conjunction(message, epoch, radius)]
-    while message.begins_another():
-        conjunctions.append(_conjunction(message, epoch, radius))
-    return conjunctions
+    return [_conjunction(one, epoch, radius) for one in message.each()]
 
 
 def _conjunction(message: ccsds.Message, epoch: str, radius: float | None) -> Conjunction:

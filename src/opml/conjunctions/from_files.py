@@ -5,7 +5,7 @@ from pathlib import Path
 
 from opml.base.errors import InputError
 from opml.base.files import FilePath
-from opml.conjunctions import all_pairs, cdm, screening
+from opml.conjunctions import cdm, screening
 from opml.conjunctions.conjunction import Conjunction
 from opml.interop import formats
 from opml.interop.element_sets.element_set import of_files
@@ -29,7 +29,7 @@ def conjunctions(
     days: that mean elements are propagated where no file is an orbit
     weather: OBSERVED, the packaged one, or a CSSI file, under which element sets are predicted
 
-    Raises InputError for a distance with a CDM, and as `screening.screen`, `all_pairs.screen` and `cdm.read`.
+    Raises InputError for a distance with a CDM, and as `screen`, `screen_all` and `cdm.read`.
     """
     first, *others = (_files_of(Path(path)) for path in files)
     rest = [file for folder in others for file in folder]
@@ -42,7 +42,7 @@ def conjunctions(
     radius = screening.RADIUS if radius is None else radius
     metres = 1e3 * (screening.WITHIN if within is None else within)
     if len(files) == 1:
-        return all_pairs.screen(files[0], days=days, within=metres, radius=radius)
+        return screening.screen_all(files[0], days=days, within=metres, radius=radius)
     return screening.screen(screening.read(files, days=days, weather=weather), within=metres, radius=radius)
 
 

@@ -41,7 +41,7 @@ def predictor(
         try:
             prediction = public.predict(history, days=days)
             since = epochs.seconds_between(EPOCH, prediction.date)
-            trajectory = of_states(prediction.ephemeris().shifted(since))
+            trajectory = of_states(prediction.ephemeris.shifted(since))
         except InputError as reason:
             _log.warning("%s: propagated by SGP4: %s", elements.identity, reason)
             return elements.by_sgp4()

@@ -1,9 +1,11 @@
 """Close approaches between ephemerides in files: orbits, with their covariances, and mean elements.
 
 opml screen ours.oem others/*.oem catalogue.tle --within 5 --radius 20
+opml screen catalogue.tle --days 7 --within 1
 
-What is not compared with ours is logged: ephemerides of our own object, and times that nothing is known of.
-Mean elements are propagated minute by minute where the sieve finds that they may come near.
+The second is of all objects of a catalogue. What is not compared with ours is logged: ephemerides of our own
+object, and times that nothing is known of. Mean elements are propagated minute by minute where the sieve
+finds that they may come near.
 """
 
 import logging
@@ -16,7 +18,7 @@ import numpy as np
 
 from opml.base.errors import InputError
 from opml.base.files import FilePath
-from opml.conjunctions import approaches
+from opml.conjunctions import approaches, sieve
 from opml.conjunctions.conjunction import Conjunction, check_length, check_radius
 from opml.conjunctions.predicted_sets import predictor
 from opml.conjunctions.sieve import Looks, Span
@@ -28,6 +30,7 @@ RADIUS = 20.0  # sum of the radii of two objects by default [m]
 DAYS = 7.0  # days that mean elements are propagated by default
 WITHIN = 5.0  # distance that is near by default [km]
 
+_REACH = 300.0  # time before and after a look in which two objects that may be near are propagated [s]
 _SECONDS = len("2016-09-28T12:09:45")
 _log = logging.getLogger(__name__)
 
@@ -107,6 +110,40 @@ def screen(ephemerides: Sequence[ScreenedObject], *, within: float, radius: floa
         )
     ]
     return sorted(conjunctions, key=lambda conjunction: conjunction.t)
+
+
+def screen_all(path: FilePath, *, days: float, within: float, radius: float) -> Iterator[Conjunction]:
+    """Yield the close approaches of all pairs of objects in a file of mean elements, in the order of time.
+
+    days: from the newest set on
+    within: largest distance [m]
+    radius: sum of the radii of two objects [m]
+
+    The newest set of each object is propagated by SGP4. Raises InputError for a file of fewer than two
+    objects, and for a length that is none.
+    """
+    check_length("within", within)
+    check_radius(radius)
+    elements = read_elements([path], span_of_days(path, days))
+    if len(elements) < 2:
+        raise InputError(f"{path}: expected mean elements of two objects or more, got one")
+    living = [(one, one.life) for one in elements if one.life is not None]
+    known = sum(life[0] <= one.span[0] and life[1] >= one.span[1] for one, life in living)
+    if known < len(elements):
+        _log.warning("orbits unknown for a part of the time: %d of %d", len(elements) - known, len(elements))
+    orbits = [(one.known_set, life) for one, life in living]
+    for begin, end, pairs in sieve.near_pairs(orbits, elements[0].span, within):
+        reach = begin - _REACH, end + _REACH
+        both = ((living[k][0], living[n][0]) for k, n in pairs)
+        near = [
+            conjunction
+            for one, other in both
+            for conjunction in approaches_of(
+                (one, other), (one.during(reach), other.during(reach)), within, radius
+            )
+            if begin <= conjunction.t < end
+        ]
+        yield from sorted(near, key=lambda conjunction: conjunction.t)
 
 
 def _whole(spans: Iterable[Span]) -> Span:

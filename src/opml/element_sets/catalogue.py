@@ -15,6 +15,7 @@ from opml.interop.element_sets.element_set import ElementSet, mean_height, of_fi
 from opml.interop.element_sets.known_sets import LATENCY, find_files, readable
 
 _MOST_DAYS = 1e6  # more than any modified Julian day
+_MADE_LATE = "element sets made more than %g d after their epochs: %d of %d: is CREATION_DATE a download's?"
 _LATE = 3.0  # days after its epoch when no publisher makes a set any more
 
 _log = logging.getLogger(__name__)
@@ -68,8 +69,7 @@ def read(
     table = _table(sets, latency)
     late = int((table["known"] - table["t"] > _LATE).sum())
     if 2 * late > len(table):
-        told = "element sets made more than %g d after their epochs: %d of %d: is CREATION_DATE a download's?"
-        _log.warning(told, _LATE, late, len(table))
+        _log.warning(_MADE_LATE, _LATE, late, len(table))
     return ElementCatalogue(table, [one.satellite for one in sets])
 
 

@@ -6,6 +6,7 @@ weeks' and one rotation's densities, F10.7 and ap. It is fitted by least absolut
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -241,30 +242,34 @@ class MorningDensity:
         return once + rho * rest, self._twice[row, column] + (once + 0.5 * rho * rest) * rest
 
 
-class LearnedAir:
-    """Density about any morning: measured up to it, forecast after it by what was learned before an end."""
+Air = Callable[[float], MorningDensity]
+"""Returns the density about a morning (modified Julian day), after the last measurement as of that."""
 
-    def __init__(self, weather: Weather, densities: Densities, outlook: np.ndarray) -> None:
-        """Take clean weather, the densities under it, and the coefficients of a forecast, as of `fit`."""
-        self._weather, self._densities, self.outlook = weather, densities, outlook
 
-    def __call__(self, morning: float) -> MorningDensity:
-        """Return the density about a morning (modified Julian day), after the last measurement as of that."""
-        issued = min(morning, end_of(self._weather))
+def air(weather: Weather, densities: Densities, outlook: np.ndarray) -> Air:
+    """Return the air that is measured up to a morning, and forecast after it.
+
+    weather: clean; densities: under it; outlook: coefficients of a forecast, as of `fit`
+    """
+
+    def about(morning: float) -> MorningDensity:
+        issued = min(morning, end_of(weather))
         # Nothing that was measured after the morning counts.
-        known = self._weather.keep_known(issued).drop_before(math.floor(issued) - RUN_UP)
-        recent = self._densities.before(issued)
+        known = weather.keep_known(issued).drop_before(math.floor(issued) - RUN_UP)
+        recent = densities.before(issued)
         issue = np.array([len(recent.log)])
         changes = [
             np.einsum("kh,kh->h", _predictors(recent, known, issue, day)[0], of_day)
-            for day, of_day in enumerate(self.outlook)
+            for day, of_day in enumerate(outlook)
         ]
         ahead = _mean(recent.log, issue, -QUARTERS, 0) + np.array(changes)
-        return MorningDensity(self._densities, ahead, issued)
+        return MorningDensity(densities, ahead, issued)
+
+    return about
 
 
-def learned_air(weather: Weather, *, first: int, end: float) -> LearnedAir:
-    """Return the air whose forecast is learned from the days (modified Julian) from `first` to `end`."""
-    first = max(first, weather.first + RUN_UP)
-    densities = measured(weather, first, end_of(weather))
-    return LearnedAir(weather, densities, fit(densities, weather, end=end))
+def learned_air(weather: Weather, *, first: int, end: float) -> tuple[Air, np.ndarray]:
+    """Return the air and its outlook, learned from the days (modified Julian) from `first` to `end`."""
+    densities = measured(weather, max(first, weather.first + RUN_UP), end_of(weather))
+    outlook = fit(densities, weather, end=end)
+    return air(weather, densities, outlook), outlook

@@ -9,13 +9,13 @@ units of a scale: the drag's own displacement and 30 m a day.
 """
 
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 import pandas as pd
 
 from opml.element_sets.catalogue import ElementCatalogue
-from opml.element_sets.density import MorningDensity
+from opml.element_sets.density import Air, MorningDensity
 from opml.element_sets.set_errors import BACK, LEADS, Pairs
 
 BANDS = 1e3 * np.array([300.0, 400.0, 450.0, 500.0, 550.0, 600.0, 700.0, 1000.0])
@@ -82,7 +82,7 @@ COLUMNS = ("band", "scale", "density", "target", "is_fit", "missed", *FEATURES)
 """Columns that `build` adds: band, scale [m], Q [m], what is to be learned, whether it can be corrected."""
 
 
-def build(catalogue: ElementCatalogue, pairs: Pairs, air: Callable[[float], MorningDensity]) -> pd.DataFrame:
+def build(catalogue: ElementCatalogue, pairs: Pairs, air: Air) -> pd.DataFrame:
     """Return the rows of pairs with COLUMNS.
 
     air: gives the density about a morning, as it was known then
@@ -102,7 +102,7 @@ def build(catalogue: ElementCatalogue, pairs: Pairs, air: Callable[[float], Morn
     differences = pd.DataFrame(distances, columns=list(DISTANCES), copy=False)
     sets = catalogue.table.iloc[rows["newest"]]
     height = sets["height"].to_numpy()
-    made = rows.reset_index(drop=True).assign(
+    whole = rows.reset_index(drop=True).assign(
         band=np.searchsorted(BANDS, height, side="right") - 1,
         scale=scale,
         density=table[:, 1],
@@ -112,18 +112,18 @@ def build(catalogue: ElementCatalogue, pairs: Pairs, air: Callable[[float], Morn
         age=rows["morning"].to_numpy() - sets["t"].to_numpy(),
         drag=np.log(np.maximum(scale - FLOOR * rows["tau"].to_numpy(), 1e-3)),
     )
-    groups = made.groupby(["is_fit", "morning", "band", "lead"]).ngroup()
-    made["missed"] = differences[list(_MISSES)].abs().max(axis=1)
+    groups = whole.groupby(["is_fit", "morning", "band", "lead"]).ngroup()
+    whole["missed"] = differences[list(_MISSES)].abs().max(axis=1)
     for k, name in enumerate(DISTANCES):  # one by one: all at once would take a quarter more memory
         distances[:, k] -= differences[name].groupby(groups).transform("median").to_numpy()
     # A set that is not there says nothing: as if it agreed with the others.
     apart = pd.DataFrame(np.nan_to_num(distances, copy=False), columns=list(APART), copy=False)
-    miss = ((made["error"] - made["density"]) / made["scale"]).where(made["is_fit"])
-    made["target"] = miss - miss.groupby(groups).transform("median")
-    judged = made[["morning", "lead", "band", "judged"]].assign(miss=miss)
-    lasting = made["lead"].map(LASTING) * common_misses(judged)
-    made["density"] += lasting * made["scale"]
-    return pd.concat([made, apart, own_misses(made).fillna(0.0)], axis=1)
+    miss = ((whole["error"] - whole["density"]) / whole["scale"]).where(whole["is_fit"])
+    whole["target"] = miss - miss.groupby(groups).transform("median")
+    judged = whole[["morning", "lead", "band", "judged"]].assign(miss=miss)
+    lasting = whole["lead"].map(LASTING) * common_misses(judged)
+    whole["density"] += lasting * whole["scale"]
+    return pd.concat([whole, apart, own_misses(whole).fillna(0.0)], axis=1)
 
 
 def _is_fit(sets: pd.DataFrame, scale: np.ndarray) -> np.ndarray:
@@ -222,8 +222,8 @@ def common_misses(rows: pd.DataFrame) -> np.ndarray:
     medians = []
     for lag in _RECENT:
         known = ahead[ahead["judged"] <= ahead["morning"] + lag]
-        found = known.groupby([known["day"] + lag, "band"])["miss"].agg(["median", "size"])
-        medians.append(found["median"].where(found["size"] >= _FEWEST_OF_BAND))
+        grouped = known.groupby([known["day"] + lag, "band"])["miss"].agg(["median", "size"])
+        medians.append(grouped["median"].where(grouped["size"] >= _FEWEST_OF_BAND))
     means = pd.concat(medians, axis=1).mean(axis=1)
     of_row = means.reindex(pd.MultiIndex.from_arrays([day, rows["band"]]))
     return np.asarray(of_row.fillna(0.0), dtype=float)
@@ -239,7 +239,7 @@ def own_misses(rows: pd.DataFrame) -> pd.DataFrame:
 
     Mornings are daily. A target counts a day after what was predicted, if its judge was known by then.
     """
-    found = np.full((len(rows), len(OWN_FEATURES)), np.nan)
+    misses = np.full((len(rows), len(OWN_FEATURES)), np.nan)
     day = _days(rows)
     object_, numbers = pd.factorize(rows["number"])
     in_time = rows["judged"] <= rows["morning"] + rows["lead"] + 1.0
@@ -251,8 +251,8 @@ def own_misses(rows: pd.DataFrame) -> pd.DataFrame:
         for k, count in enumerate(OWN):
             for n, values in enumerate((table, np.abs(table))):
                 means = _trailing_means(values, lead + 1, count)
-                found[part, 2 * k + n] = means[object_[part], day[part]]
-    return pd.DataFrame(found, columns=list(OWN_FEATURES), index=rows.index)
+                misses[part, 2 * k + n] = means[object_[part], day[part]]
+    return pd.DataFrame(misses, columns=list(OWN_FEATURES), index=rows.index)
 
 
 def _trailing_means(values: np.ndarray, lag: int, count: int) -> np.ndarray:

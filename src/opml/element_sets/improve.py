@@ -10,7 +10,7 @@ to the corrections at all leads.
 """
 
 import logging
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
@@ -23,7 +23,7 @@ from opml.base.errors import InputError
 from opml.base.files import FilePath, check_distinct_files, suffix_of
 from opml.base.progress import Progress, counted
 from opml.element_sets import catalogue as catalogues
-from opml.element_sets import corrector, density, features, set_errors, weighting
+from opml.element_sets import corrector, density, features, set_errors, trained_model, weighting
 from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day
 from opml.element_sets.set_errors import OLDEST
 from opml.element_sets.trained_model import CatalogueModel
@@ -102,22 +102,17 @@ def read(
     Raises InputError for an unreadable file, for weather that ends too early, and where no set was public.
     """
     date = epochs.instant(date)
-    return public_on(
-        date, lambda: catalogues.read(paths, latency=latency), known_weather.read(weather), source=weather
-    )
+    measured = known_weather.read(weather)
+    check_newest(measured.keep_known(modified_julian_day(date)), weather, date=date, oldest=OLDEST_WEATHER)
+    return public_on(date, catalogues.read(paths, latency=latency), measured, source=weather)
 
 
-def public_on(
-    date: str, catalogue: Callable[[], ElementCatalogue], measured: Weather, *, source: FilePath
-) -> PublicData:
-    """Return what was public on a date (UTC text); raises as `read`.
-
-    catalogue: returns all sets, and is called when the weather is known to reach; source: of the weather
-    """
+def public_on(date: str, catalogue: ElementCatalogue, measured: Weather, *, source: FilePath) -> PublicData:
+    """Return what was public on a date (UTC text); raises as `read`; source: of the weather."""
     today = modified_julian_day(date)
     weather = measured.keep_known(today)
     check_newest(weather, source, date=date, oldest=OLDEST_WEATHER)
-    sets = catalogue().until(today).daily()
+    sets = catalogue.until(today).daily()
     if sets.table.empty:
         raise InputError(f"element sets: expected some that were public on {date}, got none")
     return PublicData(sets, density.clean(weather), date)
@@ -188,7 +183,7 @@ def improve(known: PublicData, model: CatalogueModel, *, progress: Progress = _l
     judged = rows.loc[is_judged, ["morning", "error"]].join(combined, how="inner")
     past = judged.assign(left=judged["error"] - judged["correction"])[_PAST_COLUMNS].reset_index(drop=True)
     corrections = now[["number", "lead", "correction", "sigma"]].dropna().reset_index(drop=True)
-    hindsight = model.hindsight(known.date)
+    hindsight = trained_model.hindsight(model.card, known.date)
     return Improved(table.drop(columns=[*_WHERE]), sets, known.date, past, corrections, hindsight)
 
 
@@ -200,7 +195,7 @@ def replayed(known: PublicData, model: CatalogueModel, mornings: np.ndarray) -> 
     mornings = mornings[(mornings >= density.first_morning(known.weather)) | (mornings == mornings[-1])]
     first = int(np.floor(min(mornings[0], density.end_of(known.weather)))) - density.RUN_UP - 1
     densities = density.measured(known.weather, first, density.end_of(known.weather))
-    air = density.LearnedAir(known.weather, densities, model.outlook)
+    air = density.air(known.weather, densities, model.outlook)
     return features.build(known.catalogue, set_errors.build(known.catalogue, mornings), air)
 
 
@@ -233,9 +228,9 @@ def _table(
         }
     )
     for lead in set_errors.LEADS:
-        one = corrected[corrected["lead"] == lead].set_index("number").reindex(newest.index)
-        table[f"sgp4_{lead}d"] = np.hypot(one["sigma"], one["correction"])
-        table[f"sigma_{lead}d"] = one["sigma"]
+        of_lead = corrected[corrected["lead"] == lead].set_index("number").reindex(newest.index)
+        table[f"sgp4_{lead}d"] = np.hypot(of_lead["sigma"], of_lead["correction"])
+        table[f"sigma_{lead}d"] = of_lead["sigma"]
     return table.assign(**newest[[*_WHERE]]).reset_index(drop=True)
 
 
@@ -257,7 +252,7 @@ def reasons(
     after_a_day = rows.loc[rows["lead"] == set_errors.LEADS[0], "error"].abs()
     off = after_a_day.groupby(rows["number"]).quantile(0.75)
     age = date - newest["t"]
-    found = {
+    conditions = {
         FEW: counts < FEWEST_SETS,
         "burned lately": missed.reindex(newest.index, fill_value=0.0) > weighting.BURN,
         f"newest set older than {OLDEST:g} d": age > OLDEST,
@@ -269,7 +264,7 @@ def reasons(
         SEVERAL: off.reindex(newest.index, fill_value=0.0) > _FARTHEST,
     }
     why = pd.Series("", index=newest.index)
-    for reason, holds in found.items():
+    for reason, holds in conditions.items():
         why = why.mask(holds, reason)
     return why
 
@@ -285,7 +280,7 @@ def where_usable(weights: pd.DataFrame, why: pd.Series) -> pd.DataFrame:
 
 def numbers(newest: pd.DataFrame, rows: pd.DataFrame) -> pd.DataFrame:
     """Return mean motion [rad/min] and B* of the newest sets, improved by the corrections of rows."""
-    found = weighting.changes(rows, rows["number"], newest["bstar"]).reindex(newest.index).fillna(0.0)
+    changes = weighting.changes(rows, rows["number"], newest["bstar"]).reindex(newest.index).fillna(0.0)
     radius = semi_major_axis(newest["motion"].to_numpy())
-    motion = newest["motion"] - found["speed"] / (_MINUTES * radius)
-    return pd.DataFrame({"motion": motion, "bstar": newest["bstar"] - found["bstar"]})
+    motion = newest["motion"] - changes["speed"] / (_MINUTES * radius)
+    return pd.DataFrame({"motion": motion, "bstar": newest["bstar"] - changes["bstar"]})

@@ -122,8 +122,8 @@ def errors_of_sets(catalogue: ElementCatalogue, date: str) -> pd.DataFrame:
                 rows.append(
                     (morning, lead, *_apart(catalogue.satellites[newest], catalogue.satellites[later]))
                 )
-    found = pd.DataFrame(rows, columns=["morning", "lead", *"rsw"]).dropna()
-    return found.astype({"lead": int, **dict.fromkeys("rsw", float)})
+    errors = pd.DataFrame(rows, columns=["morning", "lead", *"rsw"]).dropna()
+    return errors.astype({"lead": int, **dict.fromkeys("rsw", float)})
 
 
 def _apart(satellite: Satrec, judge: Satrec) -> tuple[float, float, float]:

@@ -1,8 +1,8 @@
 """Prediction of an object from its public element sets, with covariances.
 
-    made = prediction.predict(["sets.tle"], days=7.0)
-    made.state("2026-07-18T00:00:00"), made.covariance("2026-07-18T00:00:00")
-    made.to_oem("mine.oem")
+    predicted = prediction.predict(["sets.tle"], days=7.0)
+    predicted.state("2026-07-18T00:00:00"), predicted.covariance("2026-07-18T00:00:00")
+    predicted.to_oem("mine.oem")
 
 It is the orbit inside its sets, under full forces; where they have none, the improved set, by SGP4.
 """
@@ -32,7 +32,9 @@ from opml.interop import ccsds
 from opml.interop.element_sets import known_sets, mean_elements, rewriting, sgp4_errors
 from opml.interop.element_sets.burns_in_sets import burns_among
 from opml.interop.element_sets.element_set import LOW, ElementSet, changed, elements_epoch, seconds_since
-from opml.interop.predicted_orbit import LEADS, PredictedOrbit, check_days
+from opml.interop.ephemeris import Ephemeris
+from opml.interop.object_ids import ObjectId
+from opml.interop.predicted_orbit import LEADS, PredictedOrbit, check_days, sampled
 from opml.orbits.density_error import DensityErrors
 from opml.orbits.manoeuvres import Manoeuvre
 
@@ -48,85 +50,28 @@ class Prediction(PredictedOrbit):
 
     past: as `improve.Improved.past`, of an object whose set nothing improves those of SGP4
 
-    improved, published: the newest set with better numbers, and as it was; how: row of the table
-    `improved_sets`; sizes: by lead [d] r, s, w, standard deviations of the prediction, and sgp4, that of the
-    published set along the track [m]; better: the set as it is written; manoeuvres: those that its sets
-    show [s since the date]; thrusts: how many sets of the last BURNED days show that it thrusts; inside: the
-    orbit inside the sets, or why SGP4 propagates the improved set; hindsight: of `improve.Improved`.
+    published: the newest set; how: row of the table `improved_sets`, better: the set as it is written; sizes:
+    by lead [d] r, s, w, standard deviations of the prediction, and sgp4, that of the published set along the
+    track [m]; manoeuvres: those that its sets show [s since the date]; inside: the orbit inside the sets, or
+    why SGP4 propagates the improved set.
     """
 
-    improved: Satrec
     published: Satrec
     how: pd.Series
-    sizes: pd.DataFrame
     better: rewriting.Better
+    sizes: pd.DataFrame
     manoeuvres: Sequence[Manoeuvre]
-    thrusts: int
     inside: OrbitInside | str
-    hindsight: str
-
-    def _propagated(self, t: np.ndarray) -> np.ndarray:
-        if isinstance(self.inside, OrbitInside):
-            return self.inside.path(t)
-        states = mean_elements.states(self.improved, epoch=self.date, t=t)
-        if not np.isfinite(states).all():
-            end = t[~np.isfinite(states).all(axis=1)].min()
-            most = f"at most --days {np.floor(100.0 * end / DAY) / 100.0:g}" if end > HOUR else "a newer set"
-            raise InputError(
-                f"predict: {self.identity} decays by SGP4 before {self._texts(end[None])[0]}: give {most}"
-            )
-        return states
-
-    def sigmas(self, t: np.ndarray) -> np.ndarray:
-        """Return standard deviations (n, 3) in RSW [m] at times (n,) [s since the date]."""
-        return np.stack([np.interp(t / DAY, self.sizes.index, self.sizes[axis]) for axis in "rsw"], axis=1)
-
-    def covariances(self, t: np.ndarray, states: np.ndarray) -> np.ndarray:
-        """Return covariances (n, 6, 6) in RSW [m, m/s] at times (n,) [s since the date]."""
-        return sgp4_errors.covariances(self.sigmas(t), states)
-
-    def density(self, t: np.ndarray, states: np.ndarray) -> DensityErrors | None:
-        """Return the part of the covariances at times (n,) that other objects share, None where unknown."""
-        if not sgp4_errors.are_known(self.published):
-            return None
-        days = (t - seconds_since(self.date, [self.published])) / DAY
-        return sgp4_errors.density_errors(self.published, t, states, days, self.sigmas(t))
 
     def expected(self) -> pd.DataFrame:
         """Return the table `expected_errors`: of the prediction in RSW, and of SGP4 along the track [m]."""
-        leads = [lead for lead in LEADS if lead <= self.days]
-        names = {"s": "along_track", "r": "radial", "w": "cross_track", "sgp4": "sgp4_along_track"}
-        rows = self.sizes.loc[leads, [*names]].rename(columns=names)
-        rows.insert(0, "utc", self._texts(DAY * np.array(leads, float)))
-        return rows.rename_axis("lead").reset_index()
-
-    @property
-    def past_in_words(self) -> str:
-        """Past errors of SGP4 and of such predictions along the track, at the longest lead."""
-        judged = self.past[self.past["lead"] > 0]
-        if judged.empty:
-            return ""
-        rows = judged[judged["lead"] == judged["lead"].max()]
-        sgp4, own = (rows[name].abs().median() / 1e3 for name in ("error", "left"))
-        if isinstance(self.inside, OrbitInside):
-            name, since = "orbit inside", f"{inside_now.PAST:g} days"
-        else:
-            name, since = "improved set", f"{improved_sizes.ALONG_MORNINGS} mornings"
-        return (
-            f"median error along the track after {rows['lead'].iloc[0]:g} d, in its last {since} "
-            f"(n = {len(rows)}): SGP4 {sgp4:.2f} km, {name} {own:.2f} km"
-        )
+        rows = super().expected()
+        return rows.assign(sgp4_along_track=self.sizes["sgp4"].reindex(rows["lead"]).to_numpy())
 
     @property
     def burns(self) -> list[str]:
         """When its sets show that it burned in the last BURNED days, UTC."""
         return burns_before(self.manoeuvres, self.date)
-
-    @property
-    def remark(self) -> str:
-        """The words of a message about it."""
-        by_sgp4 = "" if isinstance(self.inside, OrbitInside) else ", propagated by SGP4"
-        return "; ".join([f"{self.way}{by_sgp4}", *self._cautions()])
 
     @property
     def model(self) -> str:
@@ -135,41 +80,69 @@ class Prediction(PredictedOrbit):
             return "inside"
         return "sgp4" if self.how["applied"] == weighting.UNCHANGED else str(self.how["applied"])
 
-    @property
-    def way(self) -> str:
-        """Method that was used, in words."""
-        of = f" from {self.how['population']}" if self.how["population"] else ""
-        if isinstance(self.inside, OrbitInside):
-            along = f", along the track corrected as learned{of}" if self.inside.is_corrected else ""
-            return f"orbit inside its sets, propagated under full forces{along}"
-        names = {
-            weighting.LEARNED: f"set improved by forecast density and a correction learned{of}",
-            weighting.DENSITY: "set improved by forecast density",
-            weighting.UNCHANGED: "set as published",
-        }
-        return names[self.how["applied"]]
 
-    @property
-    def reason(self) -> str:
-        """Why that was used, in words."""
-        last = f"by the errors of its last {weighting.PAST} mornings"
-        weight = f"weight among the options: {100.0 * self.how['weight']:.0f} %, {last}"
-        inside = self.inside.reason if isinstance(self.inside, OrbitInside) else self.inside
-        return "; ".join(dict.fromkeys([inside, str(self.how["why"]) or weight, *self._cautions()]))
+def _way(how: pd.Series, inside: OrbitInside | str) -> str:
+    """Return the method that was used, in words."""
+    of = f" from {how['population']}" if how["population"] else ""
+    if isinstance(inside, OrbitInside):
+        along = f", along the track corrected as learned{of}" if inside.is_corrected else ""
+        return f"orbit inside its sets, propagated under full forces{along}"
+    names = {
+        weighting.LEARNED: f"set improved by forecast density and a correction learned{of}",
+        weighting.DENSITY: "set improved by forecast density",
+        weighting.UNCHANGED: "set as published",
+    }
+    return names[how["applied"]]
 
-    def _cautions(self) -> Iterator[str]:
-        """Yield what the date hides, what sigmas rest on where no past does, and why they are wide."""
-        if self.hindsight:
-            yield self.hindsight
-        if self.basis.endswith(improved_sizes.FEW_JUDGED):
-            yield self.basis
-        if self.burns:
-            count, last = len(self.burns), self.burns[-1]
-            yield f"wide: its sets show burns, the last of {count} in {BURNED:g} days on {last[:_DAY]}"
-        if self.thrusts:
-            yield f"wide: {self.thrusts} of its sets of {BURNED:g} days have a B* below 0, as it thrusts"
-        if self.how["jump"] > corrector.JUMP:
-            yield f"wide: the newest set misses those before it {self.how['jump']:.0f} times as far as usual"
+
+def _reasons(how: pd.Series, inside: OrbitInside | str) -> list[str]:
+    """Return why that was used, in words."""
+    last = f"by the errors of its last {weighting.PAST} mornings"
+    weight = f"weight among the options: {100.0 * how['weight']:.0f} %, {last}"
+    return [inside.reason if isinstance(inside, OrbitInside) else inside, str(how["why"]) or weight]
+
+
+def _past_in_words(past: pd.DataFrame, *, is_inside: bool) -> str:
+    """Return past errors of SGP4 and of such predictions along the track, at the longest lead."""
+    judged = past[past["lead"] > 0]
+    if judged.empty:
+        return ""
+    rows = judged[judged["lead"] == judged["lead"].max()]
+    sgp4, own = (rows[name].abs().median() / 1e3 for name in ("error", "left"))
+    mornings = f"{improved_sizes.ALONG_MORNINGS} mornings"
+    name, since = ("orbit inside", f"{inside_now.PAST:g} days") if is_inside else ("improved set", mornings)
+    return (
+        f"median error along the track after {rows['lead'].iloc[0]:g} d, in its last {since} "
+        f"(n = {len(rows)}): SGP4 {sgp4:.2f} km, {name} {own:.2f} km"
+    )
+
+
+def _cautions(
+    how: pd.Series, basis: str, hindsight: str, *, burns: Sequence[str], thrusts: int
+) -> Iterator[str]:
+    """Yield what the date hides, what sigmas rest on where no past does, and why they are wide."""
+    if hindsight:
+        yield hindsight
+    if basis.endswith(improved_sizes.FEW_JUDGED):
+        yield basis
+    if burns:
+        count, last = len(burns), burns[-1]
+        yield f"wide: its sets show burns, the last of {count} in {BURNED:g} days on {last[:_DAY]}"
+    if thrusts:
+        yield f"wide: {thrusts} of its sets of {BURNED:g} days have a B* below 0, as it thrusts"
+    if how["jump"] > corrector.JUMP:
+        yield f"wide: the newest set misses those before it {how['jump']:.0f} times as far as usual"
+
+
+def _by_sgp4(satellite: Satrec, identity: ObjectId, date: str, t: np.ndarray) -> np.ndarray:
+    """Return states (n, 6) of a set at times (n,) [s since the date]; raise InputError where it decays."""
+    states = mean_elements.states(satellite, epoch=date, t=t)
+    if not np.isfinite(states).all():
+        end = t[~np.isfinite(states).all(axis=1)].min()
+        most = f"at most --days {np.floor(100.0 * end / DAY) / 100.0:g}" if end > HOUR else "a newer set"
+        (utc,) = ccsds.utc_texts(date, end[None])
+        raise InputError(f"predict: {identity} decays by SGP4 before {utc}: give {most}")
+    return states
 
 
 def predict(
@@ -285,39 +258,76 @@ class PublicMorning:
         storm = improved_sizes.after_storm(self.known.weather.kp, how["height"])
         catalogue = self.known.catalogue
         own = catalogue.take(np.flatnonzero(catalogue.table["number"] == newest.number))
-        is_burning = bool(burns_before(manoeuvres, date) or thrusts)
-        improved = improved_sizes.of_object(own, how, self.better, storm=storm, is_burning=is_burning)
+        burns = burns_before(manoeuvres, date)
+        improved = improved_sizes.of_object(
+            own, how, self.better, storm=storm, is_burning=bool(burns or thrusts)
+        )
         # The first sets after a burn are made of tracks from both sides of it: those since it is known count.
         begin = max((one.counts_from for one in manoeuvres), default=-np.inf)
         counted = [one for one in public if one.t >= begin] or public[-1:]
         inside = orbit_prediction.predict(
             counted, newest.number, self.better, days=days, forces=lambda: self._forces, kept=self.kept
         )
+        published, identity = own.satellites[-1], known_sets.identity(newest)
         is_modelled, errors = how["applied"] != weighting.UNCHANGED, improved
+        satellite = changed(published, how["motion"], how["bstar"])
+        path: Callable[[np.ndarray], np.ndarray] = partial(_by_sgp4, satellite, identity, date)
         if isinstance(inside, OrbitInside):
-            is_modelled, errors = inside.is_corrected, inside.errors(improved, storm)
-        prediction = Prediction(
-            known_sets.identity(newest),
+            is_modelled, errors, path = inside.is_corrected, inside.errors(improved, storm), inside.path
+        way, hindsight = _way(how, inside), self.better.hindsight if is_modelled else ""
+        remark = way if isinstance(inside, OrbitInside) else f"{way}, propagated by SGP4"
+        cautions = [*_cautions(how, errors.basis, hindsight, burns=burns, thrusts=thrusts)]
+        return Prediction(
+            _ephemeris(
+                identity, date, days, path, errors.sizes, published, remark="; ".join([remark, *cautions])
+            ),
             date,
             days,
             errors.past,
             errors.basis,
-            changed(own.satellites[-1], how["motion"], how["bstar"]),
-            own.satellites[-1],
+            way,
+            "; ".join(dict.fromkeys([*_reasons(how, inside), *cautions])),
+            published,
             how,
-            errors.sizes,
             self.better.sets[place],
+            errors.sizes,
             manoeuvres,
-            thrusts,
             inside,
-            self.better.hindsight if is_modelled else "",
+            past_in_words=_past_in_words(errors.past, is_inside=isinstance(inside, OrbitInside)),
         )
-        prediction.states(prediction.t)  # no errors are told of what decays before
-        return prediction
 
     @cached_property
     def _forces(self) -> Forces:
         return inside_now.forces_on(self.better.date, str(self.weather), propagator=self.propagator)
+
+
+def _ephemeris(
+    identity: ObjectId,
+    date: str,
+    days: float,
+    path: Callable[[np.ndarray], np.ndarray],
+    sizes: pd.DataFrame,
+    published: Satrec,
+    *,
+    remark: str,
+) -> Ephemeris:
+    """Return the ephemeris of a path with sizes of errors by lead; raise InputError where SGP4 decays."""
+
+    def sigmas(t: np.ndarray) -> np.ndarray:
+        return np.stack([np.interp(t / DAY, sizes.index, sizes[axis]) for axis in "rsw"], axis=1)
+
+    def density(t: np.ndarray, states: np.ndarray) -> DensityErrors:
+        since = (t - seconds_since(date, [published])) / DAY
+        return sgp4_errors.density_errors(published, t, states, since, sigmas(t))
+
+    return sampled(
+        identity,
+        days,
+        path,
+        lambda t, states: sgp4_errors.covariances(sigmas(t), states),
+        remark=remark,
+        density_at=density if sgp4_errors.are_known(published) else None,
+    )
 
 
 def known_since(one: ElementSet) -> str:

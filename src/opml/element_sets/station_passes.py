@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 
 import erfa
@@ -10,15 +9,13 @@ import numpy as np
 import pandas as pd
 
 from opml.base import epochs
-from opml.base.constants import DAY, WGS84_A
+from opml.base.constants import WGS84_A
 from opml.base.errors import InputError
 from opml.catalog.simulate.observing import horizon, observe
 from opml.dynamics.frames import gcrf_to_itrf
 from opml.environment import earth_orientation, nodes
 from opml.interop import ccsds, known_orbits
-from opml.interop.ephemeris import EPOCH
-from opml.interop.known_orbits import KnownOrbit
-from opml.interop.predicted_orbit import PredictedOrbit
+from opml.interop.ephemeris import EPOCH, Ephemeris
 from opml.orbits.rsw_covariance import half_width
 from opml.tables import SCHEMAS, write_as
 
@@ -28,35 +25,6 @@ _SHOWN = 5  # passes of a text
 _STEP = 20.0  # between looks [s]
 _WGS84 = 1
 _BOUNDS = ((-90.0, 90.0), (-180.0, 360.0), (-500.0, 10_000.0))
-
-
-@dataclass(frozen=True)
-class WholeOrbit:
-    """An orbit with covariances from its first state to its last, in the place of a prediction."""
-
-    known: KnownOrbit
-
-    @cached_property
-    def date(self) -> str:
-        """UTC text at which it begins."""
-        return ccsds.utc_texts(EPOCH, self.known.t[:1])[0]
-
-    @property
-    def days(self) -> float:
-        """Its length."""
-        return float(self.known.t[-1] - self.known.t[0]) / DAY
-
-    def states(self, t: np.ndarray) -> np.ndarray:
-        """Return states as `PredictedOrbit.states`."""
-        return self.known.at(self.known.t[0] + t)
-
-    def sigmas(self, t: np.ndarray) -> np.ndarray:
-        """Return standard deviations as `PredictedOrbit.sigmas`."""
-        covariances = self.known.covariances(self.known.t[0] + t)
-        return np.sqrt(np.diagonal(covariances, axis1=1, axis2=2)[:, :3])
-
-
-Orbit = PredictedOrbit | WholeOrbit
 
 
 @dataclass(frozen=True)
@@ -87,9 +55,9 @@ def place(text: str) -> Place:
     return Place(text, float(np.radians(latitude)), float(np.radians(longitude)), altitude)
 
 
-def in_itrf(orbit: Orbit, t: np.ndarray) -> np.ndarray:
-    """Return positions (n, 3) in ITRF [m] at times (n,) [s since the date of the orbit]."""
-    return np.asarray(np.einsum("nij,nj->ni", _turns(orbit, t), orbit.states(t)[:, :3]))
+def in_itrf(orbit: Ephemeris, date: str, t: np.ndarray) -> np.ndarray:
+    """Return positions (n, 3) in ITRF [m] at times (n,) [s since the date of the orbit, UTC text]."""
+    return np.asarray(np.einsum("nij,nj->ni", _turns(orbit, date, t), orbit.at(t)[:, :3]))
 
 
 def mask(degrees: float) -> float:
@@ -99,30 +67,31 @@ def mask(degrees: float) -> float:
     return float(np.radians(degrees))
 
 
-def _turns(orbit: Orbit, t: np.ndarray) -> np.ndarray:
+def _turns(orbit: Ephemeris, date: str, t: np.ndarray) -> np.ndarray:
     """Return the rotations (n, 3, 3) from GCRF to ITRF at times (n,) [s since the date]."""
-    hours = nodes(orbit.date, DAY * orbit.days)
-    return gcrf_to_itrf(earth_orientation.tabulate(orbit.date, hours), t)
+    return gcrf_to_itrf(earth_orientation.tabulate(date, nodes(date, orbit.t[-1])), t)
 
 
-def passes(orbit: Orbit, where: Place, mask: float = MASK) -> pd.DataFrame:
+def passes(orbit: Ephemeris, date: str, where: Place, mask: float = MASK) -> pd.DataFrame:
     """Return the table `passes` over a place above an elevation `mask` [rad].
+
+    date: UTC text from which times of the orbit count, at which it begins
 
     A pass that is under way at the beginning or the end is left out.
     """
-    t = np.arange(0.0, DAY * orbit.days, _STEP)
-    elevation = _seen(orbit, where, t)[:, 1]
+    t = np.arange(0.0, orbit.t[-1], _STEP)
+    elevation = _seen(orbit, date, where, t)[:, 1]
     rows = []
     for first, last in _spans(elevation > mask):
         rise, fall = (_crossing(t, elevation, k, mask) for k in (first - 1, last - 1))
         fine = np.linspace(rise, fall, max(int(fall - rise), 2))
-        top = fine[int(np.argmax(_seen(orbit, where, fine)[:, 1]))]
+        top = fine[int(np.argmax(_seen(orbit, date, where, fine)[:, 1]))]
         moments = np.array([rise, top, fall])
-        azimuth, heights = np.degrees(_seen(orbit, where, moments)[:, :2]).T
-        state, sigmas = orbit.states(moments[1:2])[0], orbit.sigmas(moments[1:2])[0]
-        sunlit, sun = _light(orbit, top, state[:3], where)
-        late = half_width(LEVEL) * float(sigmas[1]) / float(np.linalg.norm(state[3:]))
-        times = ccsds.utc_texts(orbit.date, moments)
+        azimuth, heights = np.degrees(_seen(orbit, date, where, moments)[:, :2]).T
+        (state,), (covariance,) = orbit.at(moments[1:2]), orbit.covariances_at(moments[1:2])
+        sunlit, sun = _light(orbit, date, top, state[:3], where)
+        late = half_width(LEVEL) * float(np.sqrt(covariance[1, 1]) / np.linalg.norm(state[3:]))
+        times = ccsds.utc_texts(date, moments)
         rows.append((where.name, *times, *azimuth, float(heights[1]), late, sunlit, sun))
     return pd.DataFrame(rows, columns=SCHEMAS["passes"].names)
 
@@ -134,8 +103,9 @@ def joined(passes: Mapping[Place, pd.DataFrame]) -> pd.DataFrame:
 
 def write_beside(message: Path, places: Iterable[Place]) -> None:
     """Write the passes of an ephemeris message's object over places as `passes.csv` beside it."""
-    orbit = WholeOrbit(known_orbits.read([message]))
-    over = {where: passes(orbit, where) for where in places}
+    [orbit] = known_orbits.segments(message, epoch=EPOCH)
+    (date,) = ccsds.utc_texts(EPOCH, orbit.t[:1])
+    over = {where: passes(orbit.shifted(-orbit.t[0]), date, where) for where in places}
     write_as(message.with_name("passes.csv"), joined(over), "passes", metadata={})
 
 
@@ -143,28 +113,28 @@ def text(passes: Mapping[Place, pd.DataFrame]) -> str:
     """Return the first passes as aligned text, or that there is none."""
     rows = joined(passes)
     shown = rows.head(_SHOWN).replace(dict.fromkeys(("rise", "highest", "set"), r"\..*$"), "", regex=True)
-    told = shown.to_string(index=False, float_format="{:.1f}".format) if len(shown) else "none"
-    return f"passes, {len(shown)} of {len(rows)}: UTC, angles [deg], early or late by [s]\n{told}"
+    aligned = shown.to_string(index=False, float_format="{:.1f}".format) if len(shown) else "none"
+    return f"passes, {len(shown)} of {len(rows)}: UTC, angles [deg], early or late by [s]\n{aligned}"
 
 
-def _seen(orbit: Orbit, where: Place, t: np.ndarray) -> np.ndarray:
+def _seen(orbit: Ephemeris, date: str, where: Place, t: np.ndarray) -> np.ndarray:
     """Return azimuth, elevation [rad] and range [m] (n, 3) at times (n,) [s since the date]."""
     site = np.array(erfa.gd2gc(_WGS84, where.longitude, where.latitude, where.altitude))
-    return observe(in_itrf(orbit, t), site, horizon(where.longitude, where.latitude))
+    return observe(in_itrf(orbit, date, t), site, horizon(where.longitude, where.latitude))
 
 
-def _light(orbit: Orbit, t: float, position: np.ndarray, where: Place) -> tuple[bool, float]:
+def _light(orbit: Ephemeris, date: str, t: float, position: np.ndarray, where: Place) -> tuple[bool, float]:
     """Return whether the Sun shines on a position (3,) in GCRF [m], and its elevation over a place [deg].
 
     The Earth's shadow is a cylinder: the penumbra lasts seconds. Source: erfa.epv00.
     """
     with epochs.strict_erfa():
-        heliocentric, _ = erfa.epv00(*epochs.tt(orbit.date, t))
+        heliocentric, _ = erfa.epv00(*epochs.tt(date, t))
     sun = -np.asarray(heliocentric["p"])
     sun /= np.linalg.norm(sun)
     ahead = float(position @ sun)
     is_sunlit = ahead > 0.0 or bool(np.linalg.norm(position - ahead * sun) > WGS84_A)
-    (turn,) = _turns(orbit, np.array([t]))
+    (turn,) = _turns(orbit, date, np.array([t]))
     up = horizon(where.longitude, where.latitude)[2]
     return is_sunlit, float(np.degrees(np.arcsin(up @ turn @ sun)))
 

@@ -39,10 +39,6 @@ class CatalogueModel:
     card: Mapping[str, Any]  # what it was trained on, JSON values
     digest: str = ""  # of the file that it was read from
 
-    def hindsight(self, date: str) -> str:
-        """Return a warning where the model was trained on what came after a date (UTC text), else ''."""
-        return _hindsight(self.card, date)
-
 
 def write(path: FilePath, model: CatalogueModel) -> None:
     """Write a model of trees, whole or not at all."""
@@ -99,13 +95,14 @@ def read(path: FilePath | None = None) -> CatalogueModel:
     return CatalogueModel(outlook, correctors, metadata["card"], contents_digest([Path(path)]))
 
 
-def packaged_hindsight(date: str) -> str:
-    """Return the warning for a date (UTC text) of the model that comes with the package, or ''."""
+def packaged_card() -> Mapping[str, Any]:
+    """Return the card of the model that comes with the package."""
     with resources.as_file(resources.files("opml") / "data" / PACKAGED) as packaged:
-        return _hindsight(read_metadata(packaged)["card"], date)
+        return dict(read_metadata(packaged)["card"])
 
 
-def _hindsight(card: Mapping[str, Any], date: str) -> str:
+def hindsight(card: Mapping[str, Any], date: str) -> str:
+    """Return a warning where a model was trained on what came after a date (UTC text), else ''."""
     days = [population["to"] for population in card["populations"].values()]
     last = max([*days, card["weather_to"]])
     day = date[: len(last)]

@@ -19,7 +19,7 @@ from opml.base.provenance import code_digest, commit
 from opml.element_sets import catalogue as catalogues
 from opml.element_sets import corrector, density, features, set_errors
 from opml.element_sets.catalogue import modified_julian_day
-from opml.element_sets.density import LearnedAir
+from opml.element_sets.density import Air
 from opml.element_sets.trained_model import CatalogueModel
 from opml.environment import known_weather, solar_activity
 from opml.interop.element_sets.known_sets import find_files
@@ -47,9 +47,9 @@ def train(
 
     Raises InputError for unreadable files, and where there is too little to learn from.
     """
-    found = {name: find_files(paths) for name, paths in populations.items()}
+    found_files = {name: find_files(paths) for name, paths in populations.items()}
     end = np.inf if date is None else modified_julian_day(date)
-    sets = {name: catalogues.read(files).until(end).daily() for name, files in found.items()}
+    sets = {name: catalogues.read(files).until(end).daily() for name, files in found_files.items()}
     for name, known_sets in sets.items():
         if known_sets.table.empty:
             raise InputError(f"{name}: expected sets that were public on {date}, got none")
@@ -58,8 +58,8 @@ def train(
     progress("densities of the thermosphere since 2002")
     correctors, cards = {}, {}
     with threadpool_limits(limits=1, user_api="blas"):  # sums in one order, whatever the machine
-        air = density.learned_air(known, first=FIRST_DAY, end=density.end_of(known))
-        for name, files in with_time_left(list(found.items()), "population", progress):
+        air, outlook = density.learned_air(known, first=FIRST_DAY, end=density.end_of(known))
+        for name, files in with_time_left(list(found_files.items()), "population", progress):
             progress(f"{name}: predictions")
             rows = mornings_of(sets[name], air)
             progress(f"{name}: {len(rows)} predictions to learn from")
@@ -72,10 +72,10 @@ def train(
         "weather_to": epochs.calendar(np.ceil(density.end_of(known)) - 1.0),
         "software": _software(),
     }
-    return CatalogueModel(air.outlook, correctors, model_card | ({"date": date} if date else {}))
+    return CatalogueModel(outlook, correctors, model_card | ({"date": date} if date else {}))
 
 
-def mornings_of(sets: catalogues.ElementCatalogue, air: LearnedAir) -> pd.DataFrame:
+def mornings_of(sets: catalogues.ElementCatalogue, air: Air) -> pd.DataFrame:
     """Return the rows of `features.build` for each morning between the first and the last set."""
     t = sets.table["t"]
     mornings = np.arange(np.ceil(t.min()), np.ceil(t.max()) + 1.0) + HOUR_OF_MORNING

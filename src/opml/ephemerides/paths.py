@@ -69,30 +69,56 @@ class Paths:
         return replace(self, table=self.table.assign(**spread_at(self.table["t_j"].to_numpy(), causes)))
 
     def differences(self, later: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-        """Return how far each model is off later states, as `differences`."""
-        corrections = np.stack([self.along(model) for model in self.models])
-        return differences(self.table, corrections, later, now=self.made_at)
+        """Return how far each model in turn is off later states, but for SIGMA_STATE.
 
-    def ephemeris(self, model: str, sizes: FitSizes, *, at: np.ndarray | None = None) -> pd.DataFrame:
-        """Return the table `corrected` of a model.
+        It is columns of a table, as tables of few rows take longer to make than what is in them.
+
+        later: columns of `verdicts.later_states`, with SPREAD, at times that the ephemerides have
+        """
+        at, states = later["t_j"], np.column_stack([later[name] for name in STATE])
+        off = (self._arrived(at) - states).reshape(-1, len(STATE))
+        before, *after = in_rsw(off, np.tile(states, (len(off) // len(at), 1))).reshape(-1, *states.shape)
+        t_i = float(self.table["t_i"].iloc[0])
+        known = {name: values for name, values in later.items() if name not in STATE}
+        known |= {"t_i": np.full(len(at), t_i), "morning": np.full(len(at), self.made_at)}
+        known |= {"duration": at - t_i, "rate": rates(states), "before": before[:, 1]}
+        each = {name: np.tile(values, len(after)) for name, values in known.items()}
+        return each | dict(zip(COMPONENTS, np.concatenate(after).T, strict=True))
+
+    def _arrived(self, at: np.ndarray) -> np.ndarray:
+        """Return where the arc is at times (m,), and where each model has it: (1 + k, m, 6) GCRF."""
+        t, predicted = self.table["t_j"].to_numpy(), state_rows(self.table)
+        corrections = np.stack([self.along(model) for model in self.models])
+        first, last = np.searchsorted(t, [at.min(initial=t[-1]), at.max(initial=t[0])])
+        near = slice(max(0, min(first, last) - _NEAR), max(first, last) + _NEAR)
+        paths = [predicted[near], *corrected_by_each(t, predicted, corrections, near)]
+        return np.moveaxis(through(t[near], np.stack(paths, axis=1))(at), 1, 0)
+
+    def ephemeris(self, model: str, sizes: FitSizes, *, at: np.ndarray) -> pd.DataFrame:
+        """Return the table `corrected` of a model at epochs (n,) [s].
 
         sizes: of its errors
-        at: (n,) epochs [s]; None: those of the paths, between which splines of degree 7 are millimetres off
 
-        Raises InputError as `along_track_shift.check_smooth` does.
+        Between their own epochs splines of degree 7 are millimetres off. Raises InputError as
+        `along_track_shift.check_smooth` does.
         """
         t, along, path = self.table["t_j"].to_numpy(), self.along(model), state_rows(self.table)
         check_smooth(t, along)
-        predicted, states = path, corrected(t, path, along)
-        if at is not None:
-            t = at
-            both = through(self.table["t_j"].to_numpy(), np.stack([predicted, states], axis=1))
-            predicted, states = np.moveaxis(both(at), 1, 0)
-        rows = pd.DataFrame(dict(zip(STATE, predicted.T, strict=True))).assign(
-            i=self.table["i"].iloc[0], t_i=self.table["t_i"].iloc[0], t_j=t, **spread_at(t, self.table)
+        both = through(t, np.stack([path, corrected(t, path, along)], axis=1))
+        predicted, states = np.moveaxis(both(at), 1, 0)
+        begin = {name: self.table[name].iloc[0] for name in ("i", "t_i")}
+        rate = rates(states)
+        rows = pd.DataFrame(spread_at(at, self.table)).assign(rate=rate, duration=at - begin["t_i"])
+        triangle = rsw_covariances(sizes.sigmas(rows), rate)[:, *np.tril_indices(6)].T
+        return pd.DataFrame(
+            {
+                **{name: np.full(len(at), value) for name, value in begin.items()},
+                "t": at,
+                **dict(zip(STATE, states.T, strict=True)),
+                **dict(zip((f"{name}_predicted" for name in STATE), predicted.T, strict=True)),
+                **dict(zip(STATE_COVARIANCES, triangle, strict=True)),
+            }
         )
-        rows = rows.assign(rate=rates(states), duration=t - rows["t_i"])
-        return ephemeris_table(rows, states, rsw_covariances(sizes.sigmas(rows), rows["rate"].to_numpy()))
 
 
 def paths(arcs: StartArcs, models: Mapping[str, ResolvedSettings], *, now: float) -> Paths:
@@ -112,59 +138,9 @@ def paths(arcs: StartArcs, models: Mapping[str, ResolvedSettings], *, now: float
     return Paths(reached)
 
 
-def ephemeris_table(rows: pd.DataFrame, states: np.ndarray, covariances: np.ndarray) -> pd.DataFrame:
-    """Return the table of one ephemeris.
-
-    rows: `StartArcs.pairs`
-    states: (n, 6) GCRF [m, m/s]
-    covariances: (n, 6, 6) in RSW
-    """
-    columns = {"i": rows["i"].to_numpy(), "t_i": rows["t_i"].to_numpy(), "t": rows["t_j"].to_numpy()}
-    predicted = {f"{name}_predicted": rows[name].to_numpy() for name in STATE}
-    triangle = covariances[:, *np.tril_indices(6)].T
-    return pd.DataFrame(
-        columns
-        | dict(zip(STATE, states.T, strict=True))
-        | predicted
-        | dict(zip(STATE_COVARIANCES, triangle, strict=True))
-    )
-
-
 def spread_at(t: np.ndarray, causes: pd.DataFrame) -> dict[str, np.ndarray]:
     """Return the columns of a spread at times t (n,) [s]; causes: the spread at some epochs."""
     spreads = np.stack([causes[name].to_numpy() for name in SPREAD])
     finite = np.isfinite(spreads).all(axis=0)
     known, columns = causes["t_j"].to_numpy()[finite], zip(SPREAD, spreads[:, finite], strict=True)
     return {name: np.interp(t, known, values) for name, values in columns}
-
-
-def differences(
-    rows: pd.DataFrame, corrections: np.ndarray, later: Mapping[str, np.ndarray], *, now: float
-) -> dict[str, np.ndarray]:
-    """Return how far an ephemeris is off later states by each correction in turn, but for SIGMA_STATE.
-
-    It is columns of a table, as tables of few rows take longer to make than what is in them.
-
-    rows: of one estimate: t_i, and t_j and a state (STATE) at each epoch of the ephemeris
-    corrections: (k, epochs) e_y that are taken from it [m]
-    later: columns of the table that `judge` returns, with SPREAD, at times that the ephemeris has
-    now: when it was made [s]
-    """
-    at, states = later["t_j"], np.column_stack([later[name] for name in STATE])
-    off = (_arrived(rows, corrections, at) - states).reshape(-1, len(STATE))
-    before, *after = in_rsw(off, np.tile(states, (1 + len(corrections), 1))).reshape(-1, *states.shape)
-    t_i = float(rows["t_i"].iloc[0])
-    known = {name: values for name, values in later.items() if name not in STATE}
-    known |= {"t_i": np.full(len(at), t_i), "morning": np.full(len(at), now), "duration": at - t_i}
-    known |= {"rate": rates(states), "before": before[:, 1]}
-    each = {name: np.tile(values, len(after)) for name, values in known.items()}
-    return each | dict(zip(COMPONENTS, np.concatenate(after).T, strict=True))
-
-
-def _arrived(rows: pd.DataFrame, corrections: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """Return where an ephemeris is at times (m,), and where each correction has it: (1 + k, m, 6) GCRF."""
-    t, predicted = rows["t_j"].to_numpy(), state_rows(rows)
-    first, last = np.searchsorted(t, [at.min(initial=t[-1]), at.max(initial=t[0])])
-    near = slice(max(0, min(first, last) - _NEAR), max(first, last) + _NEAR)
-    paths = [predicted[near], *corrected_by_each(t, predicted, corrections, near)]
-    return np.moveaxis(through(t[near], np.stack(paths, axis=1))(at), 1, 0)

@@ -2,12 +2,13 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Self
 
 import numpy as np
 import pandas as pd
 
-from opml.base.constants import DAY, HOUR
+from opml.base.constants import HOUR
 from opml.base.errors import InputError
 from opml.catalog.predict import other_windows
 from opml.catalog.predict.prediction import predict
@@ -19,20 +20,6 @@ from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import STATE
 
 _ANSWERS = "v_arc_y"  # variable of models that need arcs with another Cd
-
-
-@dataclass(frozen=True)
-class Grid:
-    """Epochs of ephemerides: multiples of `step` [s], up to max_days after an estimate and to `end` [s]."""
-
-    step: float
-    max_days: float
-    end: float
-
-    def epochs(self, last: float) -> pd.Series:
-        """Return epochs [s] by their numbers, as far as ephemerides from estimates up to `last` [s] reach."""
-        number = np.arange(np.floor(min(last + DAY * self.max_days, self.end) / self.step) + 1.0).astype(int)
-        return pd.Series(self.step * number, index=number)
 
 
 @dataclass(frozen=True)
@@ -55,7 +42,7 @@ class StartArcs:
         cls,
         propagator: Propagator,
         start: pd.DataFrame,
-        grid: Grid,
+        arrivals: pd.Series,
         *,
         fits: Mapping[float, pd.DataFrame],
         models: Sequence[ResolvedSettings],
@@ -64,6 +51,7 @@ class StartArcs:
         """Return the arcs that models need from the estimate in `start`, a table of one row.
 
         propagator: under the assumed model
+        arrivals: of `grid`
         fits: estimates over the windows [h] that the models ask for
 
         In a large field the first arc is propagated under all of it, and the others near it. A few arcs
@@ -80,9 +68,10 @@ class StartArcs:
         ]
         together = pd.concat(families, ignore_index=True).assign(track=np.arange(len(families)))
         near = propagator.for_neighbours()
-        arcs = _predicted(near, together, grid)
+        reached = partial(predict, arrivals=arrivals, max_days=np.inf)
+        arcs = reached(near, together)
         if near is not propagator:
-            whole = _predicted(propagator, start, grid)[STATE].to_numpy()
+            whole = reached(propagator, start)[STATE].to_numpy()
             paths = arcs[STATE].to_numpy().reshape(-1, *whole.shape)
             moved = np.concatenate(neighbour_paths(whole, paths[0], paths))
             arcs = arcs.assign(**dict(zip(STATE, moved.T, strict=True)))
@@ -128,6 +117,7 @@ class StartArcs:
         return arcs.assign(cd_past=past["cd_past"])
 
 
-def _predicted(propagator: Propagator, estimates: pd.DataFrame, grid: Grid) -> pd.DataFrame:
-    arrivals = grid.epochs(estimates["t"].iloc[-1])
-    return predict(propagator, estimates, arrivals=arrivals, max_days=grid.max_days)
+def grid(step: float, last: float) -> pd.Series:
+    """Return the epochs of ephemerides by their numbers: multiples of a step, up to the last time [s]."""
+    number = np.arange(np.floor(last / step) + 1.0).astype(int)
+    return pd.Series(step * number, index=number)

@@ -27,7 +27,7 @@ _KILO = 1e3
 def ground_track(prediction: PredictedOrbit, places: list[Place]) -> Figure:
     """Draw where the object passes over the Earth on the first day, and the places that look at it."""
     t = np.arange(0.0, DAY * min(prediction.days, 1.0), 30.0)
-    longitude, latitude, height = geodetic_places(in_itrf(prediction, t))
+    longitude, latitude, height = geodetic_places(in_itrf(prediction.ephemeris, prediction.date, t))
     figure = screen_figure()
     axes = figure.add_subplot()
     draw_land(axes)

@@ -12,6 +12,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from datetime import UTC, date, datetime, timedelta
 from decimal import Context, Decimal
 from types import MappingProxyType
+from typing import Self
 
 import erfa
 import numpy as np
@@ -107,22 +108,20 @@ class Message:
         """Whether no line of the message is left; another message may follow in the file."""
         return not self.peek() or self.peek().startswith(self._version_key)
 
-    def begins_another(self) -> bool:
-        """Pass the first line of a message behind the one that is over, if there is one."""
-        if not self.peek():
-            return False
-        self._begin()
-        return True
+    def each(self) -> Iterator[Self]:
+        """Yield the message itself for each that the file has in a row, to be read then."""
+        yield self
+        while self.peek():
+            self._begin()
+            yield self
 
     def segments(self) -> Iterator["KeyValues"]:
         """Yield the header of each segment, to be read then, of all messages that the file has in a row."""
-        header = self.header()
-        yield header
-        while self.peek():
-            if self.is_over:
-                self._begin()
-                header = self.header()
+        for message in self.each():
+            header = message.header()
             yield header
+            while not self.is_over:
+                yield header
 
     def peek(self) -> str:
         """Return the next line, '' at the end."""

@@ -6,9 +6,8 @@
 Files are of any format of orbits, tables of opml with states, or mean elements, which SGP4 propagates.
 """
 
-from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -36,33 +35,43 @@ _SAME = 1e-5  # [s]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class KnownOrbit(ABC):
-    """An orbit of one object.
+class KnownOrbit:
+    """An orbit of one object, interpolated between states that are at most five minutes from each other.
 
-    source: the file, the first of several; identity: of the object
+    source: the file, the first of several; parts: in the order of time; where they overlap the later one
+    counts; identity: of the object
     """
 
     source: str
-    identity: ObjectId = field(default=UNKNOWN, kw_only=True)
+    parts: Sequence[Ephemeris]
+    identity: ObjectId = UNKNOWN
 
     def __repr__(self) -> str:
         """Return the object, and from when to when it is known, in two lines."""
         begin, end = ccsds.utc_texts(EPOCH, self.t[[0, -1]])
-        kind = type(self).__name__.lower()
+        kind = "states" if self.parts else "sets"
         return f"<{self.identity or self.source}, {len(self.t)} {kind}\n {begin} to {end} UTC>"
 
-    @property
-    @abstractmethod
+    @cached_property
     def t(self) -> np.ndarray:
         """Times (n,) of its states, or epochs of its mean elements [s since EPOCH]."""
+        return read_only(np.unique(np.concatenate([one.t for one in self.parts])))
 
-    @abstractmethod
     def at(self, t: np.ndarray) -> np.ndarray:
         """Return GCRF states (n, 6) [m, m/s] at times (n,) [s since EPOCH], NaN where nothing is known."""
+        states = np.full((len(t), 6), np.nan)
+        for one in self.parts:
+            held = one.holds(t)
+            states[held] = one.at(t[held])
+        return states
 
     def covariances(self, t: np.ndarray) -> np.ndarray:
         """Return covariances (n, 6, 6) in RSW [m, m/s] at times (n,), NaN where none is known."""
-        return np.full((len(t), 6, 6), np.nan)
+        matrices = np.full((len(t), 6, 6), np.nan)
+        for one in self.parts:
+            held = one.holds(t)
+            matrices[held] = one.covariances_at(t[held])
+        return matrices
 
     def state(self, time: epochs.Time) -> np.ndarray:
         """Return the GCRF state (6,) [m, m/s] at a time (UTC), NaN where nothing is known."""
@@ -81,41 +90,10 @@ class KnownOrbit(ABC):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class States(KnownOrbit):
-    """An orbit of states, interpolated between those that are at most five minutes from each other.
-
-    parts: in the order of time; where they overlap the later one counts
-    """
-
-    parts: Sequence[Ephemeris]
-
-    @cached_property
-    def t(self) -> np.ndarray:
-        """Times (n,) of all states [s since EPOCH]."""
-        return read_only(np.unique(np.concatenate([one.t for one in self.parts])))
-
-    def at(self, t: np.ndarray) -> np.ndarray:
-        """Return states as `KnownOrbit.at`."""
-        states = np.full((len(t), 6), np.nan)
-        for one in self.parts:
-            held = one.holds(t)
-            states[held] = one.at(t[held])
-        return states
-
-    def covariances(self, t: np.ndarray) -> np.ndarray:
-        """Return covariances as `KnownOrbit.covariances`, linear between those that are known."""
-        matrices = super().covariances(t)
-        for one in self.parts:
-            held = one.holds(t)
-            matrices[held] = one.covariances_at(t[held])
-        return matrices
-
-
-@dataclass(frozen=True, eq=False, repr=False)
 class Sets(KnownOrbit):
     """An orbit of mean elements: at each time the set is propagated, by SGP4, whose epoch is nearest."""
 
-    sets: Sequence[KnownSet]  # by epoch, times since EPOCH
+    sets: Sequence[KnownSet] = ()  # by epoch, times since EPOCH
 
     @cached_property
     def t(self) -> np.ndarray:
@@ -143,8 +121,14 @@ def read(paths: Sequence[FilePath], wanted: str | None = None) -> KnownOrbit:
     paths = list(dict.fromkeys(paths))
     kind = formats.kind_of(paths[0], formats.TABLE, formats.ORBIT, formats.ELEMENTS)
     if kind == formats.ELEMENTS:
-        return _of_sets(paths, wanted)
-    return _of_tables(paths) if kind == formats.TABLE else _of_files(OrbitFiles(paths, EPOCH, np.inf, wanted))
+        history = known_sets.of_object(paths, wanted)
+        return Sets(str(paths[0]), (), known_sets.identity(history[-1]), known_sets.since(EPOCH, history))
+    if kind == formats.TABLE:
+        return _of_tables(paths)
+    arcs = arcs_of_files(OrbitFiles(paths, EPOCH, np.inf, wanted))
+    by_file = [replace(_in_gcrf(arc, EPOCH), name=str(arc.path)) for arc in arcs]
+    parts = [one for segment in by_file for one in parts_of(segment)]
+    return KnownOrbit(str(paths[0]), parts, arcs[0].identity)
 
 
 def segments(path: FilePath, *, epoch: str) -> list[Ephemeris]:
@@ -181,20 +165,13 @@ def of(orbit: KnownOrbit | PredictedOrbit) -> KnownOrbit:
     """Return an orbit that was read, or a prediction as one. Raises InputError for what is neither."""
     if isinstance(orbit, PredictedOrbit):
         since = epochs.seconds_between(EPOCH, orbit.date)
-        return States(orbit.way, parts_of(orbit.ephemeris().shifted(since)), identity=orbit.identity)
+        return KnownOrbit(orbit.way, parts_of(orbit.ephemeris.shifted(since)), orbit.identity)
     if not isinstance(orbit, KnownOrbit):
         raise InputError(f"compare: expected orbits or predictions, got {type(orbit).__name__}")
     return orbit
 
 
-def _of_files(files: OrbitFiles) -> States:
-    arcs = arcs_of_files(files)
-    by_file = [replace(_in_gcrf(arc, EPOCH), name=str(arc.path)) for arc in arcs]
-    parts = [one for segment in by_file for one in parts_of(segment)]
-    return States(str(files.paths[0]), parts, identity=arcs[0].identity)
-
-
-def _of_tables(paths: Sequence[FilePath]) -> States:
+def _of_tables(paths: Sequence[FilePath]) -> KnownOrbit:
     """Return the orbit of tables with states; raise InputError for another table."""
     parts, identity = [], object_ids.of_tables(paths, name="")
     for path in paths:
@@ -203,7 +180,7 @@ def _of_tables(paths: Sequence[FilePath]) -> States:
         since = epochs.seconds_between(EPOCH, read_metadata(path)["epoch"])
         for one in oem.segments_of(read_table(path, kind), kind, identity):
             parts += parts_of(one.shifted(since))
-    return States(str(paths[0]), parts, identity=identity)
+    return KnownOrbit(str(paths[0]), parts, identity)
 
 
 def parts_of(ephemeris: Ephemeris) -> list[Ephemeris]:
@@ -214,11 +191,5 @@ def parts_of(ephemeris: Ephemeris) -> list[Ephemeris]:
     t, states = ephemeris.t, ephemeris.states
     rows = np.split(np.arange(len(t)), np.flatnonzero(np.diff(t) > LONGEST_STEP + _SAME) + 1)
     parts = [replace(ephemeris, t=t[part], states=with_velocities(t[part], states[part])) for part in rows]
-    turned = ephemeris.in_rsw(States(ephemeris.name, parts).at)
+    turned = ephemeris.in_rsw(KnownOrbit(ephemeris.name, parts).at)
     return [replace(turned, t=one.t, states=one.states) for one in parts]
-
-
-def _of_sets(paths: Sequence[FilePath], wanted: str | None) -> Sets:
-    history = known_sets.of_object(paths, wanted)
-    identity = known_sets.identity(history[-1])
-    return Sets(str(paths[0]), known_sets.since(EPOCH, history), identity=identity)

@@ -1,8 +1,7 @@
 """An orbit from a date on with a covariance, whatever it was predicted from: states, a table, an OEM."""
 
-from abc import ABC, abstractmethod
-from dataclasses import dataclass
-from functools import cached_property
+from collections.abc import Callable
+from dataclasses import dataclass, field
 
 import numpy as np
 import pandas as pd
@@ -38,121 +37,110 @@ def check_days(days: float) -> None:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class PredictedOrbit(ABC):
+class PredictedOrbit:
     """An object from a date on.
 
-    date: UTC text at which it begins; days: how long it is; past: judged predictions of the object's past,
-    morning, lead [days], left, what they were off by along the track [m]; basis: of its covariance, in words.
+    ephemeris: its states and covariances, times since the date; date: UTC text at which it begins; days: how
+    long it is; past: judged predictions of the object's past, morning, lead [days], left, what they were off
+    by along the track [m]; basis: of its covariance, way, reason: model that was used, and why, in words;
+    past_in_words: errors of SGP4 and of such predictions before, '' where these are unknown.
     """
 
-    identity: ObjectId
+    ephemeris: Ephemeris
     date: str
     days: float
     past: pd.DataFrame
     basis: str
-
-    @property
-    @abstractmethod
-    def way(self) -> str:
-        """Model that was used, in words."""
-
-    @property
-    @abstractmethod
-    def reason(self) -> str:
-        """Why that was used, in words."""
-
-    @property
-    def past_in_words(self) -> str:
-        """Errors of SGP4 and of the improved set on past mornings, '' where that is unknown."""
-        return ""
+    way: str
+    reason: str
+    past_in_words: str = field(default="", kw_only=True)
 
     def __repr__(self) -> str:
         """Return what was predicted, and how, in two lines."""
         return f"<{self.identity}, {self.days:g} days from {self.date} UTC\n {self.way}>"
 
     @property
-    def remark(self) -> str:
-        """Comment on it in a message."""
-        return self.way
+    def identity(self) -> ObjectId:
+        """The object."""
+        return self.ephemeris.identity
 
-    @abstractmethod
-    def _propagated(self, t: np.ndarray) -> np.ndarray:
-        """Return GCRF states (n, 6) [m, m/s] at times (n,) within the prediction [s since the date]."""
+    @property
+    def t(self) -> np.ndarray:
+        """Times (n,) of the ephemeris [s since the date]."""
+        return self.ephemeris.t
 
     def states(self, t: np.ndarray) -> np.ndarray:
-        """Return GCRF states (n, 6) [m, m/s] at times (n,) [s since the date].
+        """Return GCRF states (n, 6) [m, m/s] at times (n,) [s since the date], as `Ephemeris.at`.
 
-        Raises InputError for times outside the prediction, and where SGP4 has the object decayed.
+        Raises InputError for times outside the prediction.
         """
         if not np.all((t >= 0.0) & (t <= DAY * self.days + _ROUNDED)):
-            begin, end = self._texts(np.array([0.0, DAY * self.days]))
+            begin, end = ccsds.utc_texts(self.date, np.array([0.0, DAY * self.days]))
             raise InputError(f"predict: expected a time from {begin} to {end}, got another")
-        return self._propagated(t)
+        return self.ephemeris.at(t)
 
-    @abstractmethod
     def sigmas(self, t: np.ndarray) -> np.ndarray:
-        """Return standard deviations (n, 3) in RSW [m] at times (n,) [s since the date]."""
-
-    @abstractmethod
-    def covariances(self, t: np.ndarray, states: np.ndarray) -> np.ndarray:
-        """Return covariances (n, 6, 6) in RSW [m, m/s] at times (n,) [s since the date]."""
-
-    def density(self, t: np.ndarray, states: np.ndarray) -> DensityErrors | None:
-        """Return the part of the covariances at times (n,) that other objects share, None where unknown."""
-        return None
+        """Return standard deviations (n, 3) in RSW [m] at times (n,) [s since the date], NaN if unknown."""
+        covariances = self.ephemeris.covariances_at(t)
+        return np.sqrt(np.diagonal(covariances, axis1=1, axis2=2)[:, :3])
 
     def state(self, time: epochs.Time) -> np.ndarray:
         """Return the GCRF state (6,) [m, m/s] at a time (UTC). Raises InputError as `states` does."""
         return self.states(epochs.seconds_to(self.date, time))[0]
 
     def covariance(self, time: epochs.Time) -> np.ndarray:
-        """Return the covariance (6, 6) in RSW [m, m/s] at a time (UTC); raises as `states` does."""
-        t = epochs.seconds_to(self.date, time)
-        return self.covariances(t, self.states(t))[0]
-
-    @cached_property
-    def t(self) -> np.ndarray:
-        """Times (n,) of the ephemeris [s since the date]."""
-        return read_only(STEP * np.arange(int((DAY * self.days + _ROUNDED) / STEP) + 1))
+        """Return the covariance (6, 6) in RSW [m, m/s] at a time (UTC), linear between those each 10 min."""
+        return self.ephemeris.covariances_at(epochs.seconds_to(self.date, time))[0]
 
     def to_pandas(self) -> pd.DataFrame:
         """Return the ephemeris, a row a minute: utc, GCRF state [m, m/s], sigma_r, sigma_s, sigma_w [m]."""
         sigmas = dict(zip(("sigma_r", "sigma_s", "sigma_w"), self.sigmas(self.t).T, strict=True))
-        states = pd.DataFrame(self.states(self.t), columns=STATE)
-        states.insert(0, "utc", self._texts(self.t))
+        states = pd.DataFrame(self.ephemeris.states, columns=STATE)
+        states.insert(0, "utc", ccsds.utc_texts(self.date, self.t))
         return states.assign(**sigmas)
-
-    def ephemeris(self) -> Ephemeris:
-        """Return the ephemeris with covariances, times since the date."""
-        states, last = self.states(self.t), len(self.t) - 1
-        sparse, rare = (np.unique(np.r_[0:last:every, last]) for every in (_COVARIANCE_EVERY, _DENSITY_EVERY))
-        covariances = self.covariances(self.t[sparse], states[sparse])
-        known = np.isfinite(covariances).all(axis=(1, 2))
-        return Ephemeris(
-            self.identity.name,
-            self.t,
-            states,
-            self.t[sparse][known],
-            covariances[known],
-            covariance_frame="RSW",
-            remark=f"{self.remark}; {UNKNOWABLE}",
-            degree=7,
-            identity=self.identity,
-            known=0.0,
-            density=self.density(self.t[rare], states[rare]),
-        )
 
     def to_oem(self, path: FilePath) -> None:
         """Write the ephemeris with covariances as an OEM."""
-        oem.write(path, [self.ephemeris()], epoch=self.date)
+        oem.write(path, [self.ephemeris], epoch=self.date)
 
     def expected(self) -> pd.DataFrame:
         """Return the table `expected_errors`, in RSW [m]."""
         leads = np.array([lead for lead in LEADS if lead <= self.days])
         sigmas = self.sigmas(DAY * leads)
-        columns = {"lead": leads, "utc": self._texts(DAY * leads)}
+        columns = {"lead": leads, "utc": ccsds.utc_texts(self.date, DAY * leads)}
         axes = {name: sigmas[:, k] for name, k in (("along_track", 1), ("radial", 0), ("cross_track", 2))}
         return pd.DataFrame({**columns, **axes, "sgp4_along_track": np.nan})
 
-    def _texts(self, t: np.ndarray) -> list[str]:
-        return ccsds.utc_texts(self.date, t)
+
+def sampled(
+    identity: ObjectId,
+    days: float,
+    states_at: Callable[[np.ndarray], np.ndarray],
+    covariances_at: Callable[[np.ndarray, np.ndarray], np.ndarray],
+    *,
+    remark: str,
+    density_at: Callable[[np.ndarray, np.ndarray], DensityErrors] | None = None,
+) -> Ephemeris:
+    """Return the ephemeris of an orbit with covariances, a state a minute, times since its date.
+
+    states_at: returns states (n, 6) at times (n,); covariances_at, density_at: take both, and return
+    covariances (n, 6, 6) in RSW, NaN where unknown, and the part of these that other objects share
+    """
+    t = read_only(STEP * np.arange(int((DAY * days + _ROUNDED) / STEP) + 1))
+    states, last = states_at(t), len(t) - 1
+    sparse, rare = (np.unique(np.r_[0:last:every, last]) for every in (_COVARIANCE_EVERY, _DENSITY_EVERY))
+    covariances = covariances_at(t[sparse], states[sparse])
+    known = np.isfinite(covariances).all(axis=(1, 2))
+    return Ephemeris(
+        identity.name,
+        t,
+        states,
+        t[sparse][known],
+        covariances[known],
+        covariance_frame="RSW",
+        remark=f"{remark}; {UNKNOWABLE}",
+        degree=7,
+        identity=identity,
+        known=0.0,
+        density=density_at(t[rare], states[rare]) if density_at else None,
+    )

@@ -36,11 +36,11 @@ from opml.interop.element_sets.element_set import ElementSet
 from opml.learning.models.learners import JobLearner
 from opml.mornings import days
 from opml.mornings.calendar import Calendar
-from opml.mornings.days import UnderWay
+from opml.mornings.days import UnderWay, WatchedObject
 from opml.mornings.kept.store import Store
-from opml.mornings.morning import TrackedObject
+from opml.mornings.morning import tracked
 from opml.mornings.outcomes import FAILED
-from opml.mornings.set_mornings import ObjectOfSets, RunSets, history_of
+from opml.mornings.set_mornings import RunSets, history_of, of_sets
 from opml.mornings.watched_object import MorningPlan, ObjectPropagators, Watched
 from opml.mornings.weather_of_day import FIGURES
 from opml.orbits.sheets import Rso, Station
@@ -187,8 +187,9 @@ def run(files: Any, settings: BatchSettings, *, metadata: Mapping[str, Any]) -> 
         surroundings = Surroundings.read(
             files, settings, blocks.propagate, since=_issued_since(settings, done)
         )
-        attempts = _Attempts(blocks, settings.date)
-        begun = attempts.together(
+        failed: dict[str, dict[str, Any]] = {}
+        together = partial(_together, blocks=blocks, day=settings.date, failed=failed)
+        begun = together(
             {
                 name: partial(_begin, name, one, surroundings, settings, store, done[name])
                 for name, one in settings.objects.items()
@@ -200,43 +201,43 @@ def run(files: Any, settings: BatchSettings, *, metadata: Mapping[str, Any]) -> 
             store,
             list(begun.values()),
             settings.date,
-            together=attempts.together,
+            together=together,
             metadata={**metadata, "settings": shared},
         )
         if surroundings.sets:
             kept_calibrations.write(settings.calibrations, surroundings.sets.kept)
         places = store.places(settings.date)
-        return [attempts.failed.get(name) or places[name].outcomes[name] for name in settings.objects]
+        return [failed.get(name) or places[name].outcomes[name] for name in settings.objects]
 
 
-class _Attempts:
-    """Calls for objects, side by side; what is wrong with one object stops no other.
+def _together(
+    calls: Mapping[str, Callable[[], Made]],
+    *,
+    blocks: SharedBlocks,
+    day: date,
+    failed: dict[str, dict[str, Any]],
+) -> dict[str, Made]:
+    """Return what calls for objects return, side by side; what is wrong with one object stops no other.
 
-    failed: what became of those whose call failed
+    failed: takes what became of those whose call failed
     """
 
-    def __init__(self, blocks: SharedBlocks, day: date) -> None:
-        self._blocks, self._day = blocks, day
-        self.failed: dict[str, dict[str, Any]] = {}
-
-    def together(self, calls: Mapping[str, Callable[[], Made]]) -> dict[str, Made]:
-        """Return what calls return by their objects, without those that failed."""
-        found = self._blocks.run([partial(self._attempt, *call) for call in calls.items()])
-        return {name: made for name, made in zip(calls, found, strict=True) if made is not None}
-
-    def _attempt(self, name: str, call: Callable[[], Made]) -> Made | None:
+    def attempt(name: str, call: Callable[[], Made]) -> Made | None:
         try:
             return call()
-        except InputError as reason:
-            _log.warning("%s: %s", name, reason)
-            told = str(reason)
-        except Exception as reason:
-            if isinstance(reason, OSError) and reason.errno in _FULL:
+        except InputError as error:
+            _log.warning("%s: %s", name, error)
+            reason = str(error)
+        except Exception as error:
+            if isinstance(error, OSError) and error.errno in _FULL:
                 raise
             _log.exception("%s: failed", name)
-            told = f"{type(reason).__name__}: see the log of the job"
-        self.failed[name] = days.failed(name, self._day, FAILED, told)
+            reason = f"{type(error).__name__}: see the log of the job"
+        failed[name] = days.failed(name, day, FAILED, reason)
         return None
+
+    results = blocks.run([partial(attempt, *call) for call in calls.items()])
+    return {name: result for name, result in zip(calls, results, strict=True) if result is not None}
 
 
 def _run_sets(settings: BatchSettings, since: float, propagate: Callable[..., Arcs]) -> RunSets | None:
@@ -285,21 +286,22 @@ def _begin(
 
 def _of_sets(
     one: ObjectSettings, surroundings: Surroundings, plan: MorningPlan, *, since: float
-) -> ObjectOfSets:
+) -> WatchedObject:
     """Return an object of public sets; all of them count, whenever its mornings begin."""
     assert surroundings.sets is not None
     histories = surroundings.read_sets(tuple(one.files))
     history = history_of(histories, one.options.get("number"), one.files[0])
-    return ObjectOfSets(plan, surroundings.sets, history)
+    return of_sets(plan, surroundings.sets, history)
 
 
 def _tracked(
     one: ObjectSettings, surroundings: Surroundings, plan: MorningPlan, *, since: float
-) -> TrackedObject:
+) -> WatchedObject:
     """Return an object of tracks or fixes; since: earlier tracks are left out [s]."""
-    span = Span(plan.epoch, plan.end)
-    found = measured_files.read(one, span, surroundings.stations, surroundings.orientation, since=since)
+    span, stations = Span(plan.epoch, plan.end), surroundings.stations
+    measured = measured_files.read(one, span, stations, surroundings.orientation, since=since)
     model = surroundings.model(one.rso)
-    given = measured_files.given_state(one, span, one.rso, found.tracking, model.predictions.model.gm)
-    stations, burns = surroundings.stations, found.manoeuvres
-    return TrackedObject(Watched(model, plan, found.tracking, stations, burns, given, found.identity))
+    given = measured_files.given_state(one, span, one.rso, measured.tracking, model.predictions.model.gm)
+    return tracked(
+        Watched(model, plan, measured.tracking, stations, measured.manoeuvres, given, measured.identity)
+    )

@@ -9,7 +9,7 @@ from opml.base.constants import DAY, HOUR
 from opml.catalog.predict import weather_spread
 from opml.catalog.predict.prediction import predict_pairs
 from opml.ephemerides.paths import Paths, paths
-from opml.ephemerides.start_arcs import Grid, StartArcs
+from opml.ephemerides.start_arcs import StartArcs, grid
 from opml.learning.data import dataset
 from opml.learning.data.cleaning import Cleaning
 from opml.mornings.fits import Recent
@@ -33,12 +33,12 @@ def newest_start(now: float, watched: Watched, records: Records, recent: Recent)
     # Of an object that is seldom seen the newest estimates may be older than all that is read of its tracks.
     rows = estimates[estimates["track"].isin(recent.numbers)].tail(_LOOKED_AT + 1)
     tracking = recent.tracking.assign(track=recent.numbers[recent.tracking["track"]])
-    made = partial(dataset.of_estimates, tracking=tracking, gm=propagator.model.gm, cleaning=Cleaning())
+    estimated = partial(dataset.of_estimates, tracking=tracking, gm=propagator.model.gm, cleaning=Cleaning())
     nothing = pd.DataFrame(columns=["i", "j", *STATE, "reason"])
-    pairs = _from_previous(rows, made(rows, nothing), longest=DAY * plan.max_days)
+    pairs = _from_previous(rows, estimated(rows, nothing), longest=DAY * plan.max_days)
     # Where the newest may start one, nobody asks for the others.
     for asked in (pairs.tail(1), pairs) if len(pairs) else ():
-        known = made(rows, predict_pairs(propagator, rows, asked))
+        known = estimated(rows, predict_pairs(propagator, rows, asked))
         usable = dataset.may_depart(rows, known, manoeuvres=watched.manoeuvres, window=HOUR * plan.base)
         if usable.any():
             return rows[usable].tail(1)
@@ -65,10 +65,11 @@ def of_morning(watched: Watched, records: Records, start: pd.DataFrame, *, now: 
     now: when they are made [s]
     """
     plan, burns, models = watched.plan, watched.known_by(now), watched.plan.models
+    last = min(float(start["t"].iloc[0]) + DAY * plan.max_days, plan.end)
     arcs = StartArcs.propagate(
         watched.model.predictions,
         start,
-        Grid(STEP, plan.max_days, plan.end),
+        grid(STEP, last),
         fits={hours: records.of_window(hours, burns) for hours in plan.windows},
         models=[*models.values()],
         manoeuvres=watched.manoeuvres,

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from datetime import date, timedelta
 from itertools import pairwise
 from pathlib import Path
-from typing import Any, Protocol, Self
+from typing import Any, Self
 
 import numpy as np
 import pandas as pd
@@ -20,7 +20,7 @@ from opml.interop import ccsds
 from opml.mornings import verdicts
 from opml.mornings.calendar import Calendar
 from opml.mornings.fits import sigmas_off
-from opml.mornings.kept.batch_day import FinishedMorning
+from opml.mornings.kept.batch_day import FinishedMorning, MorningMark
 from opml.mornings.kept.store import Store
 from opml.mornings.outcomes import NOTHING, rounded
 from opml.mornings.records import Records
@@ -40,29 +40,6 @@ _DATE = len("2016-09-28")
 _log = logging.getLogger(__name__)
 
 
-class WatchedObject(Protocol):
-    """An object of whose mornings each leaves something: of what tracks it, or of its public sets."""
-
-    @property
-    def plan(self) -> MorningPlan:
-        """Settings of every morning."""
-
-    @property
-    def judged_for(self) -> float:
-        """Days after a morning for which what it predicted may be judged."""
-
-    @property
-    def first_known(self) -> float:
-        """When the first of what tells of the object was known [s]."""
-
-    @property
-    def stations(self) -> dict[str, str]:
-        """Digests of the stations that measured it, by name."""
-
-    def morning(self, records: Records, *, now: float) -> "MorningResult":
-        """Return what the morning at a time [s] leaves; records: of earlier ones."""
-
-
 @dataclass(frozen=True)
 class MorningResult:
     """Result of a morning.
@@ -75,6 +52,24 @@ class MorningResult:
     verdict: Verdict
     figures: Mapping[str, Any]
     write: Callable[[Path, str], None] | None
+
+
+@dataclass(frozen=True)
+class WatchedObject:
+    """An object of whose mornings each leaves something: of what tracks it, or of its public sets.
+
+    judged_for: days after a morning for which what it predicted may be judged
+    first_known, last_known: when the first and the last of what tells of it was known [s]
+    stations: digests of those that measured it, by name
+    morning: returns what the morning at a time [s] leaves, by the records of earlier ones
+    """
+
+    plan: MorningPlan
+    judged_for: float
+    first_known: float
+    last_known: float
+    stations: Mapping[str, str]
+    morning: Callable[[Records, float], MorningResult]
 
 
 @dataclass
@@ -121,7 +116,7 @@ class UnderWay:
         """Run the next morning."""
         rso, day, plan = self.rso, self.next, self.watched.plan
         now = self.calendar.time(day)
-        left = self.watched.morning(self.records, now=now)
+        left = self.watched.morning(self.records, now)
         self.records = self.records.and_then(left.records, since=now - DAY * self.watched.judged_for)
         message = self.store.message(day, rso)
         write = left.write if plan.has_message else None
@@ -129,7 +124,7 @@ class UnderWay:
             write(message, rso)
             if plan.passes:
                 station_passes.write_beside(message, plan.passes)
-        told = outcome(rso, day, left, plan) | {
+        whole = outcome(rso, day, left, plan) | {
             "message": message.name if write else None,
             "past": past(self.records),
             "mornings": strip(self.records, plan),
@@ -137,7 +132,8 @@ class UnderWay:
         }
         self.next = day + timedelta(days=1)
         _log.info("%s, %s: %s, %s", rso, day, left.verdict.word, left.verdict.reason)
-        return FinishedMorning(left.records, told, self.settings, self.watched.stations)
+        models = [model for paths in left.records.paths for model in paths.models]
+        return left.records, whole, MorningMark(self.settings, self.watched.stations, models)
 
 
 def since(done: Sequence[date], calendar: Calendar, plan: MorningPlan) -> float:
@@ -261,5 +257,4 @@ def scores(selected: pd.DataFrame) -> list[dict[str, Any]]:
 
 def failed(rso: str, day: date, verdict: str, reason: str) -> dict[str, Any]:
     """Return what became of an object whose morning could not be run, as `outcome` does."""
-    told = {"object": rso, "date": day.isoformat(), "verdict": verdict, "reason": reason}
-    return told | NOTHING
+    return {"object": rso, "date": day.isoformat(), "verdict": verdict, "reason": reason} | NOTHING

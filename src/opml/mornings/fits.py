@@ -10,7 +10,7 @@ track of another object puts estimates off, too. Whether a burn does, the tracks
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Self
+from functools import cached_property
 
 import numpy as np
 import pandas as pd
@@ -21,7 +21,6 @@ from opml.catalog.fit import fixes
 from opml.catalog.fit.estimation import estimate_further, estimate_over_windows
 from opml.catalog.fit.estimation_settings import Estimation
 from opml.catalog.fit.first import first_orbit
-from opml.catalog.fit.first.first_orbit import TimedState
 from opml.catalog.fit.measurements import Measurements
 from opml.catalog.propagator import Propagator
 from opml.mornings.records import Records
@@ -75,26 +74,35 @@ def recent_tracks(tracking: pd.DataFrame, kept: pd.DataFrame, *, now: float, rea
     )
 
 
+FAR = 6.0  # standard deviations off from which on estimates may be of another orbit
+_NEWEST = 3  # estimates that are off in the median
+_FRESH = 2.0 * DAY  # ephemerides that are compared with them are no older [s]
+
+_APART = 0.25 * DAY
+"""Time between two burns that are told apart [s]: the same one may be found a little later."""
 LOST = 2.0 * DAY  # after so long without an estimate that converged, an orbit is determined anew [s]
 
 
 @dataclass(frozen=True)
 class Fitting:
-    """Propagator, measurements and settings that the fits of a morning share."""
+    """The fits of a morning to an object's recent tracks; a state that is given starts the very first."""
 
-    propagator: Propagator
-    measured: Measurements  # the measurements of the recent tracks
+    watched: Watched
     recent: Recent
-    settings: Estimation  # of fits over the base window
-    given: TimedState | None  # a state that the very first fits may start from
 
-    @classmethod
-    def of(cls, watched: Watched, recent: Recent) -> Self:
-        """Return what the fits of an object's recent tracks share."""
+    @cached_property
+    def _shared(self) -> tuple[Propagator, Measurements]:
+        """Propagator and measurements of all fits."""
+        watched = self.watched
         measured = fixes.measurements(
-            recent.tracking, watched.model.orientation, watched.stations, watched.manoeuvres
+            self.recent.tracking, watched.model.orientation, watched.stations, watched.manoeuvres
         )
-        return cls(watched.model.fits, measured, recent, watched.plan.estimation, watched.given)
+        return watched.model.fits, measured
+
+    @property
+    def _settings(self) -> Estimation:
+        """Settings of fits over the base window."""
+        return self.watched.plan.estimation
 
     def further(self, kept: pd.DataFrame) -> pd.DataFrame:
         """Return the estimates over the base window of the tracks that those kept have not.
@@ -104,16 +112,16 @@ class Fitting:
         tracks = np.flatnonzero(~np.isin(self.recent.numbers, [*kept["track"], NO_NUMBER]))
         if not len(tracks):
             return SCHEMAS["kept_estimates"].empty()
-        found = estimate_further(
-            self.propagator,
+        propagator, measured = self._shared
+        estimates = estimate_further(
+            propagator,
             self.starts(kept),
-            self.measured,
-            settings=self.settings,
+            measured,
+            settings=self._settings,
             tracks=tracks.tolist(),
             earlier=self._numbered(kept),
         )
-        hours = self.settings.window_hours
-        return self._kept(found.assign(window_hours=hours))
+        return self._kept(estimates.assign(window_hours=self._settings.window_hours))
 
     def over(self, windows: Sequence[float], start: pd.DataFrame, records: Records) -> pd.DataFrame:
         """Return the estimates of one track over other windows [h], where none are kept.
@@ -129,15 +137,28 @@ class Fitting:
         if not lacking:
             return SCHEMAS["kept_estimates"].empty()
         (track,) = np.flatnonzero(self.recent.numbers == start["track"].iloc[0])
-        found = estimate_over_windows(
-            self.propagator,
+        propagator, measured = self._shared
+        estimates = estimate_over_windows(
+            propagator,
             self._table(start.assign(track=track), age=0.0),
-            self.measured,
-            settings=self.settings,
+            measured,
+            settings=self._settings,
             track=int(track),
             earlier=lacking,
         )
-        return self._kept(found)
+        return self._kept(estimates)
+
+    def newest_burn(self, kept: pd.DataFrame, *, since: float) -> Manoeuvre | None:
+        """Return the newest burn that the tracks of the last days show, which windows of fits begin behind.
+
+        kept: estimates of earlier mornings, whose states the fits may start from
+        since: when the last burn was that is known [s]
+        """
+        propagator, measured = self._shared
+        suspicious = self._settings.evolve(suspect_sigma=FAR)
+        estimates = quarantine.estimate_all(propagator, self.starts(kept), measured, settings=suspicious)
+        times = estimates.loc[estimates["burn_t"] > since + _APART, "burn_t"]
+        return Manoeuvre(float(times.iloc[-1]), restarts=True) if len(times) else None
 
     def _kept(self, estimates: pd.DataFrame) -> pd.DataFrame:
         """Return new estimates as the table `kept_estimates`, of tracks by their numbers in the records."""
@@ -149,8 +170,8 @@ class Fitting:
         earlier = self._numbered(kept)
         newest = earlier["t"].to_numpy(float)[earlier["converged"].to_numpy(bool)].max(initial=-np.inf)
         if self.recent.at[-1] - newest > LOST:
-            given = self.given if kept.empty else None
-            return first_orbit.starts(self.propagator, self.measured, known=given, settings=self.settings)
+            given = self.watched.given if kept.empty else None
+            return first_orbit.starts(*self._shared, known=given, settings=self._settings)
         return self._table(earlier, age=np.inf)
 
     def _table(self, estimates: pd.DataFrame, *, age: float) -> pd.DataFrame:
@@ -166,14 +187,6 @@ class Fitting:
         rows = kept[kept["track"].isin(self.recent.numbers)]
         places = {number: place for place, number in enumerate(self.recent.numbers)}
         return rows.assign(track=rows["track"].map(places).astype(int))
-
-
-FAR = 6.0  # standard deviations off from which on estimates may be of another orbit
-_NEWEST = 3  # estimates that are off in the median
-_FRESH = 2.0 * DAY  # ephemerides that are compared with them are no older [s]
-
-_APART = 0.25 * DAY
-"""Time between two burns that are told apart [s]: the same one may be found a little later."""
 
 
 def are_far(judged: pd.DataFrame) -> bool:
@@ -192,19 +205,3 @@ def sigmas_off(rows: pd.DataFrame) -> np.ndarray:
         rows["sigma_y"].to_numpy(float), rows["doubt_y"].to_numpy(float)
     )
     return off
-
-
-def newest_burn(fitting: Fitting, kept: pd.DataFrame, *, since: float) -> Manoeuvre | None:
-    """Return the newest burn that the tracks of the last days show, which windows of fits begin anew behind.
-
-    kept: estimates of earlier mornings, whose states the fits may start from
-    since: when the last burn was that is known [s]
-    """
-    found = quarantine.estimate_all(
-        fitting.propagator,
-        fitting.starts(kept),
-        fitting.measured,
-        settings=fitting.settings.evolve(suspect_sigma=FAR),
-    )
-    times = found.loc[found["burn_t"] > since + _APART, "burn_t"]
-    return Manoeuvre(float(times.iloc[-1]), restarts=True) if len(times) else None

@@ -88,8 +88,8 @@ def row(
     begin = {"i": int(start["track"].iloc[0]), "t_i": float(start["t"].iloc[0])}
     what = {"model": selected.model if selected else "", "verdict": verdict}
     sizes = selected.sizes.row if selected else dict.fromkeys(SIZES, np.nan)
-    found = {"burn_t": burn.t if burn else np.nan}
-    return pd.DataFrame([{"morning": now, **begin, **what, **found, **sizes}])
+    burned = {"burn_t": burn.t if burn else np.nan}
+    return pd.DataFrame([{"morning": now, **begin, **what, **burned, **sizes}])
 
 
 def no_start() -> pd.DataFrame:

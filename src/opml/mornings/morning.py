@@ -19,13 +19,13 @@ from opml.ephemerides.fit_sizes import formal_errors
 from opml.ephemerides.paths import Paths
 from opml.interop import oem
 from opml.mornings import candidates, fits, issued, outcomes, verdicts
-from opml.mornings.days import MorningResult
+from opml.mornings.days import MorningResult, WatchedObject
 from opml.mornings.fits import Recent
 from opml.mornings.issued import SelectedModel
 from opml.mornings.outcomes import DO_NOT_USE, UNPROVEN
 from opml.mornings.records import Records, below
 from opml.mornings.verdicts import Verdict
-from opml.mornings.watched_object import MorningPlan, Watched
+from opml.mornings.watched_object import Watched
 from opml.orbits.manoeuvres import Manoeuvre
 from opml.tables import SCHEMAS, STATE
 
@@ -33,44 +33,23 @@ _OF_EPHEMERIS = ("height_km", "inclination_deg", "expected")
 _NOT_ISSUED = Verdict(UNPROVEN, "nothing was issued yet")
 
 
-@dataclass(frozen=True)
-class TrackedObject:
-    """An object of tracks, fixes or ranges on its mornings, as `days.WatchedObject`."""
+def tracked(watched: Watched) -> WatchedObject:
+    """Return an object of tracks, fixes or ranges on its mornings."""
+    tracking, measured = watched.tracking, {*watched.tracking.get("station", ())}
 
-    watched: Watched
-
-    @property
-    def plan(self) -> MorningPlan:
-        """Settings of every morning."""
-        return self.watched.plan
-
-    @property
-    def judged_for(self) -> float:
-        """Days after a morning for which later tracks judge what it predicted."""
-        return self.plan.max_days
-
-    @property
-    def first_known(self) -> float:
-        """When the first track was over [s]."""
-        tracking = self.watched.tracking
-        return float(tracking.groupby("track")["t"].max().min())
-
-    @property
-    def last_known(self) -> float:
-        """When the last of what was measured was known [s]."""
-        return float(self.watched.tracking["t"].max())
-
-    @property
-    def stations(self) -> dict[str, str]:
-        """Digests of the stations that measured it, by name."""
-        measured = {*self.watched.tracking.get("station", ())}
-        return {one.name: settings_digest(one.row) for one in self.watched.stations if one.name in measured}
-
-    def morning(self, records: Records, *, now: float) -> MorningResult:
-        """Return what the morning at a time [s] leaves; records: of earlier ones."""
-        result = morning(self.watched, records, now=now)
-        write = partial(result.write, self.plan.epoch) if result.ephemeris is not None else None
+    def left(records: Records, now: float) -> MorningResult:
+        result = morning(watched, records, now=now)
+        write = partial(result.write, watched.plan.epoch) if result.ephemeris is not None else None
         return MorningResult(result.records, result.verdict, result.figures, write)
+
+    return WatchedObject(
+        watched.plan,
+        watched.plan.max_days,
+        float(tracking.groupby("track")["t"].max().min()),
+        float(tracking["t"].max()),
+        {one.name: settings_digest(one.row) for one in watched.stations if one.name in measured},
+        left,
+    )
 
 
 def morning(watched: Watched, records: Records, *, now: float) -> "TrackMorning":
@@ -82,14 +61,14 @@ def morning(watched: Watched, records: Records, *, now: float) -> "TrackMorning"
     What cannot be made of what was measured is told by the verdict: a morning that raised an error for it
     would be tried again for ever.
     """
-    one = TrackMorning(watched.aware_of(records.burns), records, now)
+    result = TrackMorning(watched.aware_of(records.burns), records, now)
     try:
-        one.fit()
-        one.issue(one.select())
+        result.fit()
+        result.issue(result.select())
     except InputError as reason:
-        if one.verdict.word != DO_NOT_USE:
-            one.verdict = Verdict(DO_NOT_USE, str(reason))
-    return one
+        if result.verdict.word != DO_NOT_USE:
+            result.verdict = Verdict(DO_NOT_USE, str(reason))
+    return result
 
 
 @dataclass
@@ -123,15 +102,15 @@ class TrackMorning:
         self.recent = fits.recent_tracks(self.watched.tracking, kept, now=self.now, reach=plan.reach)
         if not self.recent.tracks:
             raise InputError("no tracks of the last days")
-        self.fitting = fits.Fitting.of(self.watched, self.recent)
+        self.fitting = fits.Fitting(self.watched, self.recent)
         estimates = self.fitting.further(kept)
         self.judged = verdicts.judge(self.watched, estimates, self.recent, self.earlier)
         if "station" in self.watched.tracking and fits.are_far(self.judged):
             last = max((one.t for one in self.earlier.burns), default=-np.inf)
-            self.burn = fits.newest_burn(self.fitting, kept, since=last)
+            self.burn = self.fitting.newest_burn(kept, since=last)
         if self.burn:
             self.watched = self.watched.aware_of([self.burn])
-            self.fitting = fits.Fitting.of(self.watched, self.recent)
+            self.fitting = fits.Fitting(self.watched, self.recent)
             estimates = self.fitting.further(kept)
         self.estimates = estimates
 

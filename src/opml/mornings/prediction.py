@@ -6,9 +6,9 @@ judge what they issued. The last one's ephemeris is the prediction.
 
 import logging
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -37,14 +37,14 @@ from opml.ephemerides.fit_sizes import GIVEN, GUESSED
 from opml.interop import ccsds, formats, points_from_files, tdm
 from opml.interop.object_ids import ObjectId
 from opml.interop.orbit_from_files import OrbitFiles
-from opml.interop.predicted_orbit import STEP, PredictedOrbit, check_days
+from opml.interop.predicted_orbit import STEP, PredictedOrbit, check_days, sampled
 from opml.learning.models import learners
 from opml.learning.models.contract import ResolvedSettings
 from opml.learning.models.learners import JobLearner, arc_of
 from opml.mornings import issued
 from opml.mornings.morning import TrackMorning, morning
 from opml.mornings.records import Records
-from opml.mornings.verdicts import OLDEST, Verdict
+from opml.mornings.verdicts import OLDEST
 from opml.mornings.watched_object import MorningPlan, ObjectPropagators, Watched
 from opml.orbits.sheets import Rso, Station
 from opml.tables import STATE, STATE_COVARIANCES, state_rows, symmetric_matrices
@@ -91,54 +91,6 @@ class Request:
         """Tracks or fixes."""
         kind = formats.kind_of(self.files[0], formats.ORBIT, formats.TRACKS)
         return "tracks" if kind == formats.TRACKS else "fixes"
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class FittedOrbit(PredictedOrbit):
-    """An object from a date on, by fits to what measured it.
-
-    table: that named `corrected`, times since the date; model: settings of the selected one; verdict: on
-    it; burns: number of those in what the mornings measured.
-    """
-
-    table: pd.DataFrame
-    model: ResolvedSettings
-    verdict: Verdict
-    burns: int
-
-    def _propagated(self, t: np.ndarray) -> np.ndarray:
-        return self._path(t)
-
-    def sigmas(self, t: np.ndarray) -> np.ndarray:
-        """Return standard deviations (n, 3) in RSW [m] at times (n,) [s since the date]."""
-        names = [f"cov_{axis}_{axis}" for axis in "xyz"]
-        known = self.table["t"]
-        variances = [np.interp(t, known, self.table[name]) for name in names]
-        return np.asarray(np.sqrt(np.stack(variances, axis=1)))
-
-    def covariances(self, t: np.ndarray, states: np.ndarray) -> np.ndarray:
-        """Return covariances (n, 6, 6) in RSW [m, m/s] at times (n,) [s since the date]."""
-        known = self.table["t"]
-        columns = {name: np.interp(t, known, self.table[name]) for name in STATE_COVARIANCES}
-        return symmetric_matrices(pd.DataFrame(columns), STATE_COVARIANCES)
-
-    @property
-    def way(self) -> str:
-        """Fits that were used, in words."""
-        arc = arc_of(self.model)
-        hours = arc[0] if arc else 0.0
-        of_mean = ", its drag the mean of such fits" if issued.holds_cd(self.model) else ""
-        return f"fit over {hours:g} h under all forces{of_mean}"
-
-    @property
-    def reason(self) -> str:
-        """Why that was used, in words."""
-        burned = f"; burns in its mornings: {self.burns}, across which no error counts"
-        return f"{self.verdict.word}: {self.verdict.reason}{burned if self.burns else ''}"
-
-    @cached_property
-    def _path(self) -> Callable[[np.ndarray], np.ndarray]:
-        return through(self.table["t"].to_numpy(), state_rows(self.table))
 
 
 @dataclass(frozen=True)
@@ -192,7 +144,7 @@ class OrbitSettings(JobSettings):
     models: dict[str, JobLearner]
 
 
-def predict(request: Request, settings: OrbitSettings, *, progress: Progress) -> FittedOrbit:
+def predict(request: Request, settings: OrbitSettings, *, progress: Progress) -> PredictedOrbit:
     """Predict an object from what measured it.
 
     Raises InputError for unreadable files, days out of range, a date without measurements before it, weather
@@ -215,31 +167,31 @@ def predict(request: Request, settings: OrbitSettings, *, progress: Progress) ->
         asked = "are frame, axes and units right, points more than a few, the body's area to mass possible?"
         why = left.verdict.reason if request.kind == "tracks" else asked
         raise InputError(f"{request.files[0]}: expected what an orbit fits, got none: {why}")
-    made = records.estimates[records.estimates["track"] == records.paths[-1].start]
-    if (rms := made["weighted_rms"].max()) > _NO_ORBIT:
+    estimates = records.estimates[records.estimates["track"] == records.paths[-1].start]
+    if (rms := estimates["weighted_rms"].max()) > _NO_ORBIT:
         asked = "are object, frame and times right, or did it burn in the last days before --date?"
         got = f"got some {rms:.0f} standard deviations off the best: {asked}"
         raise InputError(f"{request.files[0]}: expected measurements of an orbit, {got}")
     if rms > _ROUGH_FIT:
         asked = "are sigmas, frame, axes and times right, or did it burn?"
         _log.warning("%s: measurements are off their fit by %.0f sigma: %s", request.files[0], rms, asked)
-    height = float(np.linalg.norm(made[STATE[:3]].iloc[0])) - WGS84_A
+    height = float(np.linalg.norm(estimates[STATE[:3]].iloc[0])) - WGS84_A
     if request.area_to_mass is None and height > LIT:
         progress("area to mass, by how light presses")
         area = _area_by_light(request, settings, times)
         if area is not None:
             _log.warning("%s: area to mass of %.2g m2/kg, by how light presses", request.files[0], area)
             return predict(replace(request, area_to_mass=area), settings, progress=progress)
-        told = "area to mass is a guess, %g m2/kg: light presses by it, more than drag: give --area-to-mass"
-        _log.warning(f"%s: {told}", request.files[0], GUESS)
+        guess = "area to mass is a guess, %g m2/kg: light presses by it, more than drag: give --area-to-mass"
+        _log.warning(f"%s: {guess}", request.files[0], GUESS)
     expected = f"{request.files[0]}: expected an orbit for {request.days:g} days, got"
     if newest is None:
         raise InputError(f"{expected} none: {left.verdict.reason}")
-    orbit = _fitted_orbit(request, times, newest)
-    if (end := float(orbit.table["t"].iloc[-1])) < DAY * request.days:
+    assert newest.ephemeris is not None
+    if (end := float(newest.ephemeris["t"].iloc[-1]) - times.date) < DAY * request.days:
         ends = f"after {end / DAY:.1f}" if end > 0.0 else "as little was measured before the date"
         raise InputError(f"{expected} one that comes down, or is hardly determined, {ends}")
-    return orbit
+    return _fitted_orbit(request, times, newest)
 
 
 def _area_by_light(request: Request, settings: OrbitSettings, times: _Times) -> float | None:
@@ -270,8 +222,8 @@ def _text(epoch: str, t: float) -> str:
 def _span(request: Request) -> tuple[float, float]:
     """Return when the first and the last was measured [s since _ANY]."""
     if request.kind == "tracks":
-        found = tdm.measurements(request.files, epoch=_ANY, wanted=request.object)
-        return float(found["t"].min()), float(found["t"].max())
+        measured = tdm.measurements(request.files, epoch=_ANY, wanted=request.object)
+        return float(measured["t"].min()), float(measured["t"].max())
     return points_from_files.reach(OrbitFiles(request.files, _ANY, np.inf, request.object))
 
 
@@ -284,11 +236,11 @@ def _watched(request: Request, settings: OrbitSettings, times: _Times) -> Watche
     files = list(map(str, request.files))
     source = MeasurementSource(kind=request.kind, files=files, options=sampling, satellite=request.object)
     span = Span(times.epoch, times.date)
-    found = measured_files.read(source, span, request.stations, model.orientation, since=0.0)
+    measured = measured_files.read(source, span, request.stations, model.orientation, since=0.0)
     estimation = settings.estimation
     if request.kind == "tracks":
         windows = sorted({estimation.window_hours, *learners.arc_windows(settings.models.values())})
-        estimation = estimation.evolve(window_hours=_window(found.tracking, windows))
+        estimation = estimation.evolve(window_hours=_window(measured.tracking, windows))
     plan = MorningPlan(
         settings.models,
         estimation,
@@ -298,8 +250,8 @@ def _watched(request: Request, settings: OrbitSettings, times: _Times) -> Watche
         times.epoch,
         light=GUESSED if request.area_to_mass is None else GIVEN,
     )
-    identity = found.identity if found.identity.name else ObjectId(Path(request.files[0]).stem)
-    return Watched(model, plan, found.tracking, request.stations, found.manoeuvres, None, identity)
+    identity = measured.identity if measured.identity.name else ObjectId(Path(request.files[0]).stem)
+    return Watched(model, plan, measured.tracking, request.stations, measured.manoeuvres, None, identity)
 
 
 def _window(tracking: pd.DataFrame, windows: Sequence[float]) -> float:
@@ -341,21 +293,35 @@ def _object_propagators(
     )
 
 
-def _fitted_orbit(request: Request, times: _Times, newest: TrackMorning) -> FittedOrbit:
+def _fitted_orbit(request: Request, times: _Times, newest: TrackMorning) -> PredictedOrbit:
     """Return what the newest morning issued that could."""
     assert newest.ephemeris is not None
     assert newest.selected is not None
-    watched, past, table = newest.watched, newest.selected.past, newest.ephemeris
-    errors = past.assign(lead=past["duration"] / DAY, left=past["e_y"])
-    burns = [one.t for one in watched.known_by(times.date)]
-    return FittedOrbit(
-        watched.identity,
+    watched, selected, verdict = newest.watched, newest.selected, newest.verdict
+    table = newest.ephemeris.assign(t=newest.ephemeris["t"] - times.date)
+    errors = selected.past.assign(lead=selected.past["duration"] / DAY, left=selected.past["e_y"])
+    count = sum(times.mornings[0] <= one.t for one in watched.known_by(times.date))
+    burned = f"; burns in its mornings: {count}, across which no error counts" if count else ""
+    way = _way(watched.plan.models[selected.model])
+
+    def covariances(t: np.ndarray, _: np.ndarray) -> np.ndarray:
+        columns = {name: np.interp(t, table["t"], table[name]) for name in STATE_COVARIANCES}
+        return symmetric_matrices(pd.DataFrame(columns), STATE_COVARIANCES)
+
+    path = through(table["t"].to_numpy(), state_rows(table))
+    return PredictedOrbit(
+        sampled(watched.identity, request.days, path, covariances, remark=way),
         _text(times.epoch, times.date),
         request.days,
         errors[["morning", "lead", "left"]].reset_index(drop=True),
-        newest.selected.basis,
-        table.assign(t=table["t"] - times.date),
-        watched.plan.models[newest.selected.model],
-        newest.verdict,
-        sum(times.mornings[0] <= t for t in burns),
+        selected.basis,
+        way,
+        f"{verdict.word}: {verdict.reason}{burned}",
     )
+
+
+def _way(model: ResolvedSettings) -> str:
+    """Return the fits that were used, in words."""
+    arc = arc_of(model)
+    of_mean = ", its drag the mean of such fits" if issued.holds_cd(model) else ""
+    return f"fit over {arc[0] if arc else 0.0:g} h under all forces{of_mean}"

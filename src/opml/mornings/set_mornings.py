@@ -32,12 +32,12 @@ from opml.environment import known_weather
 from opml.environment.weather import Weather
 from opml.ephemerides.along_track_shift import LEAST_EPOCHS
 from opml.ephemerides.paths import Paths
-from opml.interop import ccsds
+from opml.interop import ccsds, oem
 from opml.interop.element_sets import known_sets, mean_elements, sgp4_errors
 from opml.interop.element_sets.element_set import ElementSet, seconds_since
 from opml.mornings import outcomes, verdicts
 from opml.mornings.candidates import STEP
-from opml.mornings.days import MorningResult
+from opml.mornings.days import MorningResult, WatchedObject
 from opml.mornings.outcomes import DO_NOT_USE
 from opml.mornings.records import Records, below
 from opml.mornings.verdicts import SGP4, Verdict
@@ -90,7 +90,7 @@ class RunSets:
         """Return what was public on a date (UTC text), improved. Raises InputError as `improve.read`."""
         if date not in self._mornings:
             self._mornings.clear()  # all objects have one morning before any has the next
-            known = improve.public_on(date, lambda: self.catalogue, self.weather, source=self.source)
+            known = improve.public_on(date, self.catalogue, self.weather, source=self.source)
             better = improve.improve(known, self.model, progress=lambda line: None)
             self._mornings[date] = PublicMorning(
                 known, better, self.source, known_sets.LATENCY, self.propagator, self.kept
@@ -98,76 +98,55 @@ class RunSets:
         return self._mornings[date]
 
 
-@dataclass(frozen=True, eq=False)
-class ObjectOfSets:
-    """An object on its mornings, as `days.WatchedObject`; history: all its sets, by epoch."""
+def of_sets(plan: MorningPlan, sets: RunSets, history: Sequence[ElementSet]) -> WatchedObject:
+    """Return an object of public sets on its mornings; history: all its sets, by epoch.
 
-    plan: MorningPlan
-    sets: RunSets
-    history: Sequence[ElementSet]
-    stations: dict[str, str] = field(default_factory=dict)
-
-    @property
-    def judged_for(self) -> float:
-        """Days after a morning for which later sets judge what it predicted: they are some days old."""
-        return self.plan.max_days + OLDEST
-
-    @property
-    def times_known(self) -> list[float]:
-        """Times when its sets became known [s]."""
-        return [one.made for one in known_sets.since(self.plan.epoch, self.history)]
-
-    @property
-    def first_known(self) -> float:
-        """When the first of its sets of the run was known [s]."""
-        return min((known for known in self.times_known if known >= 0.0), default=0.0)
-
-    @property
-    def last_known(self) -> float:
-        """When the last of its sets was known [s]."""
-        return max(self.times_known)
-
-    def morning(self, records: Records, *, now: float) -> MorningResult:
-        """Return what the morning at a time [s] leaves; records: of earlier ones."""
-        (date,) = ccsds.utc_texts(self.plan.epoch, np.array([now]))
-        row = {"morning": now, "i": -1, "t_i": np.nan, "model": "", "burn_t": np.nan}
-        try:
-            prediction = self.sets.on(date).predict(self.history, days=self.plan.max_days)
-        except InputError as reason:
-            refused = Verdict(DO_NOT_USE, str(reason))
-            nothing = {name: outcomes.NOTHING[name] for name in _FIGURES}
-            return MorningResult(_left(row, refused), refused, nothing, None)
-        later = _later(prediction, self.plan.epoch, now)
-        burns = prediction.manoeuvres
-        judged = _without_burns(_judged(later, records), burns, now)
-        past = _without_burns(below([records.judged, judged], "judged"), burns, now)
-        start = pd.DataFrame({"track": [later["j"]], "t": [later["t_set"]]})
-        verdict = verdicts.verdict(past, start, now=now)
-        if prediction.burns:
-            shown = f"its sets show a burn, the last about {prediction.burns[-1][:_MINUTES]}Z"
-            verdict = replace(verdict, reason=f"{verdict.reason}; {shown}")
-        row |= {"i": later["j"], "t_i": later["t_set"], "model": prediction.model}
-        paths = _paths(prediction, later["j"], now, days=self.plan.max_days)
-        write = None if verdict.word == DO_NOT_USE else partial(_write, prediction)
-        figures = _figures(prediction, judged, self.plan.max_days)
-        return MorningResult(_left(row, verdict, judged, [paths]), verdict, figures, write)
+    What it predicted is judged by later sets, which are some days old.
+    """
+    known = [one.made for one in known_sets.since(plan.epoch, history)]
+    first = min((t for t in known if t >= 0.0), default=0.0)
+    return WatchedObject(
+        plan, plan.max_days + OLDEST, first, max(known), {}, partial(_morning, plan, sets, history)
+    )
 
 
-def _figures(prediction: Prediction, judged: pd.DataFrame, max_days: float) -> dict[str, Any]:
-    """Return what a prediction starts from, its orbit, and errors to expect days after the morning."""
-    days, new = np.arange(1.0, max_days + 1e-9), len(judged["j"].unique())
-    return {
+def _morning(
+    plan: MorningPlan, sets: RunSets, history: Sequence[ElementSet], records: Records, now: float
+) -> MorningResult:
+    """Return what the morning at a time [s] leaves; records: of earlier ones."""
+    (date,) = ccsds.utc_texts(plan.epoch, np.array([now]))
+    row = {"morning": now, "i": -1, "t_i": np.nan, "model": "", "burn_t": np.nan}
+    try:
+        prediction = sets.on(date).predict(history, days=plan.max_days)
+    except InputError as reason:
+        refused = Verdict(DO_NOT_USE, str(reason))
+        nothing = {name: outcomes.NOTHING[name] for name in _FIGURES}
+        return MorningResult(_left(row, refused), refused, nothing, None)
+    later = _later(prediction, plan.epoch, now)
+    burns = prediction.manoeuvres
+    judged = _without_burns(_judged(later, records), burns, now)
+    past = _without_burns(below([records.judged, judged], "judged"), burns, now)
+    start = pd.DataFrame({"track": [later["j"]], "t": [later["t_set"]]})
+    verdict = verdicts.verdict(past, start, now=now)
+    if prediction.burns:
+        shown = f"its sets show a burn, the last about {prediction.burns[-1][:_MINUTES]}Z"
+        verdict = replace(verdict, reason=f"{verdict.reason}; {shown}")
+    row |= {"i": later["j"], "t_i": later["t_set"], "model": prediction.model}
+    paths = _paths(prediction, later["j"], now, days=plan.max_days)
+    days, new = np.arange(1.0, plan.max_days + 1e-9), len(judged["j"].unique())
+    figures = {
         "tracks": new,
         "converged": new,
         "late": 0,
-        **outcomes.orbit(prediction.states(np.zeros(1))[0]),
+        **outcomes.orbit(prediction.ephemeris.states[0]),
         "expected": outcomes.expected(days, prediction.sigmas(DAY * days)),
     }
 
+    def write(path: Path, name: str) -> None:
+        oem.write(path, [replace(prediction.ephemeris, name=name)], epoch=date)
 
-def _write(prediction: Prediction, path: Path, name: str) -> None:
-    """Write a prediction as a message of an object of a name."""
-    replace(prediction, identity=replace(prediction.identity, name=name)).to_oem(path)
+    left = _left(row, verdict, judged, [paths])
+    return MorningResult(left, verdict, figures, None if verdict.word == DO_NOT_USE else write)
 
 
 def history_of(

@@ -70,8 +70,8 @@ def _at(table: pd.DataFrame, t: np.ndarray) -> pd.DataFrame:
     begins, end = rows["t"].to_numpy(), rows["t"].max()
     known = t[t <= end] if len(rows) else t[:0]
     newest = np.searchsorted(begins, known, side="right") - 1
-    found = rows[list(FIGURES)].iloc[newest[newest >= 0]]
-    return found.assign(t=known[newest >= 0])
+    figures = rows[list(FIGURES)].iloc[newest[newest >= 0]]
+    return figures.assign(t=known[newest >= 0])
 
 
 def _ranges(futures: pd.DataFrame | None, t: np.ndarray, now: float) -> pd.DataFrame:

@@ -3,10 +3,11 @@
 from opml.base.files import PROJECT
 from opml.base.progress import Progress
 from opml.base.yaml_files import read_yaml
+from opml.interop.predicted_orbit import PredictedOrbit
 from opml.learning.data import error_components
 from opml.learning.models import learners
 from opml.mornings import prediction
-from opml.mornings.prediction import FittedOrbit, OrbitSettings, Request
+from opml.mornings.prediction import OrbitSettings, Request
 from opml.study.settings import packaged
 from opml.study.settings.model.run import DaySettings
 
@@ -21,7 +22,7 @@ CD_SIGMA = 2.0  # of Cd about 2.2: one track may say nothing of drag, or anythin
 STEP = 120.0  # longest step [s]: this field is followed as closely as the finer one in 75 s
 
 
-def of_measurements(request: Request, *, progress: Progress) -> FittedOrbit:
+def of_measurements(request: Request, *, progress: Progress) -> PredictedOrbit:
     """Predict an object from points or tracks as mornings do; raises as `mornings.prediction.predict`."""
     return prediction.predict(request, settings(), progress=progress)
 

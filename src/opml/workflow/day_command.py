@@ -125,7 +125,7 @@ def warnings(day: date, settings: Settings) -> list[str]:
     """Return the warning where the model that improves sets was trained on what came after a date."""
     if not any(settings.kind_of(rso) is ELEMENTS for rso in settings.measured):
         return []
-    return list(filter(None, [trained_model.packaged_hindsight(day.isoformat())]))
+    return list(filter(None, [trained_model.hindsight(trained_model.packaged_card(), day.isoformat())]))
 
 
 def mornings_ahead(day: date, settings: Settings) -> dict[str, int]:

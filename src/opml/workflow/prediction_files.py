@@ -61,7 +61,7 @@ def _fitted_set(path: FilePath, prediction: PredictedOrbit) -> None:
     """Write the set by which SGP4 comes nearest to a prediction."""
     from opml.interop.element_sets import element_fits  # SciPy's optimizers: a quarter of a second
 
-    ephemeris, epoch, identity = prediction.ephemeris(), prediction.date, prediction.identity
+    ephemeris, epoch, identity = prediction.ephemeris, prediction.date, prediction.identity
     satellite = element_fits.fit_ephemeris(ephemeris, epoch=epoch)
     if Path(path).suffix.lower() == ".tle":
         tle.write(path, satellite, identity)
@@ -76,7 +76,7 @@ def _table(path: FilePath, prediction: PredictedOrbit, _: Passes) -> None:
 
 
 def _czml(path: FilePath, prediction: PredictedOrbit, _: Passes) -> None:
-    positions = prediction.states(prediction.t)[:, :3]
+    positions = prediction.ephemeris.states[:, :3]
     czml.write(path, prediction.identity.name, prediction.t, positions, epoch=prediction.date)
 
 

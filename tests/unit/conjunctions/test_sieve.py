@@ -12,7 +12,7 @@ from support import shared
 
 from opml import cli
 from opml.base.constants import EARTH_GM
-from opml.conjunctions import all_pairs, screening
+from opml.conjunctions import screening
 from opml.conjunctions.sieve import states_in_teme
 from opml.conjunctions.trajectories import read_elements, span_of_days
 from opml.interop import oem
@@ -97,7 +97,7 @@ def missed(sure, found):
 
 
 def test_all_against_all_misses_nothing(catalogue, looked_at):
-    found = told(all_pairs.screen(catalogue, days=DAYS, **LIMITS))
+    found = told(screening.screen_all(catalogue, days=DAYS, **LIMITS))
     assert [t for _, t, _ in found] == sorted(t for _, t, _ in found)
     assert len(found) > 50
     assert missed(looked_at, found) == []

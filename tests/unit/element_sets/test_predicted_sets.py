@@ -4,7 +4,6 @@ import copy
 import json
 import pickle
 import re
-from dataclasses import replace
 from datetime import UTC, date, datetime
 from functools import partial
 
@@ -27,11 +26,12 @@ from opml.element_sets import (
     improved_sizes,
     prediction,
     station_passes,
+    trained_model,
     weighting,
 )
 from opml.element_sets.inside import inside_forces, orbit_prediction
 from opml.element_sets.inside.orbit_prediction import OrbitInside
-from opml.interop import known_orbits
+from opml.interop import known_orbits, predicted_orbit
 from opml.interop.element_sets import burns_in_sets, element_set, known_sets, mean_elements, sgp4_errors, tle
 from opml.report.results import with_unit
 from opml.workflow import prediction_files
@@ -157,9 +157,12 @@ def test_what_is_no_file_or_number_is_refused(file):
 
 @pytest.mark.parametrize(("days", "minutes"), [(2.3, 3312), (0.0101, 14)])
 def test_an_ephemeris_has_the_whole_minutes_of_its_days(made, days, minutes):
-    table = replace(made, days=days).to_pandas()
-    assert len(table) == minutes + 1
-    assert table.notna().all(axis=None)
+    def covariances(t, _):
+        return made.ephemeris.covariances_at(t)
+
+    short = predicted_orbit.sampled(made.identity, days, made.states, covariances, remark="mine")
+    assert short.span == (0.0, 60.0 * minutes)
+    assert np.isfinite(short.states).all()
 
 
 def test_an_ephemeris_tells_what_other_objects_share(made, tmp_path):
@@ -265,17 +268,17 @@ def test_one_set_of_any_orbit_is_flown_by_sgp4(kind, tmp_path, capsys, monkeypat
 
 def test_passes_rise_and_set_at_five_degrees(made):
     place = station_passes.place("52.2,21.0,110")
-    found = station_passes.passes(made, place)
+    found = station_passes.passes(made.ephemeris, made.date, place)
     assert len(found) > 20
     for row in found.head(5).to_dict("records"):
         t = tuple(epochs.seconds_to(made.date, row[name]) for name in ("rise", "highest", "set"))
-        seen = np.degrees([station_passes._seen(made, place, one)[0, :2] for one in t])
+        seen = np.degrees([station_passes._seen(made.ephemeris, made.date, place, one)[0, :2] for one in t])
         low, high, end = seen[:, 1]
         names = ("rise_azimuth", "highest_azimuth", "set_azimuth")
         assert [row[name] for name in names] == pytest.approx(seen[:, 0], abs=1e-3)
         assert (low, end) == pytest.approx((5.0, 5.0), abs=0.2)
         assert high == pytest.approx(row["elevation"], abs=1e-3)
-        around = station_passes._seen(made, place, t[1] + np.array([-60.0, 60.0]))[:, 1]
+        around = station_passes._seen(made.ephemeris, made.date, place, t[1] + np.array([-60.0, 60.0]))[:, 1]
         assert np.degrees(around).max() < high
     late = found["early_or_late"].to_numpy()
     assert late[-1] > late[0]
@@ -303,15 +306,17 @@ def test_the_sun_shines_on_what_is_not_behind_the_earth(made):
     """On 2026-01-08 the Sun stands 22.3 degrees south, and seven minutes late of noon."""
     place = station_passes.place("52.2,0.0,0")
     noon = epochs.seconds_to(DATE, "2026-01-08T12:07:00")[0]
-    _, elevation = station_passes._light(made, noon, np.array([7e6, 0.0, 0.0]), place)
+    _, elevation = station_passes._light(made.ephemeris, made.date, noon, np.array([7e6, 0.0, 0.0]), place)
     assert elevation == pytest.approx(90.0 - 52.2 - 22.3, abs=0.3)
-    _, midnight = station_passes._light(made, noon + DAY / 2, np.array([7e6, 0.0, 0.0]), place)
+    _, midnight = station_passes._light(
+        made.ephemeris, made.date, noon + DAY / 2, np.array([7e6, 0.0, 0.0]), place
+    )
     assert midnight == pytest.approx(52.2 - 90.0 - 22.3, abs=0.3)
     # The Sun is at a right ascension of some 289 degrees.
     sun = np.array([np.cos(np.radians(289.4)), np.sin(np.radians(289.4)), -np.tan(np.radians(22.3))])
     for position, is_sunlit in ((sun, True), (-sun, False), (np.cross(sun, [0.0, 0.0, 1.0]), True)):
         at = 7e6 * position / np.linalg.norm(position)
-        assert station_passes._light(made, noon, at, place)[0] == is_sunlit
+        assert station_passes._light(made.ephemeris, made.date, noon, at, place)[0] == is_sunlit
 
 
 def test_a_prediction_is_shown_in_two_lines(made):
@@ -347,7 +352,7 @@ def test_the_command_writes_every_format(file, made, tmp_path, capsys):
     rows = json.loads((tmp_path / "mine.json").read_text())["rows"]
     np.testing.assert_allclose([row["along_track"] for row in rows], expected["along_track"])
     sets = [mean_elements.read(tmp_path / f"mine.{suffix}") for suffix in ("tle", "kvn", "xml")]
-    assert [one.no_kozai for one in sets] == pytest.approx([made.improved.no_kozai] * 3, rel=1e-9)
+    assert [one.no_kozai for one in sets] == pytest.approx([made.how["motion"]] * 3, rel=1e-9)
     document, orbit = json.loads((tmp_path / "mine.czml").read_text())
     assert document["clock"]["interval"] == "2026-01-08T06:00:00Z/2026-01-15T06:00:00Z"
     samples = np.array(orbit["position"]["cartesian"]).reshape(-1, 4)
@@ -374,7 +379,9 @@ def test_the_lines_of_the_readme_run(file, made, tmp_path, monkeypatch, capsys):
 
 def test_a_phone_shows_all_of_the_page(made, tmp_path):
     place = station_passes.place("52.2,21.0,110")
-    prediction_files.write(tmp_path / "mine.html", made, {place: station_passes.passes(made, place)})
+    prediction_files.write(
+        tmp_path / "mine.html", made, {place: station_passes.passes(made.ephemeris, made.date, place)}
+    )
     page = laid_out((tmp_path / "mine.html").read_text(), tmp_path, width=390)
     assert page["across"] <= 390
     assert len(page["pictures"]) == 2
@@ -400,7 +407,10 @@ def test_one_set_has_the_usual_errors(file, tmp_path):
     (tmp_path / "one.tle").write_text("".join(file.read_text().splitlines(keepends=True)[-2:]))
     made = prediction.predict(tmp_path / "one.tle", days=1.0)
     usual = "fits over 120 h on both sides of its sets, as is usual; too few sets to compare spans"
-    assert made.reason == f"{usual}; fewer than 3 sets; {made.hindsight}"
+    assert (
+        made.reason
+        == f"{usual}; fewer than 3 sets; {trained_model.hindsight(trained_model.packaged_card(), made.date)}"
+    )
     assert np.isfinite(made.sizes.to_numpy(float)).all()
 
 
@@ -414,7 +424,7 @@ def test_the_past_of_an_orbit_inside_is_that_of_orbits_inside():
 def test_what_no_drag_tells_is_as_wide_as_sgp4_is_usually(file, tmp_path):
     """Low down, a set alone with a B* that is none shows no drag: forces cannot know better."""
     [*_, last] = mean_elements.read_sets(file)
-    published = element_set.with_drag(last.satellite, 0.0)
+    published = element_set.changed(last.satellite, last.satellite.no_kozai, 0.0)
     (tmp_path / "one.tle").write_text("\n".join(tle.lines(published, NUMBER)) + "\n")
     made = prediction.predict(tmp_path / "one.tle", days=3.0)
     assert isinstance(made.inside, OrbitInside)
@@ -474,7 +484,7 @@ def test_an_object_that_burned_lately_is_wide_and_says_so(tmp_path):
     assert "wide: its sets show burns, the last of 1 in 20 days on 20" in burned.reason
     missed = burned.past.groupby("lead")["left"].quantile(0.9) / 1.6449
     assert burned.sizes.loc[7, "s"] >= missed[7] > 10 * still.sizes.loc[7, "s"]
-    assert burned.ephemeris().remark.endswith("future manoeuvres are not modelled")
+    assert burned.ephemeris.remark.endswith("future manoeuvres are not modelled")
 
 
 def test_a_burn_that_is_not_yet_known_or_long_ago_does_not_count(tmp_path):

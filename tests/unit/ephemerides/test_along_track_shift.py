@@ -13,7 +13,7 @@ from opml.ephemerides.along_track_shift import (
     corrected_by_each,
     radial_part,
 )
-from opml.ephemerides.paths import differences
+from opml.ephemerides.paths import Paths
 from opml.orbits.elements import cartesian_from_coe, coe_from_cartesian, in_rsw
 from opml.tables import STATE
 
@@ -82,14 +82,11 @@ def test_an_ephemeris_of_steps_of_five_minutes_misses_where_the_whole_path_does(
     """Of a path, what is near a time tells the miss: of several times, what is between them, too."""
     true, predicted, _ = drifting
     along = in_rsw(predicted - true, true)[:, 1]
-    table = pd.DataFrame(predicted, columns=STATE).assign(t_j=T, t_i=0.0)[::5]
+    table = pd.DataFrame(predicted, columns=STATE).assign(t_j=T, t_i=0.0, morning=0.0, e_y_mine=along)
+    path = Paths(table[::5])
     later = dict(zip(STATE, true.T, strict=True)) | {"t_j": T}
     misses = [
-        pd.DataFrame(
-            differences(
-                table, along[None, ::5], {name: values[rows] for name, values in later.items()}, now=0.0
-            )
-        )
+        pd.DataFrame(path.differences({name: values[rows] for name, values in later.items()}))
         for rows in ([9, 2003, 4300], [2003])
     ]
     pd.testing.assert_frame_equal(misses[0].iloc[[1]].reset_index(drop=True), misses[1], rtol=0, atol=1e-6)

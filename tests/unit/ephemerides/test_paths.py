@@ -1,7 +1,5 @@
 """Ephemerides of several models from one estimate: any epoch, what is known when, and covariances."""
 
-from dataclasses import replace
-
 import numpy as np
 import pandas as pd
 import pytest
@@ -14,7 +12,7 @@ from opml.catalog.predict import other_windows, prediction
 from opml.catalog.propagator import Propagator
 from opml.ephemerides.fit_sizes import FORMAL, FitSizes
 from opml.ephemerides.paths import paths
-from opml.ephemerides.start_arcs import Grid, StartArcs
+from opml.ephemerides.start_arcs import StartArcs, grid
 from opml.interop import known_orbits, oem
 from opml.learning.models import learners
 from opml.orbits.elements import in_rsw
@@ -24,7 +22,6 @@ from opml.tables import SPREAD, STATE, STATE_COVARIANCES, symmetric_matrices
 EPOCH = "2016-09-28T12:09:45"
 TIMES = np.array([0.0, 0.3, 0.61, 1.1, 1.5]) * DAY
 CD = [2.25, 2.1, 2.4, 2.3, 2.2]
-GRID = Grid(step=60.0, max_days=0.8, end=2.0 * DAY)
 MODELS = {
     "none": learners.of_job({"kind": "none", "variables": []}),
     "fit24": learners.of_job({"kind": "refitted", "variables": ["l_arc_y"], "window_hours": 24.0}),
@@ -61,9 +58,10 @@ def fitted(assumed_model):
     return {12.0: estimates(gm, CD), 24.0: estimates(gm, 2.2, ahead=40.0)}
 
 
-def arcs_of(propagator, fitted, *, start=1, grid=GRID, models=MODELS):
+def arcs_of(propagator, fitted, *, start=1, step=60.0, end=2.0 * DAY, models=MODELS):
     row = fitted[12.0].iloc[start : start + 1]
-    return StartArcs.propagate(propagator, row, grid, fits=fitted, models=[*models.values()])
+    arrivals = grid(step, min(TIMES[start] + 0.8 * DAY, end))
+    return StartArcs.propagate(propagator, row, arrivals, fits=fitted, models=[*models.values()])
 
 
 @pytest.fixture(scope="module")
@@ -74,16 +72,15 @@ def path(propagator, fitted):
 
 @pytest.fixture(scope="module")
 def table(path):
-    return path.ephemeris("fit24", SIZES)
+    return path.ephemeris("fit24", SIZES, at=path.table["t_j"].to_numpy())
 
 
 def test_arcs_on_the_grid_are_those_at_tracks(propagator, fitted):
-    grid = Grid(step=0.01 * DAY, max_days=0.8, end=2.0 * DAY)
-    dense = arcs_of(propagator, fitted, grid=grid, models={}).pairs.set_index("j")
+    dense = arcs_of(propagator, fitted, step=0.01 * DAY, models={}).pairs.set_index("j")
     arrivals = fitted[12.0].set_index("track")["t"]
     pairs = prediction.predict(propagator, fitted[12.0], arrivals=arrivals, max_days=0.8)
     for row in pairs[pairs["i"] == 1].to_dict("records"):
-        there = dense.loc[round(row["t_j"] / grid.step)]
+        there = dense.loc[round(row["t_j"] / DAY / 0.01)]
         assert there["t_j"] == pytest.approx(row["t_j"], abs=1e-6)
         assert there["x"] == pytest.approx(row["x"], abs=0.05)
 
@@ -91,14 +88,14 @@ def test_arcs_on_the_grid_are_those_at_tracks(propagator, fitted):
 @pytest.mark.parametrize("degree", [20, 28])
 def test_arcs_propagated_together_are_those_propagated_alone(degree, fitted, iss):
     """In a large field they go beside the first, 40 m ahead of it and with another Cd, to a decimetre."""
-    propagator, grid = Propagator(force_model(degree), iss), replace(GRID, step=300.0)
-    arcs = arcs_of(propagator, fitted, grid=grid, models=MODELS | {"running24": RUNNING})
+    propagator = Propagator(force_model(degree), iss)
+    arcs = arcs_of(propagator, fitted, step=300.0, models=MODELS | {"running24": RUNNING})
     for found, alone in (
         (arcs.pairs, fitted[12.0]),
         (arcs.others[24.0], fitted[24.0]),
         (arcs.perturbed[24.0], other_windows.perturbed(fitted[24.0])),
     ):
-        arrivals = grid.epochs(TIMES[1])
+        arrivals = grid(300.0, TIMES[1] + 0.8 * DAY)
         expected = prediction.predict(propagator, alone.iloc[1:2], arrivals=arrivals, max_days=0.8)
         pd.testing.assert_frame_equal(found[["i", "j"]], expected[["i", "j"]])
         off = np.abs(found[STATE] - expected[STATE]).to_numpy().max(axis=0)
@@ -139,9 +136,9 @@ def test_the_orbit_is_moved_by_what_the_model_expects(path, table):
 
 
 def test_it_ends_with_the_run(propagator, fitted):
-    last = arcs_of(propagator, fitted, start=4, grid=replace(GRID, end=1.6 * DAY))
+    last = arcs_of(propagator, fitted, start=4, end=1.6 * DAY)
     assert paths(last, MODELS, now=TIMES[4]).table["t_j"].max() <= 1.6 * DAY
-    short = arcs_of(propagator, fitted, start=4, grid=replace(GRID, end=1.5 * DAY + 600.0))
+    short = arcs_of(propagator, fitted, start=4, end=1.5 * DAY + 600.0)
     with pytest.raises(InputError, match=r"expected at least 16 epochs ahead, got 10"):
         paths(short, MODELS, now=TIMES[4])
 

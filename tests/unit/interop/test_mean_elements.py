@@ -46,7 +46,6 @@ OMM = {
 THREE_DAYS_ON = "2000-06-30T18:50:19.733571"
 TEN_DAYS_ON = "2000-07-07T18:50:19.733568"
 A_MONTH_ON = "2000-07-28T18:50:19.733568"
-BODY = mean_elements.Body(area_to_mass=0.05, cd=2.2, cr=1.25)
 
 
 COMMAND = ["--name", "mine", "--area-to-mass", "0.05", "--cd", "2.2", "--cr", "1.25"]

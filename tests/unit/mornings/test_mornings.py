@@ -18,14 +18,14 @@ from opml.catalog.simulate import tracking, truth
 from opml.dynamics.shared_blocks import SharedBlocks
 from opml.element_sets import station_passes
 from opml.ephemerides.along_track_shift import corrected
-from opml.interop import known_orbits
+from opml.interop import ccsds, known_orbits
 from opml.interop.object_ids import ObjectId
 from opml.learning.models import learners
 from opml.mornings import candidates, days, fits
 from opml.mornings.calendar import Calendar
 from opml.mornings.days import UnderWay
 from opml.mornings.kept.store import Store
-from opml.mornings.morning import TrackedObject
+from opml.mornings.morning import tracked
 from opml.mornings.outcomes import DO_NOT_USE, UNPROVEN
 from opml.mornings.records import Records
 from opml.mornings.watched_object import MorningPlan, ObjectPropagators, Watched
@@ -69,7 +69,7 @@ def watched(orbit, assumed_model, iss, earth_orientation, three_stations):
 
 def begin(store, name, watched, until):
     """An object before the first of its mornings that are not over."""
-    shared = name, TrackedObject(watched), CALENDAR, store, "digest"
+    shared = name, tracked(watched), CALENDAR, store, "digest"
     return UnderWay.begin(*shared, done=store.done(until)[name], until=until)
 
 
@@ -172,8 +172,9 @@ def test_every_track_is_estimated_once_and_judges_what_was_flown_before(watched,
 def test_passes_are_those_of_the_message(whole):
     folder = whole / LAST.isoformat() / "iss"
     rows = pd.read_csv(folder / "passes.csv")
-    orbit = station_passes.WholeOrbit(known_orbits.read([folder / "iss.oem"]))
-    expected = station_passes.passes(orbit, SANTIAGO)
+    message = known_orbits.read([folder / "iss.oem"])
+    (date,) = ccsds.utc_texts(EPOCH, message.t[:1])
+    expected = station_passes.passes(message.parts[0].shifted(-message.t[0]), date, SANTIAGO)
     assert len(rows) == len(expected) >= 5
     np.testing.assert_allclose(rows["elevation"], expected["elevation"], atol=1e-3)
     assert (rows["early_or_late"] > 0.0).all()

@@ -21,7 +21,7 @@ from opml.mornings.calendar import Calendar
 from opml.mornings.days import UnderWay
 from opml.mornings.kept.store import Store
 from opml.mornings.outcomes import UNPROVEN
-from opml.mornings.set_mornings import ObjectOfSets, RunSets
+from opml.mornings.set_mornings import RunSets, of_sets
 from opml.mornings.watched_object import MorningPlan
 from opml.orbits.manoeuvres import Manoeuvre
 
@@ -49,7 +49,7 @@ def sets_until(path, days_of_sets):
 def run(path, folder, until=LAST):
     """The mornings of the sets in a file up to a date."""
     sets = RunSets.read([path], "OBSERVED", since=modified_julian_day(EPOCH))
-    watched = ObjectOfSets(PLAN, sets, known_sets.by_object([path])[NUMBER])
+    watched = of_sets(PLAN, sets, known_sets.by_object([path])[NUMBER])
     store = Store(folder, "0", ["mine"])
     shared = "mine", watched, CALENDAR, store, "digest"
     under_way = UnderWay.begin(*shared, done=store.done(until)["mine"], until=until)

@@ -12,7 +12,7 @@ from opml.base.errors import InputError
 from opml.mornings.calendar import HORIZON
 from opml.mornings.days import failed
 from opml.mornings.kept import batch_day
-from opml.mornings.kept.batch_day import PATHS, FinishedMorning
+from opml.mornings.kept.batch_day import PATHS, MorningMark
 from opml.mornings.kept.store import Store
 from opml.mornings.records import Paths, Records
 from opml.tables import SCHEMAS, paths_schema
@@ -34,7 +34,8 @@ def finished(name, value, *, models=("fit96",), day=DAY):
     tables = [filled(SCHEMAS[table], 2, value) for table in Records.TABLES]
     paths = [Paths(filled(paths_schema(models), 3, value))] if models else []
     records = Records(*tables, paths=paths)
-    return FinishedMorning(records, failed(name, day, "good", "why"), "digest", {"eglin": "here"})
+    mark = MorningMark("digest", {"eglin": "here"}, list(models))
+    return records, failed(name, day, "good", "why"), mark
 
 
 def write(folder, made, *, batch="0", day=DAY):
@@ -43,12 +44,12 @@ def write(folder, made, *, batch="0", day=DAY):
 
 def same(folder, name, morning, *, batch="0", day=DAY):
     """Whether an object's morning is kept as it was made."""
-    place = Store(folder, batch, NAMES).places(day)[name]
-    for table, made in morning.records.tables.items():
+    place, (records, outcome, mark) = Store(folder, batch, NAMES).places(day)[name], morning
+    for table, made in records.tables.items():
         pd.testing.assert_frame_equal(place.rows(table, name).reset_index(drop=True), made)
-    for found, made in zip(place.paths(name), morning.records.paths, strict=True):
+    for found, made in zip(place.paths(name), records.paths, strict=True):
         pd.testing.assert_frame_equal(found.table, made.table)
-    return place.outcomes[name] == morning.outcome and place.marks[name] == morning.mark
+    return place.outcomes[name] == outcome and place.marks[name] == mark
 
 
 def contents(folder):

@@ -192,8 +192,8 @@ def daily_orbits(
     equations = [orbit.equations(one.satellite) for one, orbit in zip(daily, own, strict=True)]
     past = PastOrbits(np.array([one.t for one in daily]), own, equations)
     spans = [one for one in SPANS if max(one.before, one.after) <= longest]
-    told = past_orbits.agreement(past, spans, axes=("r", "w") if decay(newest) < STEADY else ("w",))
-    span, r, w = told or (centred(usual_half_span(newest)), np.nan, np.nan)
+    agreed = past_orbits.agreement(past, spans, axes=("r", "w") if decay(newest) < STEADY else ("w",))
+    span, r, w = agreed or (centred(usual_half_span(newest)), np.nan, np.nan)
     sunlight = past.sunlight(span) if _is_lit(newest) else 0.0
     return past, Calibration(span, r, w, sunlight, past.errors(past.numbers(span, sunlight))), beside
 

@@ -257,12 +257,12 @@ def _months(daily: Sequence[KnownSet]) -> Iterator[Sequence[KnownSet]]:
 def _merged(changes: Sequence[OrbitChange]) -> list[OrbitChange]:
     """Return changes; those between sets that follow each other are one, as of sets from both sides of it."""
     merged: list[OrbitChange] = []
-    for one in changes:
-        if merged and merged[-1].end == one.begin:
+    for change in changes:
+        if merged and merged[-1].end == change.begin:
             last = merged.pop()
-            larger, turned = last.larger + one.larger, max(last.turned, one.turned)
-            one = OrbitChange(last.begin, one.end, larger, turned, last.is_burn or one.is_burn)
-        merged.append(one)
+            larger, turned = last.larger + change.larger, max(last.turned, change.turned)
+            change = OrbitChange(last.begin, change.end, larger, turned, last.is_burn or change.is_burn)
+        merged.append(change)
     return merged
 
 

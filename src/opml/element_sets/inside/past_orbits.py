@@ -95,14 +95,14 @@ class PastOrbits:
         revolution or two [m]), ahead (mean along the track [m]), and the same of SGP4 from set i, sgp4_r to
         sgp4_ahead.
         """
-        pairs = self._pairs
-        off = pairs.off(numbers)
-        parts = zip(("", "sgp4_"), (off, pairs.off_sgp4 - pairs.changes(numbers) + off), strict=True)
-        columns = {"i": pairs.i, "j": pairs.j, "days": (self.t[pairs.j] - self.t[pairs.i]) / DAY}
+        i, j = self._pairs
+        off = self._off(numbers)
+        parts = zip(("", "sgp4_"), (off, self._points[-1] - self._changes(numbers) + off), strict=True)
+        columns = {"i": i, "j": j, "days": (self.t[j] - self.t[i]) / DAY}
         for name, errors in parts:
-            sizes = np.sqrt(pairs.means(errors**2))
+            sizes = np.sqrt(self._means(errors**2))
             columns |= {f"{name}{axis}": sizes[:, k] for k, axis in enumerate("rsw")}
-            columns[f"{name}ahead"] = pairs.means(errors)[:, 1]
+            columns[f"{name}ahead"] = self._means(errors)[:, 1]
         return pd.DataFrame(columns, columns=ERRORS, dtype=float)
 
     def sunlight(self, span: FitSpan) -> float:
@@ -112,10 +112,10 @@ class PastOrbits:
         Pairs of sets count as _INDEPENDENT ones, and the number first taken as one more, off by
         GUESSED_LIGHT.
         """
-        pairs = self._pairs
-        apart = self.t[pairs.j] - self.t[pairs.i] >= _APART
-        counted = pairs.there & apart[:, None]
-        dark, lit = (pairs.off(self.numbers(span, step))[counted][:, 0] for step in (0.0, 1.0))
+        i, j = self._pairs
+        apart = self.t[j] - self.t[i] >= _APART
+        counted = self._points[0] & apart[:, None]
+        dark, lit = (self._off(self.numbers(span, step))[counted][:, 0] for step in (0.0, 1.0))
         if apart.sum() < _FEWEST:
             return 0.0
         change = lit - dark
@@ -124,65 +124,54 @@ class PastOrbits:
         return float(-weight * (dark @ change) / (weight * (change @ change) + guess))
 
     @cached_property
-    def _pairs(self) -> "_Pairs":
-        """The pairs of sets that are at most REACH apart."""
+    def _pairs(self) -> tuple[np.ndarray, np.ndarray]:
+        """Sets i and j (pairs,) that are at most REACH apart, j the later."""
         later, earlier = np.tril_indices(len(self.t), -1)
         near = self.t[later] - self.t[earlier] <= REACH
-        i, j = earlier[near], later[near]
-        by_sgp4 = [orbit.displacements(orbit.beginning.satellite) for orbit in self.orbits]
-        own, there = _places(self.orbits, i, self.t[j])
-        judges, _ = _places(self.orbits, j, self.t[j])
+        return earlier[near], later[near]
 
-        def gathered(parts: Sequence[np.ndarray], sets: np.ndarray, places: np.ndarray) -> np.ndarray:
-            rows = [parts[k][at] for k, at in zip(sets, places, strict=True)]
-            return np.reshape(rows, (*places.shape, *parts[0].shape[1:]))
+    @cached_property
+    def _points(self) -> tuple[np.ndarray, ...]:
+        """Orbits of i at the points about the epoch of j: whether these are there (pairs, points), states
+        (pairs, points, 6), partials (pairs, points, 3, 8), and by what SGP4 is off them (pairs, points, 3).
+        """
+        places, there = _places(self.orbits, self._pairs[0], self.t[self._pairs[1]])
+        by_sgp4 = [one.displacements(one.beginning.satellite) for one in self.orbits]
+        return there, *self._at(self._pairs[0], places), _gathered(by_sgp4, self._pairs[0], places)
 
-        states, partials = ([getattr(one, name) for one in self.orbits] for name in ("states", "partials"))
-        return _Pairs(
-            i,
-            j,
-            there,
-            gathered(states, i, own),
-            gathered(partials, i, own),
-            gathered(by_sgp4, i, own),
-            gathered(states, j, judges),
-            gathered(partials, j, judges),
-        )
+    @cached_property
+    def _judges(self) -> tuple[np.ndarray, np.ndarray]:
+        """States and partials of the orbits of j at these points."""
+        places, _ = _places(self.orbits, self._pairs[1], self.t[self._pairs[1]])
+        return self._at(self._pairs[1], places)
 
+    def _at(self, sets: np.ndarray, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return states and partials of the orbits of sets (n,) at places (n, points)."""
+        states = _gathered([one.states for one in self.orbits], sets, places)
+        return states, _gathered([one.partials for one in self.orbits], sets, places)
 
-@dataclass(frozen=True, eq=False)
-class _Pairs:
-    """Pairs of sets i and j, and their orbits at the points about the epoch of j.
-
-    i, j: (pairs,); there: (pairs, points), whether the orbit of i has a point; states: (pairs, points, 6) and
-    partials: (pairs, points, 3, 8) of both as of `NearbyOrbit`; off_sgp4: (pairs, points, 3), by what SGP4
-    from set i is off its orbit
-    """
-
-    i: np.ndarray
-    j: np.ndarray
-    there: np.ndarray
-    states: np.ndarray
-    partials: np.ndarray
-    off_sgp4: np.ndarray
-    states_of_j: np.ndarray
-    partials_of_j: np.ndarray
-
-    def changes(self, numbers: np.ndarray) -> np.ndarray:
+    def _changes(self, numbers: np.ndarray) -> np.ndarray:
         """Return by what the orbits of i change (pairs, points, 3) with numbers of all sets (sets, 8)."""
-        return np.einsum("pkan,pn->pka", self.partials, numbers[self.i])
+        return np.einsum("pkan,pn->pka", self._points[2], numbers[self._pairs[0]])
 
-    def off(self, numbers: np.ndarray) -> np.ndarray:
+    def _off(self, numbers: np.ndarray) -> np.ndarray:
         """Return what the orbits of i are off those of j (pairs, points, 3) [m]; numbers: (sets, 8)."""
-        bent = np.einsum("pkan,pn->pka", self.partials_of_j, numbers[self.j])
-        judges = np.concatenate([positions_beside(self.states_of_j, bent), self.states_of_j[..., 3:]], axis=2)
-        positions = positions_beside(self.states, self.changes(numbers))
+        states, partials = self._judges
+        bent = np.einsum("pkan,pn->pka", partials, numbers[self._pairs[1]])
+        judges = np.concatenate([positions_beside(states, bent), states[..., 3:]], axis=2)
+        positions = positions_beside(self._points[1], self._changes(numbers))
         return bent_rsw(positions.reshape(-1, 3), judges.reshape(-1, 6)).reshape(positions.shape)
 
-    def means(self, values: np.ndarray) -> np.ndarray:
+    def _means(self, values: np.ndarray) -> np.ndarray:
         """Return the means (pairs, 3) of values (pairs, points, 3) over the points that are there."""
-        there = self.there[..., None]
+        there = self._points[0][..., None]
         return np.asarray(np.where(there, values, 0.0).sum(axis=1) / there.sum(axis=1))
+
+
+def _gathered(parts: Sequence[np.ndarray], sets: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """Return rows of the parts of sets (n,) at places (n, points)."""
+    rows = [parts[k][at] for k, at in zip(sets, places, strict=True)]
+    return np.reshape(rows, (*places.shape, *parts[0].shape[1:]))
 
 
 def _places(orbits: Sequence[NearbyOrbit], sets: np.ndarray, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -81,11 +81,6 @@ def mean_height(motion: np.ndarray) -> np.ndarray:
     return semi_major_axis(motion) - WGS84_A
 
 
-def with_drag(satellite: Satrec, bstar: float) -> Satrec:
-    """Return a set with another B*."""
-    return changed(satellite, satellite.no_kozai, bstar)
-
-
 def changed(satellite: Satrec, motion: float, bstar: float) -> Satrec:
     """Return a set with another mean motion [rad/min] and B*."""
     _, (days, (_, *shape, _)) = _reduced(satellite)
@@ -141,7 +136,7 @@ def propagate(satellite: Satrec, minutes: np.ndarray) -> tuple[np.ndarray, np.nd
 
 def perturb_drag(satellite: Satrec, part: float) -> Satrec:
     """Return a set with its B* larger by a part of it."""
-    return with_drag(satellite, (1.0 + part) * satellite.bstar)
+    return changed(satellite, satellite.no_kozai, (1.0 + part) * satellite.bstar)
 
 
 def _initialised(days: float, elements: Sequence[float]) -> Satrec:

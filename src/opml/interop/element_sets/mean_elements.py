@@ -8,10 +8,10 @@ adds an RSO to the sheet. Source: CCSDS 502.0-B-2, section 4 (OMM).
 
 import logging
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import fields, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from functools import lru_cache
-from typing import NamedTuple, cast
+from typing import cast
 
 import numpy as np
 from sgp4.api import SGP4_ERRORS, Satrec, SatrecArray
@@ -27,7 +27,6 @@ from opml.interop.element_sets.teme import teme_to_gcrf
 from opml.interop.orbit_arcs import contents
 from opml.orbits import sheets
 from opml.orbits.elements import coe_from_cartesian, mean_from_true_anomaly
-from opml.orbits.sheets import Rso
 
 WARN_DAYS = 7.0
 """Days from the elements' epoch beyond which SGP4 propagates them with a warning.
@@ -124,27 +123,6 @@ def states_in_teme(satellites: Sequence[Satrec], *, epoch: str, t: np.ndarray) -
     return np.where(errors[..., None] == 0, 1e3 * np.concatenate(vectors, axis=-1), np.nan)
 
 
-class Body(NamedTuple):
-    """The part of an RSO that mean elements lack."""
-
-    area_to_mass: float  # [m2/kg]
-    cd: float
-    cr: float
-
-
-def rso(satellite: Satrec, *, name: str, epoch: str, body: Body) -> Rso:
-    """Return the RSO of mean elements at the UTC text `epoch`, with osculating elements by SGP4.
-
-    B* is not used: it is fitted together with SGP4's own atmosphere. Warns through `logging` where the epoch
-    is more than WARN_DAYS from that of the mean elements. Raises InputError where it is more than MOST_DAYS
-    away, and where SGP4 fails.
-    """
-    check_age(satellite, epoch)
-    a, e, i, argp, raan, nu = coe_from_cartesian(state(satellite, epoch=epoch), EARTH_GM).tolist()
-    mean_anomaly = float(mean_from_true_anomaly(nu, e))
-    return Rso(name, a, e, i, argp, raan, mean_anomaly, **body._asdict())
-
-
 def check_age(satellite: Satrec, epoch: str) -> None:
     """Raise InputError, or warn, where the UTC text `epoch` is too far from that of the mean elements."""
     start = elements_epoch(satellite)
@@ -164,21 +142,17 @@ def check_age(satellite: Satrec, epoch: str) -> None:
         )
 
 
-def sheet_row(rso: Rso) -> str:
-    """Return the RSO's line for the sheet of RSOs, in the sheet's units and order of columns."""
-    to_sheet: Mapping[str, Callable[[float], float]] = {"a": lambda value: value / 1e3} | dict.fromkeys(
-        ("i", "argp", "raan", "mean_anomaly"), math.degrees
-    )
-    values = [(field.name, getattr(rso, field.name)) for field in fields(rso)[1:]]
-    return "\t".join([rso.name, *(repr(to_sheet.get(name, float)(value)) for name, value in values)])
+def line_of_sheet(path: FilePath, *, name: str, epoch: str, area_to_mass: float, cd: float, cr: float) -> str:
+    """Return the line of the sheet of RSOs for a file of mean elements, in the sheet's units.
 
+    name: in the sheet; epoch: UTC text, at which osculating elements are by SGP4; area_to_mass: [m2/kg]
 
-def line_of_sheet(path: FilePath, name: str, epoch: str, body: Body) -> str:
-    """Return the line of the sheet of RSOs for a file of mean elements.
-
-    name: in the sheet
-
-    Raises InputError as `read` and `rso` do, and for a name or a body that the sheet would refuse.
+    B* is not used: it is fitted together with SGP4's own atmosphere. Raises InputError as `read` and
+    `check_age` do, where SGP4 fails, and for a name or a body that the sheet would refuse.
     """
-    sheets.check_body(name, dict(zip(("area_to_mass_m2pkg", "cd", "cr"), body, strict=True)))
-    return sheet_row(rso(read(path), name=name, epoch=epoch, body=body))
+    sheets.check_body(name, {"area_to_mass_m2pkg": area_to_mass, "cd": cd, "cr": cr})
+    satellite = read(path)
+    check_age(satellite, epoch)
+    a, e, *angles, nu = coe_from_cartesian(state(satellite, epoch=epoch), EARTH_GM).tolist()
+    degrees = map(math.degrees, (*angles, float(mean_from_true_anomaly(nu, e))))
+    return "\t".join([name, *map(repr, (a / 1e3, e, *degrees, float(area_to_mass), float(cd), float(cr)))])

@@ -154,19 +154,23 @@ def _fields(one: _Tle | Fields) -> Fields:
 
 
 def _as_tle(sets: Sequence[_Tle | Fields], _: Fields) -> tuple[str, int]:
-    lines, missing = [], 0
+    lines: list[str] = []
+    missing = 0
     for one in sets:
-        if not isinstance(one, _Tle):
-            try:
-                epoch = omm.time_text(one, "EPOCH") or ""
-                satellite = omm.satellite({**one, "EPOCH": epoch, "NORAD_CAT_ID": "0"})
-                pair = tle.exported(satellite, int(one.get("NORAD_CAT_ID", "0")))
-            except InputError:
-                missing += 1
-                continue
-            one = _Tle(one.get("OBJECT_NAME", ""), *pair, {})
-        lines += [*([tle.name_line(one.name)] if one.name else []), one.first, one.second]
+        try:
+            name, first, second = (one.name, one.first, one.second) if isinstance(one, _Tle) else _lines(one)
+        except InputError:
+            missing += 1
+            continue
+        lines += [*([tle.name_line(name)] if name else []), first, second]
     return "".join(f"{line}\n" for line in lines), missing
+
+
+def _lines(one: Fields) -> tuple[str, str, str]:
+    """Return name and lines of a TLE of a message. Raises InputError for numbers beyond those of TLEs."""
+    epoch = omm.time_text(one, "EPOCH") or ""
+    satellite = omm.satellite({**one, "EPOCH": epoch, "NORAD_CAT_ID": "0"})
+    return one.get("OBJECT_NAME", ""), *tle.exported(satellite, int(one.get("NORAD_CAT_ID", "0")))
 
 
 def _as_json(sets: Sequence[_Tle | Fields], _: Fields) -> tuple[str, int]:

@@ -43,20 +43,8 @@ class MorningMark:
     models: Sequence[str]  # of its ephemerides; none where it made none
 
 
-@dataclass(frozen=True)
-class FinishedMorning:
-    """A morning of an object that is over; settings, stations: as those of its mark."""
-
-    records: Records
-    outcome: Mapping[str, Any]
-    settings: str
-    stations: Mapping[str, str]
-
-    @property
-    def mark(self) -> MorningMark:
-        """Settings, stations and models of it."""
-        models = [model for paths in self.records.paths for model in paths.models]
-        return MorningMark(self.settings, self.stations, models)
+FinishedMorning = tuple[Records, Mapping[str, Any], MorningMark]
+"""A morning of an object that is over: its records, its outcome and how it was made."""
 
 
 class BatchDay:
@@ -65,7 +53,7 @@ class BatchDay:
     def __init__(self, folder: Path) -> None:
         """Take the folder, which need not be there."""
         self.folder = folder
-        self._tables: dict[str, ObjectRows] = {}
+        self._tables: dict[str, pd.DataFrame] = {}
 
     @cached_property
     def marks(self) -> dict[str, MorningMark]:
@@ -83,45 +71,47 @@ class BatchDay:
         """Outcomes of objects, by name."""
         return {one["object"]: one for one in outcomes.read(self.folder / _OUTCOMES)}
 
-    def table(self, name: str) -> "ObjectRows":
+    def table(self, name: str) -> pd.DataFrame:
         """Return a table by its name. Raises InputError where it is missing or damaged."""
-        return self._read(f"{name}.parquet", SCHEMAS[name])
+        if name not in self._tables:
+            self._tables[name] = read_table(self.folder / f"{name}.parquet", of_objects(SCHEMAS[name]))
+        return self._tables[name]
 
     def rows(self, table: str, name: str) -> pd.DataFrame:
         """Return the rows of an object. Raises InputError as `table` does."""
-        return self.table(table).rows(name)
+        return rows_of(self.table(table), name, SCHEMAS[table])
 
     def paths(self, name: str) -> list[Paths]:
         """Return the ephemerides of an object, if any are there."""
         models = self.marks[name].models
         if not models or self._paths is None:
             return []
-        rows = self._paths.rows(name)
-        return [Paths(rows[paths_schema(models).names])] if len(rows) else []
+        rows = rows_of(self._paths, name, paths_schema(models))
+        return [Paths(rows)] if len(rows) else []
 
     @cached_property
-    def _paths(self) -> "ObjectRows | None":
+    def _paths(self) -> pd.DataFrame | None:
         """The ephemerides, if any are there."""
         file = self.folder / PATHS
         if not file.exists():
             return None
-        return self._read(PATHS, paths_schema(read_metadata(file)["models"]))
+        return read_table(file, of_objects(paths_schema(read_metadata(file)["models"])))
 
     def write(self, made: Mapping[str, FinishedMorning], *, metadata: Mapping[str, Any]) -> None:
         """Write mornings of objects beside those that are there; metadata: of the tables."""
-        marks = dict(sorted((self.marks | {name: one.mark for name, one in made.items()}).items()))
+        marks = dict(sorted((self.marks | {name: mark for name, (_, _, mark) in made.items()}).items()))
         for table, schema in ((table, SCHEMAS[table]) for table in Records.TABLES):
             rows = {
-                name: made[name].records.tables[table] if name in made else self.rows(table, name)
+                name: made[name][0].tables[table] if name in made else self.rows(table, name)
                 for name in marks
             }
             self._write(f"{table}.parquet", rows, schema, metadata)
-        paths = {name: made[name].records.paths if name in made else self.paths(name) for name in marks}
-        if tables := {name: one.table for name, found in paths.items() for one in found}:
+        paths = {name: made[name][0].paths if name in made else self.paths(name) for name in marks}
+        if tables := {name: one.table for name, own in paths.items() for one in own}:
             models = list(dict.fromkeys(model for name in tables for model in marks[name].models))
             self._write(PATHS, tables, paths_schema(models), {**metadata, "models": models})
-        told = [made[name].outcome if name in made else self.outcomes[name] for name in marks]
-        outcomes.write(self.folder / _OUTCOMES, told)
+        became = [made[name][1] if name in made else self.outcomes[name] for name in marks]
+        outcomes.write(self.folder / _OUTCOMES, became)
         with replacing(self.folder / _DONE) as temporary:
             temporary.write_text(json.dumps({name: vars(mark) for name, mark in marks.items()}) + "\n")
 
@@ -132,12 +122,6 @@ class BatchDay:
         table = joined([one.assign(object=name) for name, one in rows.items()], schema)
         write_table(self.folder / file, table, of_objects(schema), metadata=metadata)
 
-    def _read(self, file: str, schema: Schema) -> "ObjectRows":
-        if file not in self._tables:
-            table = read_table(self.folder / file, of_objects(schema))
-            self._tables[file] = ObjectRows.of(table, schema)
-        return self._tables[file]
-
 
 def joined(tables: Sequence[pd.DataFrame], schema: Schema) -> pd.DataFrame:
     """Return tables of objects below each other, with the columns of a schema."""
@@ -146,23 +130,8 @@ def joined(tables: Sequence[pd.DataFrame], schema: Schema) -> pd.DataFrame:
     return pd.concat(filled, ignore_index=True) if filled else whole.empty()
 
 
-@dataclass(frozen=True)
-class ObjectRows:
-    """A table by object; slices: of its rows."""
-
-    table: pd.DataFrame
-    schema: Schema
-    slices: Mapping[str, slice]
-
-    @classmethod
-    def of(cls, table: pd.DataFrame, schema: Schema) -> "ObjectRows":
-        """Take a table whose objects are sorted."""
-        names, first = np.unique(table["object"].to_numpy(str), return_index=True)
-        ends = np.append(first, len(table))[1:]
-        slices = {str(name): slice(a, b) for name, a, b in zip(names, first, ends, strict=True)}
-        return cls(table, schema, slices)
-
-    def rows(self, name: str) -> pd.DataFrame:
-        """Return the rows of an object."""
-        rows = self.table.iloc[self.slices.get(name, slice(0))]
-        return rows[self.schema.names].reset_index(drop=True)
+def rows_of(table: pd.DataFrame, name: str, schema: Schema) -> pd.DataFrame:
+    """Return the rows of an object in a table whose objects are sorted, with the columns of a schema."""
+    objects = table["object"].to_numpy(object)
+    first, end = (int(np.searchsorted(objects, name, side)) for side in ("left", "right"))
+    return table.iloc[first:end][schema.names].reset_index(drop=True)

@@ -9,10 +9,12 @@ from datetime import date, timedelta
 from pathlib import Path
 from typing import Any
 
+import pandas as pd
+
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.mornings.calendar import HORIZON
-from opml.mornings.kept.batch_day import PATHS, BatchDay, FinishedMorning, ObjectRows, joined
+from opml.mornings.kept.batch_day import PATHS, BatchDay, FinishedMorning, joined, rows_of
 from opml.mornings.records import Records
 from opml.tables import SCHEMAS
 
@@ -26,7 +28,7 @@ class Store:
         """Take the folder of all days, the batch that is written, and the names of its objects."""
         self._days, self._own, self._objects = Path(days), f"{_BATCH}{batch}", list(objects)
         self._places: dict[date, dict[str, BatchDay]] = {}
-        self._past: dict[tuple[str, tuple[date, ...]], ObjectRows] = {}
+        self._past: dict[tuple[str, tuple[date, ...]], pd.DataFrame] = {}
 
     def done(self, until: date) -> dict[str, list[date]]:
         """Return by object the dates up to one of the newest mornings that are over, HORIZON, ascending."""
@@ -44,14 +46,14 @@ class Store:
         """Return where what a morning left is, of each object whose morning is over."""
         if day not in self._places:
             folder, lacking = self._days / day.isoformat(), set(self._objects)
-            found: dict[str, BatchDay] = {}
+            known: dict[str, BatchDay] = {}
             others = (one for one in sorted(folder.glob(f"{_BATCH}*")) if one.name != self._own)
             for place in map(BatchDay, (folder / self._own, *others)):
-                found |= dict.fromkeys(lacking & place.marks.keys(), place)
-                lacking -= found.keys()
+                known |= dict.fromkeys(lacking & place.marks.keys(), place)
+                lacking -= known.keys()
                 if not lacking:
                     break
-            self._places[day] = found
+            self._places[day] = known
         return self._places[day]
 
     def message(self, day: date, name: str) -> Path:
@@ -89,7 +91,9 @@ class Store:
         Raises InputError where a table is missing or damaged, or ephemerides are gone.
         """
         places = [self.places(day)[name] for day in days]
-        estimates, judged, issued = (self._rows(table, tuple(days)).rows(name) for table in Records.TABLES)
+        estimates, judged, issued = (
+            rows_of(self._rows(table, tuple(days)), name, SCHEMAS[table]) for table in Records.TABLES
+        )
         recent = [place for day, place in zip(days, places, strict=True) if day >= since]
         paths = [one for place in recent for one in _whole_paths(place, name)]
         return Records(estimates, judged, issued, paths)
@@ -99,17 +103,17 @@ class Store:
         self._places.clear()
         self._past.clear()
 
-    def _rows(self, table: str, days: tuple[date, ...]) -> ObjectRows:
+    def _rows(self, table: str, days: tuple[date, ...]) -> pd.DataFrame:
         """Return the rows of days of all objects, read once: those of an object in the order of the days."""
         if (table, days) not in self._past:
-            schema, found = SCHEMAS[table], []
+            parts = []
             for places in map(self.places, days):
                 for place in dict.fromkeys(places.values()):
-                    rows = place.table(table).table
+                    rows = place.table(table)
                     own = [name for name in place.marks if places.get(name) is place]
-                    found.append(rows[rows["object"].isin(own)])
-            rows = joined(found, schema).sort_values("object", kind="stable", ignore_index=True)
-            self._past[table, days] = ObjectRows.of(rows, schema)
+                    parts.append(rows[rows["object"].isin(own)])
+            whole = joined(parts, SCHEMAS[table])
+            self._past[table, days] = whole.sort_values("object", kind="stable", ignore_index=True)
         return self._past[table, days]
 
     def write(self, day: date, made: Mapping[str, FinishedMorning], *, metadata: Mapping[str, Any]) -> None:
