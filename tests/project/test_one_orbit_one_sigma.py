@@ -21,8 +21,8 @@ from opml.element_sets.catalogue import modified_julian_day
 from opml.element_sets.inside import inside_forces, inside_now
 from opml.interop.element_sets import known_sets
 from opml.interop.ephemeris import EPOCH
+from opml.mornings import set_mornings
 from opml.mornings.records import Records
-from opml.mornings.set_mornings import RunSets, of_sets
 from opml.mornings.watched_object import MorningPlan
 
 NUMBERS = range(101, 111)
@@ -99,11 +99,11 @@ def test_screen_says_what_predict_says(paths, predicted):
 def test_day_says_what_predict_says(paths, predicted):
     """A study of public sets is a replay of the day."""
     plan = MorningPlan({}, None, 7.0, 60.0, 10 * DAY, DATE)
-    sets = RunSets.read(paths, "OBSERVED", since=modified_julian_day(DATE))
+    sets = set_mornings.read(paths, "OBSERVED", since=modified_julian_day(DATE))
     days = np.arange(1.0, 8.0)
     for path, made in zip(paths, predicted, strict=True):
         (history,) = known_sets.by_object([path]).values()
-        left = of_sets(plan, sets, history).morning(Records.empty(), 0.0)
+        left = set_mornings.of_sets(plan, sets, history).morning(Records.empty(), 0.0)
         assert left.records.issued["model"].iloc[0] == made.model
         told = [[one[name] for name in SIGMAS] for one in left.figures["expected"]]
         np.testing.assert_allclose(told, made.sigmas(DAY * days)[:, [1, 0, 2]], atol=0.051)

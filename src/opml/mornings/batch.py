@@ -31,16 +31,17 @@ from opml.dynamics.shared_blocks import SharedBlocks
 from opml.element_sets import station_passes
 from opml.element_sets.catalogue import modified_julian_day
 from opml.element_sets.inside import kept_calibrations
+from opml.element_sets.inside.past_orbits import Calibration
 from opml.interop.element_sets import known_sets
 from opml.interop.element_sets.element_set import ElementSet
 from opml.learning.models.learners import JobLearner
-from opml.mornings import days
+from opml.mornings import days, set_mornings
 from opml.mornings.calendar import Calendar
 from opml.mornings.days import UnderWay, WatchedObject
 from opml.mornings.kept.store import Store
 from opml.mornings.morning import tracked
 from opml.mornings.outcomes import FAILED
-from opml.mornings.set_mornings import RunSets, history_of, of_sets
+from opml.mornings.set_mornings import PublicOn, history_of, of_sets
 from opml.mornings.watched_object import MorningPlan, ObjectPropagators, Watched
 from opml.mornings.weather_of_day import FIGURES
 from opml.orbits.sheets import Rso, Station
@@ -129,13 +130,19 @@ class Surroundings:
     orientation: pd.DataFrame
     stations: Sequence[Station]
     seen_until: float
-    sets: RunSets | None
+    sets: PublicOn | None
     read_sets: Callable[[tuple[str, ...]], Mapping[int, Sequence[ElementSet]]]
     propagate: Callable[..., Arcs]
 
     @classmethod
     def read(
-        cls, files: Any, settings: BatchSettings, propagate: Callable[..., Arcs], *, since: float
+        cls,
+        files: Any,
+        settings: BatchSettings,
+        kept: dict[str, Calibration],
+        propagate: Callable[..., Arcs],
+        *,
+        since: float,
     ) -> "Surroundings":
         """Read them, with the futures issued since a time [s]; raise InputError where a table is damaged."""
         paths = dict(files.items())
@@ -156,7 +163,7 @@ class Surroundings:
             read_table(fits["earth_orientation"], "earth_orientation"),
             settings.stations,
             float(activity.dropna(subset=list(FIGURES))["t"].max()),
-            _run_sets(settings, since, propagate),
+            _public_sets(settings, kept, since, propagate),
             cache(known_sets.by_object),
             propagate,
         )
@@ -184,9 +191,8 @@ def run(files: Any, settings: BatchSettings, *, metadata: Mapping[str, Any]) -> 
     with pd.option_context("mode.string_storage", "python"):
         blocks, store = SharedBlocks(), Store(settings.days, settings.batch, settings.objects)
         done = store.done(settings.date)
-        surroundings = Surroundings.read(
-            files, settings, blocks.propagate, since=_issued_since(settings, done)
-        )
+        kept, since = kept_calibrations.read(settings.calibrations), _issued_since(settings, done)
+        surroundings = Surroundings.read(files, settings, kept, blocks.propagate, since=since)
         failed: dict[str, dict[str, Any]] = {}
         together = partial(_together, blocks=blocks, day=settings.date, failed=failed)
         begun = together(
@@ -204,8 +210,7 @@ def run(files: Any, settings: BatchSettings, *, metadata: Mapping[str, Any]) -> 
             together=together,
             metadata={**metadata, "settings": shared},
         )
-        if surroundings.sets:
-            kept_calibrations.write(settings.calibrations, surroundings.sets.kept)
+        kept_calibrations.write(settings.calibrations, kept)
         places = store.places(settings.date)
         return [failed.get(name) or places[name].outcomes[name] for name in settings.objects]
 
@@ -240,15 +245,15 @@ def _together(
     return {name: result for name, result in zip(calls, results, strict=True) if result is not None}
 
 
-def _run_sets(settings: BatchSettings, since: float, propagate: Callable[..., Arcs]) -> RunSets | None:
+def _public_sets(
+    settings: BatchSettings, kept: dict[str, Calibration], since: float, propagate: Callable[..., Arcs]
+) -> PublicOn | None:
     """Return the public sets of a run, None without any; since: a time before all mornings to be run [s]."""
     if not settings.element_files:
         return None
     first = modified_julian_day(settings.epoch) + (since / DAY if np.isfinite(since) else 0.0)
-    kept = kept_calibrations.read(settings.calibrations)
-    return RunSets.read(
-        settings.element_files, settings.weather, since=first, propagator=propagate, kept=kept
-    )
+    files, weather = settings.element_files, settings.weather
+    return set_mornings.read(files, weather, since=first, propagator=propagate, kept=kept)
 
 
 def _futures(path: FilePath, *, since: float) -> pd.DataFrame:

@@ -37,7 +37,7 @@ def tracked(watched: Watched) -> WatchedObject:
     """Return an object of tracks, fixes or ranges on its mornings."""
     tracking, measured = watched.tracking, {*watched.tracking.get("station", ())}
 
-    def left(records: Records, now: float) -> MorningResult:
+    def leave(records: Records, now: float) -> MorningResult:
         result = morning(watched, records, now=now)
         write = partial(result.write, watched.plan.epoch) if result.ephemeris is not None else None
         return MorningResult(result.records, result.verdict, result.figures, write)
@@ -48,7 +48,7 @@ def tracked(watched: Watched) -> WatchedObject:
         float(tracking.groupby("track")["t"].max().min()),
         float(tracking["t"].max()),
         {one.name: settings_digest(one.row) for one in watched.stations if one.name in measured},
-        left,
+        leave,
     )
 
 

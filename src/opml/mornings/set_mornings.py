@@ -5,9 +5,9 @@ earlier mornings predicted is judged by the orbit inside the newest set, at its 
 itself.
 """
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from functools import partial
+from collections.abc import Callable, Mapping, MutableMapping, Sequence
+from dataclasses import replace
+from functools import lru_cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -20,16 +20,13 @@ from opml.base.files import FilePath
 from opml.dynamics.ensemble import Arcs
 from opml.element_sets import catalogue as catalogues
 from opml.element_sets import improve, trained_model
-from opml.element_sets.catalogue import ElementCatalogue
 from opml.element_sets.inside import inside_sizes
 from opml.element_sets.inside.inside_forces import ON_ALL_CORES
 from opml.element_sets.inside.orbit_prediction import OrbitInside
 from opml.element_sets.inside.past_orbits import Calibration
 from opml.element_sets.prediction import Prediction, PublicMorning
 from opml.element_sets.set_errors import OLDEST
-from opml.element_sets.trained_model import CatalogueModel
 from opml.environment import known_weather
-from opml.environment.weather import Weather
 from opml.ephemerides.along_track_shift import LEAST_EPOCHS
 from opml.ephemerides.paths import Paths
 from opml.interop import ccsds, oem
@@ -52,53 +49,39 @@ _MINUTES = len("2016-09-28T12:09")
 _SIZES = SIGMA_STATE[:3]  # standard deviations of positions
 
 
-@dataclass(frozen=True, eq=False)
-class RunSets:
-    """The public sets of all objects of a run and the weather, on the mornings of a job.
+PublicOn = Callable[[str], PublicMorning]
+"""Returns what was public on a date (UTC text), improved. Raises InputError as `improve.read`."""
 
+
+def read(
+    paths: Sequence[FilePath],
+    weather: str,
+    *,
+    since: float,
+    propagator: Callable[..., Arcs] = ON_ALL_CORES,
+    kept: MutableMapping[str, Calibration] | None = None,
+) -> PublicOn:
+    """Read the public sets of all objects of a run and the weather, on the mornings of a job.
+
+    weather: OBSERVED, the packaged one, or a CSSI file; since: modified Julian day (UTC)
     kept: calibrations of orbits inside sets of its mornings and of earlier ones, as of `PublicMorning`
+
+    Raises InputError for unreadable files.
     """
+    whole = catalogues.read(paths, leave_out_damaged=True)
+    sets = whole.take(np.flatnonzero(whole.table["t"].to_numpy() >= since - REACH))
+    measured, model, shared = known_weather.read(weather), trained_model.read(), {} if kept is None else kept
 
-    catalogue: ElementCatalogue
-    weather: Weather
-    source: str
-    model: CatalogueModel
-    propagator: Callable[..., Arcs] = ON_ALL_CORES
-    kept: dict[str, Calibration] = field(default_factory=dict)
-    _mornings: dict[str, PublicMorning] = field(default_factory=dict)
+    @lru_cache(maxsize=1)  # all objects have one morning before any has the next
+    def public_on(date: str) -> PublicMorning:
+        known = improve.public_on(date, sets, measured, source=weather)
+        better = improve.improve(known, model, progress=lambda line: None)
+        return PublicMorning(known, better, weather, known_sets.LATENCY, propagator, shared)
 
-    @classmethod
-    def read(
-        cls,
-        paths: Sequence[FilePath],
-        weather: str,
-        *,
-        since: float,
-        propagator: Callable[..., Arcs] = ON_ALL_CORES,
-        kept: dict[str, Calibration] | None = None,
-    ) -> "RunSets":
-        """Read them; weather: OBSERVED, the packaged one, or a CSSI file; since: modified Julian day (UTC).
-
-        Raises InputError for unreadable files.
-        """
-        sets = catalogues.read(paths, leave_out_damaged=True)
-        rows = np.flatnonzero(sets.table["t"].to_numpy() >= since - REACH)
-        measured, model = known_weather.read(weather), trained_model.read()
-        return cls(sets.take(rows), measured, weather, model, propagator, {} if kept is None else kept)
-
-    def on(self, date: str) -> PublicMorning:
-        """Return what was public on a date (UTC text), improved. Raises InputError as `improve.read`."""
-        if date not in self._mornings:
-            self._mornings.clear()  # all objects have one morning before any has the next
-            known = improve.public_on(date, self.catalogue, self.weather, source=self.source)
-            better = improve.improve(known, self.model, progress=lambda line: None)
-            self._mornings[date] = PublicMorning(
-                known, better, self.source, known_sets.LATENCY, self.propagator, self.kept
-            )
-        return self._mornings[date]
+    return public_on
 
 
-def of_sets(plan: MorningPlan, sets: RunSets, history: Sequence[ElementSet]) -> WatchedObject:
+def of_sets(plan: MorningPlan, public_on: PublicOn, history: Sequence[ElementSet]) -> WatchedObject:
     """Return an object of public sets on its mornings; history: all its sets, by epoch.
 
     What it predicted is judged by later sets, which are some days old.
@@ -106,18 +89,18 @@ def of_sets(plan: MorningPlan, sets: RunSets, history: Sequence[ElementSet]) -> 
     known = [one.made for one in known_sets.since(plan.epoch, history)]
     first = min((t for t in known if t >= 0.0), default=0.0)
     return WatchedObject(
-        plan, plan.max_days + OLDEST, first, max(known), {}, partial(_morning, plan, sets, history)
+        plan, plan.max_days + OLDEST, first, max(known), {}, partial(_morning, plan, public_on, history)
     )
 
 
 def _morning(
-    plan: MorningPlan, sets: RunSets, history: Sequence[ElementSet], records: Records, now: float
+    plan: MorningPlan, public_on: PublicOn, history: Sequence[ElementSet], records: Records, now: float
 ) -> MorningResult:
     """Return what the morning at a time [s] leaves; records: of earlier ones."""
     (date,) = ccsds.utc_texts(plan.epoch, np.array([now]))
     row = {"morning": now, "i": -1, "t_i": np.nan, "model": "", "burn_t": np.nan}
     try:
-        prediction = sets.on(date).predict(history, days=plan.max_days)
+        prediction = public_on(date).predict(history, days=plan.max_days)
     except InputError as reason:
         refused = Verdict(DO_NOT_USE, str(reason))
         nothing = {name: outcomes.NOTHING[name] for name in _FIGURES}

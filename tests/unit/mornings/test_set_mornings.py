@@ -21,7 +21,7 @@ from opml.mornings.calendar import Calendar
 from opml.mornings.days import UnderWay
 from opml.mornings.kept.store import Store
 from opml.mornings.outcomes import UNPROVEN
-from opml.mornings.set_mornings import RunSets, of_sets
+from opml.mornings.set_mornings import of_sets
 from opml.mornings.watched_object import MorningPlan
 from opml.orbits.manoeuvres import Manoeuvre
 
@@ -48,7 +48,7 @@ def sets_until(path, days_of_sets):
 
 def run(path, folder, until=LAST):
     """The mornings of the sets in a file up to a date."""
-    sets = RunSets.read([path], "OBSERVED", since=modified_julian_day(EPOCH))
+    sets = set_mornings.read([path], "OBSERVED", since=modified_julian_day(EPOCH))
     watched = of_sets(PLAN, sets, known_sets.by_object([path])[NUMBER])
     store = Store(folder, "0", ["mine"])
     shared = "mine", watched, CALENDAR, store, "digest"
