@@ -21,7 +21,7 @@ from opml.base.files import FilePath
 from opml.conjunctions import approaches, sieve
 from opml.conjunctions.conjunction import Conjunction, check_length, check_radius
 from opml.conjunctions.predicted_sets import predictor
-from opml.conjunctions.sieve import Looks, Span
+from opml.conjunctions.sieve import Span
 from opml.conjunctions.trajectories import ScreenedObject, of_states, read_elements, span_of_days
 from opml.interop import ccsds, formats, known_orbits
 from opml.interop.ephemeris import EPOCH, Ephemeris
@@ -95,7 +95,7 @@ def screen(ephemerides: Sequence[ScreenedObject], *, within: float, radius: floa
     spans = [trajectory.span for trajectory in ours.trajectories]
     whole = _whole(spans)
     _tell_unknown(ours, [whole])
-    looks = [Looks.at(trajectory, epoch=EPOCH) for trajectory in ours.trajectories]
+    looks = [sieve.looks_at(trajectory, epoch=EPOCH) for trajectory in ours.trajectories]
     near = [one for one in others if one.may_meet(looks, within)]
     for one in near:
         _tell_unknown(one, spans)

@@ -6,7 +6,6 @@ on the straight path is left out, and so no approach is lost.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from scipy.spatial import KDTree
@@ -39,40 +38,36 @@ def states_in_teme(one: KnownSet, t: np.ndarray) -> np.ndarray:
     return states
 
 
-@dataclass(frozen=True, eq=False)
-class Looks:
-    """States of our object at the closer looks."""
+Looks = tuple[np.ndarray, np.ndarray]
+"""Times (n,) [s] of the closer looks at our object, and its states (n, 6) in TEME then [km, km/s]."""
 
-    t: np.ndarray  # (n,) [s]
-    states: np.ndarray  # (n, 6) TEME [km, km/s]
 
-    @classmethod
-    def at(cls, path: Ephemeris, *, epoch: str) -> "Looks":
-        """Return the looks along a path.
+def looks_at(path: Ephemeris, *, epoch: str) -> Looks:
+    """Return the looks along a path; epoch: UTC text, the path's."""
+    t = _looks(path.t[0], path.t[-1], LOOK, _CLOSER)
+    vectors = np.einsum("nji,nkj->nki", teme_to_gcrf(epoch, t), path.at(t).reshape(-1, 2, 3))
+    return t, 1e-3 * vectors.reshape(-1, 6)
 
-        epoch: UTC text, the path's
-        """
-        t = _looks(path.t[0], path.t[-1], LOOK, _CLOSER)
-        turns = teme_to_gcrf(epoch, t)
-        vectors = np.einsum("nji,nkj->nki", turns, path.at(t).reshape(-1, 2, 3))
-        return cls(t, 1e-3 * vectors.reshape(-1, 6))
 
-    def may_meet(self, other: KnownSet, within: float) -> bool:
-        """Return whether another object may come within a distance [m]; True where SGP4 fails."""
-        near = self._near(other, np.arange(0, len(self.t), _CLOSER), 0.5 * _CLOSER, within)
-        closer = near[:, None] + np.arange(-_CLOSER // 2, _CLOSER // 2 + 1)
-        closer = np.unique(np.clip(closer, 0, len(self.t) - 1)) if len(near) else near
-        return bool(len(self._near(other, closer, 0.5, within)))
+def may_meet(looks: Looks, other: KnownSet, within: float) -> bool:
+    """Return whether another object may come within a distance [m] of ours; True where SGP4 fails."""
+    last = len(looks[0]) - 1
+    near = _near(looks, other, np.arange(0, last + 1, _CLOSER), 0.5 * _CLOSER, within)
+    closer = near[:, None] + np.arange(-_CLOSER // 2, _CLOSER // 2 + 1)
+    closer = np.unique(np.clip(closer, 0, last)) if len(near) else near
+    return bool(len(_near(looks, other, closer, 0.5, within)))
 
-    def _near(self, other: KnownSet, looks: np.ndarray, reach: float, within: float) -> np.ndarray:
-        """Return those looks about which another object may be near.
 
-        reach: of a look, in steps between the closer looks
-        """
-        if not len(looks):
-            return looks
-        relative = states_in_teme(other, self.t[looks]) - self.states[looks]
-        return looks[may_be_near(relative, reach * (self.t[1] - self.t[0]), within)]
+def _near(looks: Looks, other: KnownSet, rows: np.ndarray, reach: float, within: float) -> np.ndarray:
+    """Return those rows of looks about which another object may be near.
+
+    reach: of a look, in steps between the closer looks
+    """
+    t, states = looks
+    if not len(rows):
+        return rows
+    relative = states_in_teme(other, t[rows]) - states[rows]
+    return rows[may_be_near(relative, reach * (t[1] - t[0]), within)]
 
 
 def near_pairs(

@@ -12,7 +12,7 @@ from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.conjunctions import approaches
 from opml.conjunctions.conjunction import Participant, remarks_on
-from opml.conjunctions.sieve import STEEP, Looks, Span, states_in_teme
+from opml.conjunctions.sieve import STEEP, Looks, Span, may_meet, states_in_teme
 from opml.interop.element_sets import known_sets, mean_elements, sgp4_errors
 from opml.interop.element_sets.burns_in_sets import KnownSet
 from opml.interop.element_sets.element_set import ElementSet
@@ -139,8 +139,8 @@ class ScreenedElements(ScreenedObject):
 
     def may_meet(self, looks: Sequence[Looks], within: float) -> bool:
         """Return whether the object may come within a distance [m] of ours, or is unknown at times."""
-        oldest = max(float(np.abs(one.t[[0, -1]] - self.epoch).max()) for one in looks)
-        return oldest > DAY * MOST_DAYS or any(one.may_meet(self.known_set, within) for one in looks)
+        oldest = max(float(np.abs(t[[0, -1]] - self.epoch).max()) for t, _ in looks)
+        return oldest > DAY * MOST_DAYS or any(may_meet(one, self.known_set, within) for one in looks)
 
     def by_sgp4(self) -> list[Ephemeris]:
         """Return the trajectory through all states of the life, none where these are too few."""

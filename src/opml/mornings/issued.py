@@ -112,9 +112,3 @@ def epochs(paths: pd.DataFrame, step: float) -> np.ndarray:
     t = paths["t_j"].to_numpy()
     at: np.ndarray = np.arange(np.ceil(t[0] / step), np.floor(t[-1] / step) + 1.0) * step
     return at
-
-
-def next_to_whole_days(at: np.ndarray, begin: float) -> np.ndarray:
-    """Return of epochs (n,) the ends, and those next to whole days after `begin` [s]."""
-    after = np.searchsorted(at, np.arange(begin, at[-1] + DAY, DAY))
-    return at[np.unique(np.clip([after - 1, after], 0, len(at) - 1))]

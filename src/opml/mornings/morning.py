@@ -147,8 +147,6 @@ class TrackMorning:
             past, plan.models, formal.loc[paths.start], self.earlier.formal, now=self.now
         )
         at = issued.epochs(paths.table, plan.step)
-        if not plan.has_message:
-            at = issued.next_to_whole_days(at, float(self.starts["t"].iloc[0]))
         self.ephemeris = paths.ephemeris(selected.model, selected.sizes, at=at)
         self.selected = selected
 
