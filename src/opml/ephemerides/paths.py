@@ -77,7 +77,7 @@ class Paths:
         """
         at, states = later["t_j"], np.column_stack([later[name] for name in STATE])
         off = (self._arrived(at) - states).reshape(-1, len(STATE))
-        before, *after = in_rsw(off, np.tile(states, (len(off) // len(at), 1))).reshape(-1, *states.shape)
+        before, *after = in_rsw(off, np.tile(states, (1 + len(self.models), 1))).reshape(-1, *states.shape)
         t_i = float(self.table["t_i"].iloc[0])
         known = {name: values for name, values in later.items() if name not in STATE}
         known |= {"t_i": np.full(len(at), t_i), "morning": np.full(len(at), self.made_at)}
