@@ -55,10 +55,9 @@ class Morning:
             return InputError("sets of two objects")
         return SimpleNamespace(
             date=DATE,
-            how={"height": 500e3},
+            how={"height": 500e3, "motion": newest.no_kozai, "bstar": newest.bstar},
             inside=INSIDE if number == 1 else "its sets disagree",
             published=newest,
-            improved=newest,
             states=lambda t: mean_elements.states(newest, epoch=DATE, t=t),
             sigmas=lambda t: np.full((len(t), 3), 100.0),
         )

@@ -2,6 +2,7 @@
 
 import errno
 from datetime import date
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
@@ -14,7 +15,9 @@ from opml.mornings.outcomes import FAILED
 ONE = ObjectSettings.model_construct(rso=None, options={})
 DAY = date(2016, 10, 5)
 OBJECTS = {"first": ONE, "second": ONE}
-SETTINGS = BatchSettings.model_construct(days="days", batch="0", date=DAY, max_days=1.0, objects=OBJECTS)
+SETTINGS = BatchSettings.model_construct(
+    days=Path("days"), batch="0", date=DAY, max_days=1.0, objects=OBJECTS
+)
 
 
 def outcomes(monkeypatch, reason):
