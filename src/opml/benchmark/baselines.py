@@ -42,7 +42,9 @@ _UPPER = np.triu_indices(3)
 PREDICT = "predict"  # the baseline of `opml predict`
 IMPROVE, LEARNED = "improve", "learned"  # as `opml improve` does; by the model alone
 
-BASELINES = (PREDICT, "sgp4", DENSITY, IMPROVE, LEARNED)
+SGP4 = "sgp4"  # the sets as published
+
+BASELINES = (PREDICT, SGP4, DENSITY, IMPROVE, LEARNED)
 
 
 def _check_written(path: FilePath, task: BenchmarkTask, trained: FilePath | None) -> None:
@@ -70,7 +72,8 @@ def write(
         raise InputError(f"{task.name}: expected a task of element sets, got tracks: benchmark/track_fits.py")
     lines: list[list[str]] = []
     model, first = models.read(trained), process_time()
-    if hindsight := models.hindsight(model.card, task.questions["t"].min()):
+    hindsight = "" if baseline == SGP4 else models.hindsight(model.card, task.questions["t"].min())
+    if hindsight:
         progress(hindsight)
     for t, questions in task.questions.groupby("t", sort=True):
         begin = process_time()

@@ -351,7 +351,8 @@ def test_baselines_answer_all_that_is_asked(way, task, tmp_path):
     found = answers.read(path, part)
     assert found.is_answered.all()
     assert found.about["command"] == f"opml answer sample {way}"
-    assert found.about["hindsight"].startswith("the model was trained on data up to")
+    words = "" if way == baselines.SGP4 else "the model was trained on data up to"
+    assert found.about["hindsight"][: len(words) or None] == words
     assert np.isfinite(found.covariances).all()
     true = true_states(task)[last.index]
     assert np.linalg.norm(found.states[:, :3] - true[:, :3], axis=1).max() < 200e3

@@ -96,8 +96,9 @@ class PastOrbits:
         sgp4_ahead.
         """
         i, j = self._pairs
+        *_, by_sgp4 = self._points
         off = self._off(numbers)
-        parts = zip(("", "sgp4_"), (off, self._points[-1] - self._changes(numbers) + off), strict=True)
+        parts = zip(("", "sgp4_"), (off, by_sgp4 - self._changes(numbers) + off), strict=True)
         columns = {"i": i, "j": j, "days": (self.t[j] - self.t[i]) / DAY}
         for name, errors in parts:
             sizes = np.sqrt(self._means(errors**2))
@@ -114,7 +115,8 @@ class PastOrbits:
         """
         i, j = self._pairs
         apart = self.t[j] - self.t[i] >= _APART
-        counted = self._points[0] & apart[:, None]
+        there, *_ = self._points
+        counted = there & apart[:, None]
         dark, lit = (self._off(self.numbers(span, step))[counted][:, 0] for step in (0.0, 1.0))
         if apart.sum() < _FEWEST:
             return 0.0
@@ -135,37 +137,45 @@ class PastOrbits:
         """Orbits of i at the points about the epoch of j: whether these are there (pairs, points), states
         (pairs, points, 6), partials (pairs, points, 3, 8), and by what SGP4 is off them (pairs, points, 3).
         """
-        places, there = _places(self.orbits, self._pairs[0], self.t[self._pairs[1]])
-        by_sgp4 = [one.displacements(one.beginning.satellite) for one in self.orbits]
-        return there, *self._at(self._pairs[0], places), _gathered(by_sgp4, self._pairs[0], places)
+        i, j = self._pairs
+        places, there = _places(self.orbits, i, self.t[j])
+        by_sgp4 = [orbit.displacements(orbit.beginning.satellite) for orbit in self.orbits]
+        return there, *self._at(i, places), _gathered(by_sgp4, i, places)
 
     @cached_property
     def _judges(self) -> tuple[np.ndarray, np.ndarray]:
         """States and partials of the orbits of j at these points."""
-        places, _ = _places(self.orbits, self._pairs[1], self.t[self._pairs[1]])
-        return self._at(self._pairs[1], places)
+        _, j = self._pairs
+        places, _ = _places(self.orbits, j, self.t[j])
+        return self._at(j, places)
 
     def _at(self, sets: np.ndarray, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return states and partials of the orbits of sets (n,) at places (n, points)."""
-        states = _gathered([one.states for one in self.orbits], sets, places)
-        return states, _gathered([one.partials for one in self.orbits], sets, places)
+        states, partials = (
+            [getattr(orbit, name) for orbit in self.orbits] for name in ("states", "partials")
+        )
+        return _gathered(states, sets, places), _gathered(partials, sets, places)
 
     def _changes(self, numbers: np.ndarray) -> np.ndarray:
         """Return by what the orbits of i change (pairs, points, 3) with numbers of all sets (sets, 8)."""
-        return np.einsum("pkan,pn->pka", self._points[2], numbers[self._pairs[0]])
+        i, _ = self._pairs
+        _, _, partials, _ = self._points
+        return np.einsum("pkan,pn->pka", partials, numbers[i])
 
     def _off(self, numbers: np.ndarray) -> np.ndarray:
         """Return what the orbits of i are off those of j (pairs, points, 3) [m]; numbers: (sets, 8)."""
+        _, j = self._pairs
         states, partials = self._judges
-        bent = np.einsum("pkan,pn->pka", partials, numbers[self._pairs[1]])
+        bent = np.einsum("pkan,pn->pka", partials, numbers[j])
         judges = np.concatenate([positions_beside(states, bent), states[..., 3:]], axis=2)
-        positions = positions_beside(self._points[1], self._changes(numbers))
+        _, states_of_i, *_ = self._points
+        positions = positions_beside(states_of_i, self._changes(numbers))
         return bent_rsw(positions.reshape(-1, 3), judges.reshape(-1, 6)).reshape(positions.shape)
 
     def _means(self, values: np.ndarray) -> np.ndarray:
         """Return the means (pairs, 3) of values (pairs, points, 3) over the points that are there."""
-        there = self._points[0][..., None]
-        return np.asarray(np.where(there, values, 0.0).sum(axis=1) / there.sum(axis=1))
+        there, *_ = self._points
+        return np.asarray(np.where(there[..., None], values, 0.0).sum(axis=1) / there.sum(axis=1)[:, None])
 
 
 def _gathered(parts: Sequence[np.ndarray], sets: np.ndarray, places: np.ndarray) -> np.ndarray:
