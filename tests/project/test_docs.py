@@ -104,7 +104,7 @@ def test_the_site_has_a_prediction_to_look_at(site):
 def test_the_reference_lists_parameters(site):
     text = (site / "reference.html").read_text(encoding="utf-8")
     listed = re.findall(r"<li><p><strong>([\w, ]+):</strong> ", text)
-    assert {"gravity", "kernel", "train, span_days, seed", "area_to_mass"} <= set(listed)
+    assert {"gravity", "train, span_days, seed", "area_to_mass"} <= set(listed)
     assert "<p>Raises InputError where a source cannot be read or does not reach.</p>" in text
 
 

@@ -73,11 +73,11 @@ def test_what_is_taken_from_a_facade_is_its_own(facade):
 
 
 MOST = {
-    "lines of the package": 41_231,
-    "lines of tests": 31_112,
-    "classes": 296,
+    "lines of the package": 40_316,
+    "lines of tests": 30_847,
+    "classes": 262,
     "docstrings that begin with what, which, how, where, of": 0,
-    "variables called found, one, made, told": 37,
+    "variables called found, one, made, told": 0,
 }
 """Limits of the house. A change that adds pays in the same change; a change that removes lowers them."""
 
