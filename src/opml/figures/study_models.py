@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
-from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
@@ -47,7 +46,7 @@ def splits(
         axes.axvline(NO_CORRECTION, color=MUTED, ls="--", lw=1.0, zorder=1)
         axes.set_title(display_stations(stations), fontsize=8.0, loc="left")
         axes.set_xscale("log")
-        _number(axes.xaxis, (1.0,))
+        axes.xaxis.set(major_locator=LogLocator(), major_formatter="{x:g}", minor_formatter=NullFormatter())
         axes.set_yticks(np.arange(len(learners))[::-1], learners)
     _explain(figure.axes[-1], models)
     figure.supxlabel(f"{P_ML} of the {in_words(component)} {symbol(component)} [%]", fontsize="medium")
@@ -73,12 +72,6 @@ def _draw_splits(axes: Axes, metrics: pd.DataFrame, learners: Sequence[str], spl
         look: dict[str, Any] = {"color": SERIES[k % len(SERIES)], "marker": MARKERS[k % len(MARKERS)]}
         axes.hlines(aside, rows["p_ml_low"], rows["p_ml_high"], color=look["color"], lw=1.2)
         axes.plot(rows["p_ml"], aside, ls="", ms=4.0, label=split, **look)
-
-
-def _number(axis: Axis, parts: Sequence[float]) -> None:
-    axis.set_major_locator(LogLocator(subs=parts))
-    axis.set_major_formatter("{x:g}")
-    axis.set_minor_formatter(NullFormatter())
 
 
 def _explain(axes: Axes, models: Mapping[str, str]) -> None:

@@ -338,7 +338,6 @@ class _Checks:
             "station_sets": _each(self._stations),
             "learner": self._learner,
             "learners": _each(self._learner),
-            "rules": _each(self._learner),
             "train": self._train,
             "test": self._test,
             "tests": _each(self._test),

@@ -96,9 +96,8 @@ class PastOrbits:
         sgp4_ahead.
         """
         i, j = self._pairs
-        *_, by_sgp4 = self._points
         off = self._off(numbers)
-        parts = zip(("", "sgp4_"), (off, by_sgp4 - self._changes(numbers) + off), strict=True)
+        parts = zip(("", "sgp4_"), (off, self._by_sgp4 - self._changes(numbers) + off), strict=True)
         columns = {"i": i, "j": j, "days": (self.t[j] - self.t[i]) / DAY}
         for name, errors in parts:
             sizes = np.sqrt(self._means(errors**2))
@@ -115,7 +114,7 @@ class PastOrbits:
         """
         i, j = self._pairs
         apart = self.t[j] - self.t[i] >= _APART
-        there, *_ = self._points
+        _, there = self._points
         counted = there & apart[:, None]
         dark, lit = (self._off(self.numbers(span, step))[counted][:, 0] for step in (0.0, 1.0))
         if apart.sum() < _FEWEST:
@@ -133,18 +132,25 @@ class PastOrbits:
         return earlier[near], later[near]
 
     @cached_property
-    def _points(self) -> tuple[np.ndarray, ...]:
-        """Orbits of i at the points about the epoch of j: whether these are there (pairs, points), states
-        (pairs, points, 6), partials (pairs, points, 3, 8), and by what SGP4 is off them (pairs, points, 3).
-        """
+    def _points(self) -> tuple[np.ndarray, np.ndarray]:
+        """Points (pairs, points) of the orbits of i about the epoch of j, and whether they are there."""
         i, j = self._pairs
-        places, there = _places(self.orbits, i, self.t[j])
+        return _places(self.orbits, i, self.t[j])
+
+    @cached_property
+    def _own(self) -> tuple[np.ndarray, np.ndarray]:
+        """States (pairs, points, 6) and partials (pairs, points, 3, 8) of the orbits of i at these points."""
+        return self._at(self._pairs[0], self._points[0])
+
+    @cached_property
+    def _by_sgp4(self) -> np.ndarray:
+        """By what SGP4 from set i is off its orbit at these points (pairs, points, 3)."""
         by_sgp4 = [orbit.displacements(orbit.beginning.satellite) for orbit in self.orbits]
-        return there, *self._at(i, places), _gathered(by_sgp4, i, places)
+        return _gathered(by_sgp4, self._pairs[0], self._points[0])
 
     @cached_property
     def _judges(self) -> tuple[np.ndarray, np.ndarray]:
-        """States and partials of the orbits of j at these points."""
+        """States and partials of the orbits of j about its epoch."""
         _, j = self._pairs
         places, _ = _places(self.orbits, j, self.t[j])
         return self._at(j, places)
@@ -159,7 +165,7 @@ class PastOrbits:
     def _changes(self, numbers: np.ndarray) -> np.ndarray:
         """Return by what the orbits of i change (pairs, points, 3) with numbers of all sets (sets, 8)."""
         i, _ = self._pairs
-        _, _, partials, _ = self._points
+        _, partials = self._own
         return np.einsum("pkan,pn->pka", partials, numbers[i])
 
     def _off(self, numbers: np.ndarray) -> np.ndarray:
@@ -168,13 +174,13 @@ class PastOrbits:
         states, partials = self._judges
         bent = np.einsum("pkan,pn->pka", partials, numbers[j])
         judges = np.concatenate([positions_beside(states, bent), states[..., 3:]], axis=2)
-        _, states_of_i, *_ = self._points
-        positions = positions_beside(states_of_i, self._changes(numbers))
+        own, _ = self._own
+        positions = positions_beside(own, self._changes(numbers))
         return bent_rsw(positions.reshape(-1, 3), judges.reshape(-1, 6)).reshape(positions.shape)
 
     def _means(self, values: np.ndarray) -> np.ndarray:
         """Return the means (pairs, 3) of values (pairs, points, 3) over the points that are there."""
-        there, *_ = self._points
+        _, there = self._points
         return np.asarray(np.where(there[..., None], values, 0.0).sum(axis=1) / there.sum(axis=1)[:, None])
 
 

@@ -99,19 +99,21 @@ class BatchDay:
 
     def write(self, made: Mapping[str, FinishedMorning], *, metadata: Mapping[str, Any]) -> None:
         """Write mornings of objects beside those that are there; metadata: of the tables."""
+        records = {name: own for name, (own, _, _) in made.items()}
+        became = {name: outcome for name, (_, outcome, _) in made.items()}
         marks = dict(sorted((self.marks | {name: mark for name, (_, _, mark) in made.items()}).items()))
         for table, schema in ((table, SCHEMAS[table]) for table in Records.TABLES):
             rows = {
-                name: made[name][0].tables[table] if name in made else self.rows(table, name)
+                name: records[name].tables[table] if name in records else self.rows(table, name)
                 for name in marks
             }
             self._write(f"{table}.parquet", rows, schema, metadata)
-        paths = {name: made[name][0].paths if name in made else self.paths(name) for name in marks}
+        paths = {name: records[name].paths if name in records else self.paths(name) for name in marks}
         if tables := {name: one.table for name, own in paths.items() for one in own}:
             models = list(dict.fromkeys(model for name in tables for model in marks[name].models))
             self._write(PATHS, tables, paths_schema(models), {**metadata, "models": models})
-        became = [made[name][1] if name in made else self.outcomes[name] for name in marks]
-        outcomes.write(self.folder / _OUTCOMES, became)
+        whole = [became[name] if name in became else self.outcomes[name] for name in marks]
+        outcomes.write(self.folder / _OUTCOMES, whole)
         with replacing(self.folder / _DONE) as temporary:
             temporary.write_text(json.dumps({name: vars(mark) for name, mark in marks.items()}) + "\n")
 
