@@ -65,7 +65,7 @@ def read(source: str | Path) -> Weather:
 @lru_cache(maxsize=2)
 def _measured(path: str | Path, text: str) -> Weather:
     """Return the measured weather of a file's text: half a second a file of decades, needed many times."""
-    days = space_weather.read(path, text).iloc[: space_weather.observed_days(path, text)]
+    days = space_weather.read(path, text).query("is_measured")
     if days.empty:
         raise InputError(f"{path}: expected measured days, got predicted ones only")
     return Weather(

@@ -54,7 +54,7 @@ def tabulate(source: str | Path, epoch: str, t: np.ndarray, percentile: int) -> 
     text = read_text(path)
     if space_weather.is_space_weather(text):
         return space_weather.tabulate(path, text, epoch, t)
-    months = _read_months(path, text)
+    months = read(path, text)
     t = np.asarray(t, dtype=float)
     begin, end = (_month_start(epoch, month) for month in months.index[[0, -1]])
     if t.min() < begin or t.max() > end:
@@ -86,7 +86,7 @@ def reach(source: str | Path) -> tuple[str, str]:
     text = read_text(path)
     if space_weather.is_space_weather(text):
         return space_weather.reach(space_weather.read(path, text))
-    months = read(path).index
+    months = read(path, text).index
     return f"{months[0]}-01", f"{months[-1]}-01"
 
 
@@ -108,22 +108,17 @@ def fetched_weather() -> Path:
     return data_folder() / "weather.csv"
 
 
-def read(path: str | Path) -> pd.DataFrame:
-    """Read the monthly activity of an MSAFE bulletin or of the package's own table.
-
-    Index: consecutive months 'YYYY-MM'. Columns: f107_95, f107_50, f107_5 [sfu], ap_95, ap_50, ap_5.
-    Raises InputError for an unknown format, a malformed line, and a month that is missing or out of order.
-    """
-    return _read_months(path, read_text(path))
-
-
 def read_text(path: str | Path) -> str:
     """Read a file of solar activity as text. Raises InputError where the file is missing or no text."""
     return files.read_text(path, "a table of solar activity", encoding="utf-8-sig")
 
 
-def _read_months(path: str | Path, text: str) -> pd.DataFrame:
-    """Return the months of a bulletin, or of the package's table: six figures each, below the title lines."""
+def read(path: str | Path, text: str) -> pd.DataFrame:
+    """Read the monthly activity from the text of an MSAFE bulletin or of the package's own table.
+
+    Index: consecutive months 'YYYY-MM'. Columns: f107_95, f107_50, f107_5 [sfu], ap_95, ap_50, ap_5.
+    Raises InputError for an unknown format, a malformed line, and a month that is missing or out of order.
+    """
     if _BULLETIN_TITLE not in text and _PACKAGED_TITLE not in text.splitlines():
         raise InputError(f"{path}: expected an MSAFE bulletin or CSSI space weather, got an unknown format")
     lines = enumerate(map(str.strip, text.splitlines()), start=1)

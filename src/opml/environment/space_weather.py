@@ -69,26 +69,31 @@ def read(path: str | Path, text: str) -> pd.DataFrame:
     """Read the daily space weather from a file's text.
 
     Index: consecutive modified Julian days (UTC). Columns: KP1 to KP8 (thirds), F10.7_OBS and
-    F10.7_OBS_CENTER81 [sfu], as observed: not reduced to 1 au, since the atmosphere absorbs what arrives.
-    The table ends before the first day without Kp, where the monthly predictions begin. Raises InputError
-    for a malformed line and a day that is missing or out of order.
+    F10.7_OBS_CENTER81 [sfu], as observed: not reduced to 1 au, since the atmosphere absorbs what arrives;
+    is_measured, False of the predicted days at the end. The table ends before the first day without Kp, where
+    the monthly predictions begin. Raises InputError for a malformed line and a day that is missing or out of
+    order.
     """
     rows = _text_rows if _TEXT_TITLE in text else _csv_rows
     days: list[list[float]] = []
     listed = rows(text.splitlines())
     for line, date_text, figures, is_measured in listed:
         if not _has_kp(figures):
-            _check_ends(path, line, "eight Kp", listed)
+            _check_ends(path, line, listed)
             if is_measured:
                 _log.warning("%s: line %d: day left out, without eight Kp: is the file cut?", path, line)
             break
-        days.append(_day(path, line, date_text, figures, is_measured))
+        days.append([*_day(path, line, date_text, figures, is_measured), is_measured])
         if len(days) > 1 and days[-1][0] != days[-2][0] + 1:
             expected, got = (epochs.calendar(mjd) for mjd in (days[-2][0] + 1, days[-1][0]))
             raise InputError(f"{path}: line {line}: expected the day {expected}, got {got}")
+        if len(days) > 1 and is_measured > days[-2][-1]:
+            raise InputError(
+                f"{path}: line {line}: expected a predicted day after another, got a measured one"
+            )
     if len(days) < 2:
         raise InputError(f"{path}: expected at least two days with Kp, got {len(days)}")
-    weather = pd.DataFrame(days, columns=["mjd", *_FIGURES]).set_index("mjd")
+    weather = pd.DataFrame(days, columns=["mjd", *_FIGURES, "is_measured"]).set_index("mjd")
     # Files print a third of Kp as ten times its value, rounded: 3, 7, 10.
     weather[KP] = np.round(0.3 * weather[KP]) / 3.0
     return _without_bursts(path, weather)
@@ -112,32 +117,15 @@ def _without_bursts(path: str | Path, weather: pd.DataFrame) -> pd.DataFrame:
     return weather.assign(**cleaned)
 
 
-def observed_days(path: str | Path, text: str) -> int:
-    """Return how many of the days of `read` were measured; the days after them are predicted.
-
-    path, text: as in `read`
-
-    Raises InputError for a predicted day before a measured one.
-    """
-    rows = _text_rows if _TEXT_TITLE in text else _csv_rows
-    listed, count = rows(text.splitlines()), 0
-    for line, _, _, is_measured in listed:
-        if not is_measured:
-            _check_ends(path, line, "a measured day", listed)
-            break
-        count += 1
-    return count
-
-
 def _has_kp(figures: list[str]) -> bool:
     return all(map(str.strip, figures[: len(KP)]))
 
 
-def _check_ends(path: str | Path, line: int, expected: str, later: Iterable[_Row]) -> None:
-    """Raise InputError for a line where measurements seem to end, but later days were measured."""
+def _check_ends(path: str | Path, line: int, later: Iterable[_Row]) -> None:
+    """Raise InputError for a line without Kp where later days were measured."""
     after = next((n for n, _, figures, is_measured in later if is_measured and _has_kp(figures)), None)
     if after is not None:
-        raise InputError(f"{path}: line {line}: expected {expected}, as line {after} has, got none")
+        raise InputError(f"{path}: line {line}: expected eight Kp, as line {after} has, got none")
 
 
 def reach(weather: pd.DataFrame) -> tuple[str, str]:

@@ -39,6 +39,10 @@ def bulletin(tmp_path):
     return write
 
 
+def read(path):
+    return solar_activity.read(path, solar_activity.read_text(path))
+
+
 def test_packaged_months_are_orekits_to_rounding():
     reference = pd.read_csv(REFERENCE, comment="#")
     ours = solar_activity.tabulate("MSAFE", EPOCH, reference["t"].to_numpy(), 50)
@@ -46,7 +50,7 @@ def test_packaged_months_are_orekits_to_rounding():
 
 
 def test_a_bulletin_is_read_by_month_and_percentile(bulletin):
-    months = solar_activity.read(bulletin())
+    months = read(bulletin())
     assert months.index.tolist() == ["2016-12", "2017-01", "2017-02"]
     assert months.loc["2017-01"].tolist() == [104.0, 90.5, 77.0, 16.0, 12.0, 8.0]
     january = np.array([epochs.seconds_between(EPOCH, "2017-01-01T00:00:00")])
@@ -66,8 +70,8 @@ def test_flux_and_ap_change_linearly_between_months(bulletin):
 
 @pytest.mark.parametrize("folder", ["orekit-data/MSAFE", "real/msafe"])
 def test_the_packaged_months_are_the_first_of_the_bulletins(folder):
-    ours = solar_activity.read(solar_activity.resolve("MSAFE"))
-    firsts = pd.concat([solar_activity.read(path).iloc[:1] for path in shared(folder).glob("*.txt")])
+    ours = read(solar_activity.resolve("MSAFE"))
+    firsts = pd.concat([read(path).iloc[:1] for path in shared(folder).glob("*.txt")])
     assert len(firsts) >= 24
     pd.testing.assert_frame_equal(ours.loc[firsts.index], firsts, check_exact=True)
 
@@ -87,7 +91,7 @@ def test_the_packaged_months_reach_from_1998_to_2041_and_not_a_second_further():
 def test_a_leap_second_before_a_month_is_counted():
     # 1999-01-01 is 43201 s after noon of the day before.
     found = solar_activity.tabulate("MSAFE", "1998-12-31T12:00:00", np.array([43200.0, 43201.0]), 50)
-    january = solar_activity.read(solar_activity.resolve("MSAFE")).loc["1999-01", "f107_50"]
+    january = read(solar_activity.resolve("MSAFE")).loc["1999-01", "f107_50"]
     assert found["f107"].iloc[1] == january
     assert found["f107"].iloc[0] != january
 
@@ -100,24 +104,24 @@ def test_an_unknown_percentile_is_refused(percentile):
 
 @pytest.mark.parametrize(("old", "new", "message"), refusals("solar_activity"))
 def test_what_cannot_be_used_is_named_in_one_line(bulletin, old, new, message):
-    assert f"jun2017f10.txt: {message}" in refusal(solar_activity.read, bulletin(BULLETIN.replace(old, new)))
+    assert f"jun2017f10.txt: {message}" in refusal(read, bulletin(BULLETIN.replace(old, new)))
 
 
 def test_a_bulletin_without_months_is_refused(bulletin):
     with pytest.raises(InputError, match="expected at least two months, got 0"):
-        solar_activity.read(bulletin(BULLETIN[: BULLETIN.index(" 2016.9170")]))
+        read(bulletin(BULLETIN[: BULLETIN.index(" 2016.9170")]))
 
 
 def test_a_malformed_row_of_the_packaged_table_is_refused(tmp_path):
     text = solar_activity.resolve("MSAFE").read_text()
     path = tmp_path / "own.tsv"
     path.write_text(text.replace("2016-10\t84.7", "2016-10\t"))
-    assert "own.tsv: line 222: expected year, month and six figures" in refusal(solar_activity.read, path)
+    assert "own.tsv: line 222: expected year, month and six figures" in refusal(read, path)
 
 
 def test_a_missing_file_is_refused(tmp_path):
     with pytest.raises(InputError, match=r"absent\.txt: no such file"):
-        solar_activity.read(tmp_path / "absent.txt")
+        read(tmp_path / "absent.txt")
 
 
 def test_a_gzipped_file_is_read_and_a_broken_one_is_refused(tmp_path):
