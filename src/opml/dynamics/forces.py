@@ -76,6 +76,7 @@ def build(environment: Environment, settings: ForceModelSettings) -> ForceModel:
         bodies=np.ascontiguousarray(environment.ephemerides[columns].to_numpy(float)),
         gms=np.array([environment.gms[name] if name in pulling else 0.0 for name in names]),
         activity=activity[None],
+        flown=np.ones(1, np.bool_),
         midnight=float(midnight),
         seasons=np.ascontiguousarray(dtm2000.seasons(coefficients, days)),
         thermosphere=coefficients,

@@ -204,14 +204,19 @@ def test_order_and_threads_change_nothing(assumed_model, crowd, together, thread
 
 
 def test_joining_late_is_starting_there(assumed_model):
-    """An arc that joins at an epoch gives what a run gives that begins at that epoch."""
+    """An arc gives what a run gives that begins where it joins, under the outlook of then."""
     epochs = np.array([0.0, 200.0, 1000.0, 5000.0])
-    states = np.array([orbit(500e3), orbit(420e3, nu=2.0)])
-    both = fly(assumed_model, epochs, states, first=[0, 1], last=[3, 3])
-    later = fly(assumed_model, epochs[1:], states[1:])
-    assert both.path(1).tobytes() == later.states.tobytes()
-    sooner = fly(assumed_model, epochs[:3], states[:1])
-    assert both.path(0)[:2].tobytes() == sooner.states.tobytes()
+    storms = np.multiply.outer([0.0, 40.0, 80.0], [1.0, 0.0, 0.03, 0.03])[:, None]
+    model = assumed_model._replace(
+        issued=epochs[:3], known=np.zeros(3, int), outlooks=assumed_model.activity + storms
+    )
+    states = np.array([orbit(500e3), orbit(420e3, nu=2.0), orbit(350e3)])
+    all_three = fly(model, epochs, states, first=[0, 1, 2], last=[2, 3, 3])
+    for k in range(3):
+        alone = fly(model, epochs[k:], states[k : k + 1])
+        assert all_three.path(k).tobytes() == alone.states[: 2 if k < 2 else 1].tobytes()
+    calm = fly(assumed_model, epochs[2:], states[2:])
+    assert np.linalg.norm((calm.states - all_three.path(2))[-1, :3]) > 0.1
 
 
 def test_a_decaying_arc_has_states_until_it_decays(assumed_model):

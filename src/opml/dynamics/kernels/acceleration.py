@@ -72,7 +72,8 @@ def density(px, py, pz, inverse_r, kind, model, values, factors, scratch):
     rho = dtm2000.density(
         altitude, sin_lat, cos_lat, sin_lon, cos_lon, sin_time, cos_time, a, factors, scratch
     )
-    for other in range(1, model.activity.shape[0]):
-        of_other = dtm2000.density_again(altitude, a, factors[dtm2000.FACTORS * other :], scratch)
-        rho = select(kind > other - 0.5, of_other, rho)
+    for other in range(1, len(model.flown)):
+        if model.flown[other]:
+            of_other = dtm2000.density_again(altitude, a, factors[dtm2000.FACTORS * other :], scratch)
+            rho = select(kind > other - 0.5, of_other, rho)
     return altitude, rho

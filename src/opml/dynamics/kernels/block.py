@@ -93,10 +93,12 @@ def _advance(
         # Arrivals: the lanes that are propagated this step, as bits, and whether one of them joins here.
         active = 0
         joining = False
+        model.flown[:] = False
         for lane in range(WIDTH):
             if join[lane] <= g < leave[lane] and status[lane] == _FLYING:
                 active |= 1 << lane
                 joining |= join[lane] == g
+                model.flown[int(bodies[2, lane])] = True
         if active == 0:
             continue
         # Refill: rates at the beginning, for lanes that join. Others have theirs from the end of the

@@ -41,6 +41,7 @@ class ForceModel(NamedTuple):
     bodies: np.ndarray  # (nodes, 3 count): geocentric GCRF positions [m], the Sun first
     gms: np.ndarray  # (count,) [m3/s2], 0 where a body's pull is not in the model
     activity: np.ndarray  # (kinds, nodes, 4): F10.7, its mean [sfu], Kp of 3 h and 24 h; one but in a block
+    flown: np.ndarray  # (kinds,): whether the density is needed under that activity; a block's own
     midnight: float  # start of the epoch's UTC day [s since the epoch]
     seasons: np.ndarray  # (days, 5, WIDTH), from dtm2000.seasons
     thermosphere: np.ndarray  # (97, WIDTH), from dtm2000.coefficients
@@ -98,7 +99,7 @@ class ForceModel(NamedTuple):
         """
         activity = np.stack([self._under(one) if one >= 0 else self.activity[0] for one in outlooks])
         weights = self.weights.copy() if len(self.tides.nodes) else self.weights
-        return self._replace(activity=activity, weights=weights)
+        return self._replace(activity=activity, flown=np.ones(len(activity), np.bool_), weights=weights)
 
     def _under(self, outlook: int) -> np.ndarray:
         """Return the activity (nodes, 4) of an outlook, not finite beyond its forecast."""
@@ -139,17 +140,17 @@ def look_up(t: float, model: ForceModel, values: np.ndarray, factors: np.ndarray
     for k in range(3):
         values[SUN_ITRF + k] = values[3 * k] * sx + values[3 * k + 1] * sy + values[3 * k + 2] * sz
     day = min(max(math.floor((t - model.midnight) / DAY), 0), model.seasons.shape[0] - 1)
-    for kind in range(model.activity.shape[0]):
-        activity = model.activity[kind]
-        reduce_to_date(
-            model.thermosphere,
-            model.seasons[day],
-            _linear(activity, node, 0, u),
-            _linear(activity, node, 1, u),
-            _linear(activity, node, 2, u),
-            _linear(activity, node, 3, u),
-            factors[FACTORS * kind : FACTORS * (kind + 1)],
-        )
+    for kind, activity in enumerate(model.activity):
+        if model.flown[kind]:
+            reduce_to_date(
+                model.thermosphere,
+                model.seasons[day],
+                _linear(activity, node, 0, u),
+                _linear(activity, node, 1, u),
+                _linear(activity, node, 2, u),
+                _linear(activity, node, 3, u),
+                factors[FACTORS * kind : FACTORS * (kind + 1)],
+            )
 
 
 @compiled
