@@ -4,6 +4,7 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
+import pandas as pd
 import pytest
 from publisher import BALLISTIC, HALF, SUNLIT, begun, burned, published
 from support import EPOCH
@@ -11,7 +12,15 @@ from weather_files import other_after
 
 from opml.base.constants import DAY, HOUR
 from opml.element_sets import catalogue
-from opml.element_sets.inside import inside_forces, inside_now, inside_sizes, orbit_inside, past_orbits
+from opml.element_sets.improved_sizes import ExpectedErrors
+from opml.element_sets.inside import (
+    inside_forces,
+    inside_now,
+    inside_sizes,
+    orbit_inside,
+    orbit_prediction,
+    past_orbits,
+)
 from opml.element_sets.inside.orbit_inside import NoOrbitError
 from opml.element_sets.inside.past_orbits import PastOrbits, centred
 from opml.interop.element_sets import element_set, mean_elements
@@ -131,6 +140,12 @@ def test_sizes_are_those_of_the_past_and_grow(past, forces):
     few = replace(now, calibration=now.calibration._replace(errors=errors[errors["days"] < 2.0]))
     by_sgp4 = inside_sizes.sizes(few, inside_sizes.rms(few))["sgp4"]
     assert by_sgp4.notna().tolist() == [True, True, False, False, False]
+    # Behind these leads they grow as those of the improved set.
+    growth = pd.Series([1.0, 2.0, 4.0, 8.0, 16.0], by_sgp4.index)
+    improved = ExpectedErrors(pd.DataFrame({"s": growth, "sgp4": growth}), few.calibration.errors, "")
+    orbit = orbit_prediction.OrbitInside(np.zeros_like, few, inside_sizes.rms(few), is_corrected=False)
+    grown = orbit.errors(improved, 1.0).sizes["sgp4"]
+    np.testing.assert_allclose(grown, [by_sgp4[0], *(by_sgp4[1] * growth[1:] / 2.0)])
 
 
 def test_what_no_orbit_fits_says_so(forces, sets):

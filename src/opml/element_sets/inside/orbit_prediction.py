@@ -66,7 +66,9 @@ class OrbitInside:
         elif newest.bstar <= 0.0 and mean_height(newest.no_kozai) < LOW:  # what drag there is, nothing tells
             sizes["s"] = np.fmax(sizes["s"], others["s"])
         sizes["r"] = np.hypot(sizes["r"], lower(sizes["s"], newest.no_kozai))
-        sizes["sgp4"] = sizes["sgp4"].fillna(others["sgp4"])
+        # Beyond the leads that SGP4's own errors tell they grow as those of the improved set.
+        part = (sizes["sgp4"] / others["sgp4"]).ffill().fillna(1.0)
+        sizes["sgp4"] = sizes["sgp4"].fillna(part * others["sgp4"])
         pairs = self.now.calibration.errors
         own = f"{len(pairs)} pairs of its sets of the last {inside_now.PAST:g} days, against "
         basis = (
