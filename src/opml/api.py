@@ -274,7 +274,9 @@ def estimate(
     True
     """
     method = _estimation(settings, "estimate")
-    starts = start_states.build(truth, tracks, rso=propagator.rso.name, settings=method, seed=seed)
+    rso = propagator.rso.name
+    is_known = "track" in truth
+    starts = truth if is_known else start_states.perturbed(truth, tracks, rso=rso, settings=method, seed=seed)
     measured = fixes.measurements(tracks, environment.earth_orientation, stations)
     return quarantine.estimate_all(propagator, starts, measured, settings=method)
 

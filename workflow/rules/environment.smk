@@ -97,7 +97,7 @@ rule hindcast:
         "../envs/opml.yaml"
     params:
         settings=lambda _: PARAMS.span
-        | {"source": ENVIRONMENT.source("solar_activity"), "knowledge": ENVIRONMENT.knowledge}
+        | {"source": ENVIRONMENT.source("solar_activity"), "knowledge": ENVIRONMENT.sources.knowledge}
         | contents(ENVIRONMENT.source_files("solar_activity")),
         code=code("hindcast.py"),
     message:

@@ -17,8 +17,6 @@ rule estimation:
         ESTIMATES.log,
     benchmark:
         ESTIMATES.benchmark
-    wildcard_constraints:
-        window=PLAN.window_pattern,
     conda:
         "../envs/opml.yaml"
     resources:

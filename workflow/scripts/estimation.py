@@ -20,12 +20,12 @@ with job(snakemake) as metadata:
     method = settings.estimation
     propagator = Propagator.read(files, settings, threads=snakemake.threads, progress=progress)
     tracking = read_measured(files.tracking)
-    states = read_table(files.start, read_kind(files.start))
+    kind, rso = read_kind(files.start), propagator.rso.name
+    starts = read_table(files.start, kind)
+    if kind == "truth":
+        starts = start_states.perturbed(starts, tracking, rso=rso, settings=method, seed=settings.seed)
     measured = fixes.read(files, settings.stations)
-    starts = start_states.build(
-        states, tracking, rso=propagator.rso.name, settings=method, seed=settings.seed
-    )
     table, noise = quarantine.with_noise(propagator, starts, measured, settings=method)
-    if read_kind(files.start) == "starts":  # noise that was simulated is known
+    if kind == "starts":  # noise that was simulated is known
         metadata |= biases.facts(noise)
     write_table(snakemake.output[0], table, "estimates", metadata=metadata)

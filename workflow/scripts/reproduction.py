@@ -3,14 +3,15 @@
 import pandas as pd
 
 from opml.report import document, reproduction
-from opml.study.experiments import read_study
+from opml.study.experiments import Study
 from opml.study.paper import Paper
+from opml.study.settings.merging import with_sheets
 from opml.tables import read_metadata, read_table, read_tables
 from opml.workflow.jobs import job
 
 with job(snakemake):
     files, output = snakemake.input, snakemake.output
-    paper = Paper(read_study(snakemake.params.settings))
+    paper = Paper(Study(with_sheets(snakemake.params.settings)))
     counts = [
         reproduction.counts(
             read_table(dataset, "dataset"),

@@ -12,7 +12,7 @@ from opml.learning.data.cleaning import Cleaning
 from opml.learning.models.contract import LearnerSettings
 from opml.naming import Experiment
 from opml.orbits.sheets import Rso
-from opml.study.settings.merging import Settings, with_sheets
+from opml.study.settings.merging import Settings
 
 SIMULATED, FILES, MEASURED = "simulated", "files", "measured"  # where an RSO's orbit comes from
 
@@ -155,8 +155,3 @@ class Study:
 
     def _seeds(self, kind: str) -> Sequence[int]:
         return self.entry("seeds").get(kind) or [getattr(self.settings.run.seed, kind)]
-
-
-def read_study(values: Mapping[str, Any]) -> Study:
-    """Return the study of settings that were checked before, reading the sheets anew."""
-    return Study(with_sheets(values))

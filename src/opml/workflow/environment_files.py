@@ -30,14 +30,9 @@ class EnvironmentFiles:
         return str(getattr(self.sources, table))
 
     @property
-    def knowledge(self) -> str | None:
-        """Knowledge that fits and predictions have of the solar activity; None: all of it."""
-        return self.sources.knowledge
-
-    @property
     def is_forecast(self) -> bool:
         """Whether predictions are propagated under a forecast of the space weather."""
-        return self.knowledge == known_weather.FORECAST
+        return self.sources.knowledge == known_weather.FORECAST
 
     @property
     def true_activity(self) -> str:
@@ -65,7 +60,7 @@ class EnvironmentFiles:
 
     def _known(self, *, outlooks_every: int | None) -> dict[str, str]:
         paths = self._all
-        if self.knowledge in known_weather.KNOWN:
+        if self.sources.knowledge in known_weather.KNOWN:
             paths["solar_activity"] = self.path("hindcast")
         if self.is_forecast:
             paths[tables.OUTLOOKS] = self.path(f"{tables.OUTLOOKS}_{outlooks_every}h")

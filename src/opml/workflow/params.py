@@ -90,7 +90,7 @@ class Params:
 
     def noise_seed(self, wildcards: Wildcards) -> int:
         """Return the seed of the measurement noise, which the wildcard `stations` may end in."""
-        default = self.plan.seeds.noise
+        default = self.plan.settings.run.seed.noise
         return naming.parse_seed(wildcards.stations, naming.NOISE, default=default)[1]
 
     def window_hours(self, wildcards: Wildcards) -> float:
@@ -155,7 +155,7 @@ class Params:
 
     def split(self, wildcards: Wildcards) -> dict[str, Any]:
         """Return the training split and its seed."""
-        default = self.plan.seeds.split
+        default = self.plan.settings.run.seed.split
         train, seed = naming.parse_seed(wildcards.train, naming.SPLIT, default=default)
         naming.check_split(naming.parse_train(train), duration_days=self.run.duration_days)
         return {"train": train, "seed": seed}

@@ -16,7 +16,6 @@ from opml.study.experiments import Study
 from opml.study.own_study import OwnStudy
 from opml.study.paper import Paper
 from opml.study.settings.merging import Settings
-from opml.study.settings.model.run import RandomSeeds
 from opml.workflow.environment_files import EnvironmentFiles
 from opml.workflow.product_paths import Product
 
@@ -93,11 +92,6 @@ class Plan:
         return weather(self.settings.run.environment).replace("`", "").rstrip(".")
 
     @property
-    def seeds(self) -> RandomSeeds:
-        """The run's seeds of noise and splits."""
-        return self.settings.run.seed
-
-    @property
     def window_hours(self) -> float:
         """Hours of tracks that an estimate is made of, where its name says no other."""
         return self.settings.run.estimation.window_hours
@@ -114,14 +108,14 @@ class Plan:
     def constraints(self) -> dict[str, str]:
         """Regular expressions of the wildcards that rules share, by the wildcards' names."""
         rso = naming.rso_pattern(self.settings.rsos)
-        noise = naming.seed_pattern(naming.NOISE, default=self.seeds.noise)
-        split = naming.seed_pattern(naming.SPLIT, default=self.seeds.split)
+        noise = naming.seed_pattern(naming.NOISE, default=self.settings.run.seed.noise)
+        split = naming.seed_pattern(naming.SPLIT, default=self.settings.run.seed.split)
         in_place = naming.alternatives(kinds.in_place_of_stations())
         return {
             "rso": rso,
             "target": rso,
             "stations": f"(?:{naming.stations_pattern(self.settings.stations)}{noise}|{in_place})",
-            "window": self.window_pattern,
+            "window": naming.window_pattern(default=self.window_hours),
             "arc": naming.ARC_PATTERN,
             "memory": naming.MEMORY_PATTERN,
             "reading": f"(?:{naming.other_reading(self.study.cleaning.previous)})?",
@@ -136,11 +130,6 @@ class Plan:
             "grid": naming.alternatives(self.paper.grids),
             "curve": naming.alternatives(self.paper.curves),
         }
-
-    @cached_property
-    def window_pattern(self) -> str:
-        """Regular expression of the suffix of estimates: their window, or none."""
-        return naming.window_pattern(default=self.window_hours)
 
     @cached_property
     def label_pattern(self) -> str:

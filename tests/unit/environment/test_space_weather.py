@@ -194,8 +194,7 @@ def test_a_day_that_is_cut_before_its_last_kp_is_left_out_and_told(weather, cell
 
 def test_a_predicted_day_between_measured_ones_is_told(weather):
     path = weather(CSV.replace("80.0,1.0,OBS", "80.0,1.0,PRD"))
-    message = "line 5: expected a predicted day after another, got a measured one"
-    assert message in refusal(known_weather.read, path)
+    assert "line 5: expected a predicted day after another" in refusal(known_weather.read, path)
     assert len(known_weather.read(weather(CSV)).flux) == 3
 
 

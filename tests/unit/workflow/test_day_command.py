@@ -69,7 +69,7 @@ def test_a_project_of_an_older_version_is_told_of_the_upgrade(tmp_path, monkeypa
     (tmp_path / "config").mkdir()
     (tmp_path / "config" / "config.yaml").write_text("ephemeris: {step_s: 60}\nday: {}\n")
     told = refusal(day_command.show, "mine", date(2026, 2, 19), [])
-    assert told.endswith("it is day.step_s now: `opml init --upgrade .` helps a project of an older version")
+    assert told.endswith(": `opml init --upgrade .` helps a project of an older version")
 
 
 def test_what_jobs_warned_of_is_told_once(tmp_path):

@@ -12,18 +12,6 @@ from opml.catalog.fit.estimation_settings import Estimation
 from opml.tables import STATE
 
 
-def build(
-    states: pd.DataFrame, tracking: pd.DataFrame, *, rso: str, settings: Estimation, seed: int
-) -> pd.DataFrame:
-    """Return the `starts` table of an RSO's tracks.
-
-    states: that table, which is returned as it is, or the `truth`, which is perturbed
-    """
-    if "track" in states:
-        return states
-    return perturbed(states, tracking, rso=rso, settings=settings, seed=seed)
-
-
 def perturbed(
     truth: pd.DataFrame, tracking: pd.DataFrame, *, rso: str, settings: Estimation, seed: int
 ) -> pd.DataFrame:
