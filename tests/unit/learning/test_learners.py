@@ -18,7 +18,6 @@ from opml.learning.models import boosting, learners, linear_law
 from opml.learning.models.training_inputs import Training
 from opml.study import checks
 from opml.study.settings.json_schema import json_schema
-from opml.study.settings.model.whole import RunSettings
 from opml.study.settings.overlay import Source
 from opml.tables import write_table
 
@@ -333,9 +332,10 @@ def quantile(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, spec.name, module)
     spec.loader.exec_module(module)
     assert "`quantile.LEARNER,` in `LEARNERS`" in page
-    json_schema(RunSettings)  # as a test before this one may have made it
+    json_schema.cache_clear()
     monkeypatch.setattr(learners, "LEARNERS", (*learners.LEARNERS, module.LEARNER))
-    return module
+    yield module
+    json_schema.cache_clear()
 
 
 QUANTILE = {"kind": "quantile", "share": 0.25}

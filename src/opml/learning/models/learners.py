@@ -10,10 +10,11 @@ from typing import Annotated, Any
 
 import numpy as np
 import pandas as pd
-from pydantic import PlainSerializer, PlainValidator
+from pydantic import AfterValidator, GetJsonSchemaHandler, PlainSerializer, PlainValidator
 
 from opml.base.errors import InputError
-from opml.base.kind_sections import OfItsKind
+from opml.base.section import JobSettings
+from opml.base.setting_types import TypeSchema
 from opml.learning.models import boosting, fixed_laws, linear_law, svr
 from opml.learning.models.contract import (
     ARC_MEMORY_DAYS,
@@ -194,6 +195,34 @@ def _by_kind() -> dict[str, Learner[Any]]:
     return {learner.kind: learner for learner in LEARNERS}
 
 
-KINDS = OfItsKind("learner", lambda: {kind: learner.settings for kind, learner in _by_kind().items()})
+def _known(kind: str) -> str:
+    if kind not in _by_kind():
+        raise ValueError(f"one of {', '.join(_by_kind())}")
+    return kind
 
-AnyLearner = Annotated[LearnerSettings, KINDS]  # settings of a learner, of whatever kind
+
+class _OfItsKind(JobSettings):
+    """A learner of which the kind alone is looked at; its schema has the keys of each kind."""
+
+    kind: Annotated[str, AfterValidator(_known)]
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, core: Any, handler: GetJsonSchemaHandler) -> TypeSchema:
+        kinds = []
+        for kind, learner in _by_kind().items():
+            learner.settings.model_rebuild()
+            section = handler.resolve_ref_schema(handler(learner.settings.__pydantic_core_schema__))
+            is_it = {"properties": {"kind": {"const": kind}}, "required": ["kind"]}
+            kinds.append({"if": is_it, "then": {k: v for k, v in section.items() if k != "description"}})
+        return {"type": "object", "properties": {"kind": {"enum": list(_by_kind())}}, "allOf": kinds}
+
+
+def _validated(values: Any) -> LearnerSettings:
+    if isinstance(values, LearnerSettings):
+        return values
+    section: type[LearnerSettings] = by_kind(_OfItsKind.model_validate(values).kind).settings
+    return section.model_validate(values)
+
+
+AnyLearner = Annotated[LearnerSettings, PlainValidator(_validated, json_schema_input_type=_OfItsKind)]
+"""Settings of a learner, of whatever kind."""

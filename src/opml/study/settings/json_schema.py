@@ -6,10 +6,8 @@ from typing import Any
 from pydantic.json_schema import GenerateJsonSchema
 from pydantic_core import core_schema
 
-from opml.base.kind_sections import KINDS, OfItsKind
 from opml.base.section import Item, Section
 from opml.base.setting_types import TypeSchema
-from opml.learning.models import learners
 
 _REFERENCE = "#/$defs/"
 
@@ -40,19 +38,10 @@ class _Generator(GenerateJsonSchema):
         return False
 
 
-def json_schema(model: type[Section]) -> TypeSchema:
-    """Return a model's JSON schema; learners are of the kinds that there are.
-
-    It is made once for these, and not to be changed.
-    """
-    return _made_once(model, tuple(learners.KINDS.sections()))
-
-
 @cache
-def _made_once(model: type[Section], _: tuple[str, ...]) -> TypeSchema:
-    schema = _generated(model)
-    schema.setdefault("$defs", {})[learners.KINDS.name] = _of_any_kind(learners.KINDS)
-    return schema
+def json_schema(model: type[Section]) -> TypeSchema:
+    """Return a model's JSON schema, which is made once and not to be changed."""
+    return model.model_json_schema(schema_generator=_Generator)
 
 
 def dereferenced(schema: TypeSchema, node: TypeSchema, value: Any = None) -> TypeSchema:
@@ -80,32 +69,3 @@ def child(node: TypeSchema, key: str | int) -> TypeSchema | None:
 def choices(node: TypeSchema) -> list[Any]:
     """Return the values that a node takes; none where it takes others."""
     return node.get("enum") or [node[key] for key in ("const",) if key in node]
-
-
-def _generated(model: type[Section]) -> TypeSchema:
-    return _with_references(model.model_json_schema(schema_generator=_Generator))
-
-
-def _of_any_kind(kinds: OfItsKind) -> TypeSchema:
-    models = {kind: _generated(section) for kind, section in kinds.sections().items()}
-    return {
-        "type": "object",
-        "properties": {"kind": {"enum": list(models)}},
-        "allOf": [
-            {
-                "if": {"properties": {"kind": {"const": kind}}, "required": ["kind"]},
-                "then": {key: value for key, value in model.items() if key != "description"},
-            }
-            for kind, model in models.items()
-        ],
-    }
-
-
-def _with_references(node: Any) -> Any:
-    """Return a schema in which settings of any kind refer to their definition, which may hold itself."""
-    if isinstance(node, list):
-        return [_with_references(item) for item in node]
-    if not isinstance(node, dict):
-        return node
-    named = {"$ref": f"{_REFERENCE}{node[KINDS]}"} if KINDS in node else {}
-    return {key: _with_references(value) for key, value in node.items() if key != KINDS} | named
