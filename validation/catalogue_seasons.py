@@ -16,11 +16,12 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from opml.base import epochs
 from opml.base.seeds import derive
 from opml.benchmark.scores import drawn_weights, weeks_of, weighted_median
 from opml.element_sets import catalogue as catalogues
 from opml.element_sets import corrector, density, features, set_errors, weighting
-from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day
+from opml.element_sets.catalogue import ElementCatalogue
 from opml.element_sets.density import Densities
 from opml.element_sets.features import APART, BANDS
 from opml.element_sets.set_errors import LEADS
@@ -56,7 +57,7 @@ class Season:
     @classmethod
     def of(cls, population: str, *dates: str, teachers: str = "", hours: float = 6.0) -> "Season":
         """Return the season of dates: first and last to learn from, first and last that judge."""
-        a, b, c, d = (modified_julian_day(f"{date}T00:00:00") for date in dates)
+        a, b, c, d = (epochs.mjd(f"{date}T00:00:00") for date in dates)
         return cls(population, (a, b), (c, d), teachers or population, hours / 24.0)
 
     @property
@@ -104,7 +105,7 @@ _INTERVAL = (2.5, 97.5)
 def densities(known: Weather) -> Densities:
     """Return the mean densities since 2002 under measured weather."""
     first = max(FIRST_DAY, known.first + density.RUN_UP)
-    return density.measured(known, first, density.end_of(known))
+    return density.measured(known, first, known.end)
 
 
 def rows(

@@ -17,12 +17,13 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from opml.base import epochs
 from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.seeds import derive
 from opml.benchmark.scores import drawn_weights, weighted_median
 from opml.element_sets import catalogue as catalogues
-from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day
+from opml.element_sets.catalogue import ElementCatalogue
 from opml.element_sets.inside import inside_forces, inside_sizes, set_orbits
 from opml.element_sets.inside.orbit_inside import LIGHT
 from opml.element_sets.inside.orbit_prediction import OrbitInside
@@ -47,8 +48,8 @@ _INTERVAL = (2.5, 97.5)
 
 def drawn(catalogue: ElementCatalogue, date: str) -> np.ndarray:
     """Return the numbers of objects with a set known on a date, EACH of a band at most."""
-    newest = catalogue.until(modified_julian_day(date)).newest().table
-    fresh = newest[newest["t"] >= modified_julian_day(date) - 1.5]
+    newest = catalogue.until(epochs.mjd(date)).newest().table
+    fresh = newest[newest["t"] >= epochs.mjd(date) - 1.5]
     bands = fresh.groupby(np.searchsorted(HEIGHTS, fresh["height"]))["number"]
     orders = [derive(SEED, date).permutation(np.sort(numbers)) for _, numbers in bands]
     return np.concatenate([order[:EACH] for order in orders])
@@ -67,7 +68,7 @@ def errors(
     Raises InputError where no later set judges.
     """
     predictions, judges = {}, []
-    now = modified_julian_day(morning.better.date)
+    now = epochs.mjd(morning.better.date)
     outcomes = morning.predict_side_by_side([histories[number] for number in numbers])
     for number, outcome in zip(numbers, outcomes, strict=True):
         if isinstance(outcome, InputError):
@@ -158,7 +159,7 @@ _IMPROVED = {"along-track, `improve`": ("improved_s", "sgp4_s")}
 def table(rows: pd.DataFrame) -> pd.DataFrame:
     """Return `medians` of orbits inside and improved sets, and errors inside intervals of nine in ten [%]."""
     inside = rows[(rows["why"] == "") & (rows["judge"] == "orbit")]
-    inside = inside.assign(morning=[modified_julian_day(date) for date in inside["date"]])
+    inside = inside.assign(morning=[epochs.mjd(date) for date in inside["date"]])
     is_held = pd.DataFrame(
         {axis: inside[axis].abs() <= half_width(_LEVEL) * inside[f"sigma_{axis}"] for axis in _AXES}
     )

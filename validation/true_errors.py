@@ -25,7 +25,7 @@ from opml.base.seeds import derive
 from opml.benchmark.scores import drawn_weights
 from opml.element_sets import catalogue as catalogues
 from opml.element_sets import density, features, set_errors
-from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day
+from opml.element_sets.catalogue import ElementCatalogue
 from opml.element_sets.density import Air
 from opml.element_sets.features import FEATURES
 from opml.element_sets.inside import inside_forces
@@ -213,7 +213,7 @@ def main(arguments: Sequence[str]) -> None:
     known = read_table(states, "set_states").set_index(["number", "utc"])[[*STATE, "ballistic"]]
     utc = [elements_epoch(one) for one in sets.satellites]
     inside = known.reindex(pd.MultiIndex.from_arrays([sets.table["number"], utc])).to_numpy()
-    first, last, cut = modified_julian_day(begin), sets.table["t"].max(), modified_julian_day(end)
+    first, last, cut = epochs.mjd(begin), sets.table["t"].max(), epochs.mjd(end)
     measured = density.clean(known_weather.read(weather))
     air, _ = density.learned_air(measured, first=FIRST_DAY, end=first)
     own = rows(sets, inside, air, np.arange(first, last))

@@ -17,7 +17,6 @@ from opml.base.constants import DAY
 from opml.benchmark import baselines
 from opml.conjunctions import screening
 from opml.element_sets import prediction
-from opml.element_sets.catalogue import modified_julian_day
 from opml.element_sets.inside import inside_forces, inside_now
 from opml.interop.element_sets import known_sets
 from opml.interop.ephemeris import EPOCH
@@ -99,7 +98,7 @@ def test_screen_says_what_predict_says(paths, predicted):
 def test_day_says_what_predict_says(paths, predicted):
     """A study of public sets is a replay of the day."""
     plan = MorningPlan({}, None, 7.0, 60.0, 10 * DAY, DATE)
-    sets = set_mornings.read(paths, "OBSERVED", since=modified_julian_day(DATE))
+    sets = set_mornings.read(paths, "OBSERVED", since=epochs.mjd(DATE))
     days = np.arange(1.0, 8.0)
     for path, made in zip(paths, predicted, strict=True):
         (history,) = known_sets.by_object([path]).values()

@@ -13,10 +13,10 @@ sys.path.insert(0, str(REPOSITORY / "tests"))
 import sinking_histories  # noqa: E402
 
 import opml  # noqa: E402
+from opml.base import epochs  # noqa: E402
 from opml.benchmark import recipes, set_truths  # noqa: E402
 from opml.benchmark.task_folders import Folders  # noqa: E402
 from opml.element_sets import density  # noqa: E402
-from opml.element_sets.catalogue import modified_julian_day  # noqa: E402
 from opml.environment import known_weather  # noqa: E402
 from opml.interop import oem  # noqa: E402
 
@@ -38,8 +38,8 @@ def make(folder):
 def densities():
     """Logarithms of mean densities (days, heights), after the measured weather that of its last day."""
     weather = density.clean(known_weather.read("OBSERVED"))
-    first = int(modified_julian_day(sinking_histories.FIRST))
-    log = density.measured(weather, first, density.end_of(weather)).log
+    first = int(epochs.mjd(sinking_histories.FIRST))
+    log = density.measured(weather, first, weather.end).log
     daily = log[: len(log) // density.QUARTERS * density.QUARTERS]
     daily = daily.reshape(-1, density.QUARTERS, log.shape[1]).mean(axis=1)
     return daily[np.minimum(np.arange(DAYS), len(daily) - 1)]

@@ -89,6 +89,12 @@ def utc(epoch: str, t: ArrayLike) -> JulianDate:
     return day, fraction
 
 
+def mjd(text: str) -> float:
+    """Return the modified Julian day of UTC text. Raises InputError for a malformed one."""
+    day, fraction = utc(text, 0.0)
+    return float((day - MJD_ZERO) + fraction)
+
+
 def seconds_between(epoch: str, later: str) -> float:
     """Return the SI seconds from `epoch` to `later`, both UTC text, leap seconds included.
 

@@ -15,6 +15,7 @@ import pandas as pd
 from sgp4.api import Satrec
 
 from opml import __version__
+from opml.base import epochs
 from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.files import FilePath, check_distinct_files, replacing, suffix_of
@@ -24,7 +25,7 @@ from opml.benchmark.answers import COVARIANCE, REQUIRED, about_file
 from opml.benchmark.tasks import BenchmarkTask
 from opml.element_sets import corrector, improve, set_errors, weighting
 from opml.element_sets import trained_model as models
-from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day
+from opml.element_sets.catalogue import ElementCatalogue
 from opml.element_sets.prediction import PublicMorning
 from opml.element_sets.trained_model import CatalogueModel
 from opml.element_sets.weighting import DENSITY, UNCHANGED
@@ -136,7 +137,7 @@ def _answers(
 
 def _corrections(known: improve.PublicData, model: CatalogueModel, baseline: str) -> pd.DataFrame:
     """Return the rows of `improve.replayed` on the date, with correction and sigma [m], NaN where unknown."""
-    today = modified_julian_day(known.date)
+    today = epochs.mjd(known.date)
     rows = improve.replayed(known, model, np.arange(-_MORNINGS, 1) + today)
     is_now = rows["morning"] == today
     if baseline in (IMPROVE, LEARNED):

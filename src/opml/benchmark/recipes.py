@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from opml.base import epochs
 from opml.base.errors import InputError
 from opml.base.files import FilePath, replacing_folder
 from opml.base.seeds import derive
@@ -23,7 +24,7 @@ from opml.benchmark.task_folders import Folders, Question, TaskRecipe, utc_text
 from opml.benchmark.track_recipes import TrackRecipe
 from opml.element_sets import catalogue as catalogues
 from opml.element_sets import set_errors
-from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day
+from opml.element_sets.catalogue import ElementCatalogue
 from opml.element_sets.training import HOUR_OF_MORNING
 from opml.environment import known_weather
 from opml.environment.solar_activity import OBSERVED
@@ -47,7 +48,7 @@ class Recipe(TaskRecipe):
     @property
     def mornings(self) -> np.ndarray:
         """Times (n,) that ask, modified Julian days, 06 UTC."""
-        first, last = (modified_julian_day(f"{text}T00:00:00") for text in (self.first, self.last))
+        first, last = (epochs.mjd(f"{text}T00:00:00") for text in (self.first, self.last))
         return np.arange(first, last + 1.0, self.every_days) + HOUR_OF_MORNING
 
 
@@ -121,8 +122,8 @@ def make_truth(folders: Folders, sets: Iterable[FilePath]) -> int:
     table = (catalogue := catalogues.read(sets, latency=task.latency)).table
     states = np.full((len(task.questions), 6), np.nan)
     for k, (number, t, _, time) in enumerate(task.questions.itertuples(index=False)):
-        gaps = (table["t"] - modified_julian_day(time)).abs()
-        gaps = gaps[(table["number"] == number) & (table["t"] > modified_julian_day(t))]
+        gaps = (table["t"] - epochs.mjd(time)).abs()
+        gaps = gaps[(table["number"] == number) & (table["t"] > epochs.mjd(t))]
         if len(gaps) and gaps.min() <= set_errors.REACH:
             states[k] = mean_elements.state(catalogue.satellites[gaps.idxmin()], epoch=time)
     judged = np.isfinite(states).all(axis=1)

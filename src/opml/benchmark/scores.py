@@ -14,12 +14,12 @@ import numpy as np
 import pandas as pd
 from scipy.special import ndtr
 
+from opml.base import epochs
 from opml.base.constants import WGS84_A
 from opml.base.seeds import derive
 from opml.benchmark.answers import Answers
 from opml.benchmark.tasks import SIGMAS, STATE, BenchmarkTask
 from opml.element_sets import corrector
-from opml.element_sets.catalogue import modified_julian_day
 from opml.orbits.elements import bent_rsw
 from opml.orbits.rsw_covariance import half_width
 
@@ -46,7 +46,7 @@ def errors(task: BenchmarkTask, answers: Answers, truth: pd.DataFrame) -> pd.Dat
     bent = bent_rsw(answers.states[answered, :3], true)
     variances = np.diagonal(answers.covariances[answered], axis1=1, axis2=2)
     sigmas = np.sqrt(variances + truth[[*SIGMAS]].fillna(0.0).to_numpy()[answered] ** 2)
-    mornings = {t: modified_julian_day(t) for t in questions["t"].unique()}
+    mornings = {t: epochs.mjd(t) for t in questions["t"].unique()}
     table = pd.DataFrame(
         {"number": questions["object"], "morning": questions["t"].map(mornings), "lead": questions["lead"]}
     )

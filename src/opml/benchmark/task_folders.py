@@ -17,8 +17,6 @@ from opml.base.files import FilePath, replacing_folder
 from opml.base.section import Section
 from opml.base.setting_types import Count, Text
 from opml.benchmark import tasks
-from opml.element_sets.catalogue import modified_julian_day
-from opml.element_sets.improve import OLDEST_WEATHER, check_newest
 from opml.environment import known_weather
 from opml.environment.nrlmsis import ap_of_kp
 from opml.environment.space_weather import INTERVALS, KP
@@ -100,9 +98,7 @@ def freeze(
             place = new / tasks.INPUTS / tasks.folder_name(t)
             place.mkdir(parents=True)
             fill(t, place)
-            newest = measured.keep_known(modified_julian_day(t))
-            check_newest(newest, weather, date=t, oldest=OLDEST_WEATHER)
-            _write_weather(place / "weather.csv", newest)
+            _write_weather(place / "weather.csv", known_weather.known_on(weather, t))
         digest = tasks.HIDDEN
         if len(truth):
             place = stack.enter_context(replacing_folder(folders.truth))
@@ -139,7 +135,7 @@ def write_truth(folder: Path, questions: Sequence[Question], truth: pd.DataFrame
     cells = truth.to_numpy()
     rows = [(*row, *_rounded(numbers)) for row, numbers in zip(questions, cells, strict=True)]
     tasks.write_csv(folder / tasks.TRUTH, (*tasks.QUESTION, *truth.columns), rows)
-    weeks = [(t, _strongest(measured, modified_julian_day(t))) for t in sorted({row[1] for row in questions})]
+    weeks = [(t, _strongest(measured, epochs.mjd(t))) for t in sorted({row[1] for row in questions})]
     tasks.write_csv(folder / tasks.WEEKS, ("t", "highest_ap"), weeks)
     return tasks.digest(folder / tasks.TRUTH)
 

@@ -13,6 +13,7 @@ import numpy as np
 import pandas as pd
 
 from opml import __version__
+from opml.base import epochs
 from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.files import FilePath, project_file
@@ -21,7 +22,6 @@ from opml.base.setting_types import Count, NotNegative, Positive, Text
 from opml.benchmark import task_folders, tasks
 from opml.benchmark.task_folders import Folders, Question, TaskRecipe, utc_text
 from opml.catalog.simulate import tracking
-from opml.element_sets.catalogue import modified_julian_day
 from opml.element_sets.set_errors import LEADS
 from opml.environment import earth_orientation, nodes
 from opml.interop import tdm, truth_from_orbit
@@ -49,7 +49,7 @@ class ObservedObject(Section):
     @property
     def times(self) -> list[str]:
         """UTC texts of the mornings."""
-        return [utc_text(modified_julian_day(self.first) + self.every_days * k) for k in range(self.mornings)]
+        return [utc_text(epochs.mjd(self.first) + self.every_days * k) for k in range(self.mornings)]
 
 
 class TrackRecipe(TaskRecipe):
@@ -66,14 +66,14 @@ def make(recipe: TrackRecipe, orbits: Iterable[FilePath], folders: Folders, weat
     states: list[np.ndarray] = []
     tracks: dict[str, dict[int, pd.DataFrame]] = {}
     for number, observed in recipe.objects.items():
-        epoch = utc_text(modified_julian_day(observed.first) - recipe.history_days)
+        epoch = utc_text(epochs.mjd(observed.first) - recipe.history_days)
         orbit, seen = _measured(recipe, number, epoch, files)
         for t in observed.times:
-            now = DAY * (modified_julian_day(t) - modified_julian_day(epoch))
+            now = DAY * (epochs.mjd(t) - epochs.mjd(epoch))
             times = now + DAY * np.array(LEADS)
             rows = orbit.set_index(orbit["t"].round()).reindex(times)[STATE].dropna()
             questions += [
-                (number, t, lead, utc_text(modified_julian_day(t) + lead))
+                (number, t, lead, utc_text(epochs.mjd(t) + lead))
                 for lead, time in zip(LEADS, times, strict=True)
                 if time in rows.index
             ]
@@ -84,7 +84,7 @@ def make(recipe: TrackRecipe, orbits: Iterable[FilePath], folders: Folders, weat
     def fill(t: str, place: Path) -> None:
         for number, part in tracks[t].items():
             first = recipe.objects[number].first
-            epoch = utc_text(modified_julian_day(first) - recipe.history_days)
+            epoch = utc_text(epochs.mjd(first) - recipe.history_days)
             tdm.write(path := place / f"{number}.tdm", part, epoch=epoch, rso=str(number))
             path.write_text(path.read_text().replace(f"OPML {__version__}", "OPML"))  # one digest for all
         bodies = [
@@ -121,7 +121,7 @@ def _measured(
 def _write_orientation(path: Path, t: str, days: int) -> None:
     """Write the Earth's orientation measured up to t, to a few centimetres on the ground."""
     table = earth_orientation.read_finals2000a(astropy_iers_data.IERS_A_FILE)
-    now = modified_julian_day(t)
+    now = epochs.mjd(t)
     known = table[(table["mjd"] <= now) & (table["mjd"] >= now - days - 1)]
     poles = (known[["x_pole", "y_pole"]] / _ARCSECOND).round(3)
     cells = zip(

@@ -2,6 +2,7 @@
 
 import argparse
 
+from opml.base import epochs
 from opml.base.errors import InputError
 from opml.base.files import check_distinct_files, suffix_of
 from opml.base.progress import Progress, counted, on_stderr
@@ -64,7 +65,7 @@ def _table(options: argparse.Namespace, progress: Progress) -> None:
 
     catalogue = catalogues.read(options.sets)
     if options.date:
-        catalogue = catalogue.until(catalogues.modified_julian_day(options.date)).newest()
+        catalogue = catalogue.until(epochs.mjd(options.date)).newest()
     before = set_states.read_before(options.before) if options.before else None
     table = set_states.build(catalogue, weather=options.weather, before=before, progress=progress)
     write_as(options.output, table, set_states.SCHEMA, metadata={"date": options.date or ""})

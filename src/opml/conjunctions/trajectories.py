@@ -17,6 +17,7 @@ from opml.interop.element_sets import known_sets, mean_elements, sgp4_errors
 from opml.interop.element_sets.burns_in_sets import KnownSet
 from opml.interop.element_sets.element_set import ElementSet
 from opml.interop.element_sets.mean_elements import MOST_DAYS, WARN_DAYS
+from opml.interop.element_sets.sgp4_errors import SetErrors
 from opml.interop.ephemeris import EPOCH, Ephemeris, velocities_of, with_velocities
 from opml.interop.object_ids import ObjectId
 from opml.orbits.state_polynomials import FEWEST
@@ -169,16 +170,14 @@ class ScreenedElements(ScreenedObject):
             states = np.hstack([states[:, :3], velocities_of(t, states[:, :3])])
         path = Ephemeris(self.identity.name, t, states)
         path.check()
-        days = (t - self.epoch) / DAY
-        rows = np.flatnonzero(np.abs(days) <= sgp4_errors.LONGEST)[::_SPARSE]
+        rows = np.flatnonzero(np.abs(t - self.epoch) <= DAY * sgp4_errors.LONGEST)[::_SPARSE]
         if not (len(rows) and sgp4_errors.are_known(satellite)):
             return [path]
-        t, states, days = t[rows], states[rows], np.abs(days[rows])
-        sigmas = sgp4_errors.expected(satellite, days)
-        density = sgp4_errors.density_errors(satellite, t, states, days, sigmas)
-        covariances = sgp4_errors.covariances(sigmas, states)
-        covered = replace(path, covariance_t=t, covariances=covariances, covariance_frame="RSW")
-        return [replace(covered, density=density, remark=USUAL)]
+        t, states, errors = t[rows], states[rows], SetErrors.usual(satellite, self.epoch)
+        covered = replace(
+            path, covariance_t=t, covariances=errors.covariances(t, states), covariance_frame="RSW"
+        )
+        return [replace(covered, density=errors.density(t, states), remark=USUAL)]
 
 
 def read_elements(paths: Sequence[FilePath], span: Span) -> list[ScreenedElements]:

@@ -17,7 +17,7 @@ from opml.dynamics.kernels.surroundings import ForceModel
 from opml.dynamics.kernels.tides import DEGREE, ORDER, no_tides, tides
 from opml.dynamics.run_environment import Environment
 from opml.dynamics.settings import ForceModelSettings
-from opml.environment import celestial_bodies, earth_orientation, gravity_field
+from opml.environment import celestial_bodies, earth_orientation, gravity_field, known_weather, nodes
 from opml.environment.weather import ACTIVITY
 
 
@@ -41,6 +41,20 @@ def tabulated(
         radius=field.radius,
         tide_system=field.tide_system,
     )
+
+
+def measured(
+    weather: str | Path, epoch: str, duration: float, *, gravity: str | Path, degree: int
+) -> Environment:
+    """Tabulate an environment for a duration [s] under the weather as measured, up to its last measurement.
+
+    weather: OBSERVED, the packaged weather, or a CSSI file
+
+    Raises InputError where a source cannot be read, or begins too late.
+    """
+    t = nodes(epoch, duration)
+    activity = known_weather.measured_activity(weather, epoch, t)
+    return tabulated(epoch, t, activity, gravity=gravity, degree=degree)
 
 
 def build(environment: Environment, settings: ForceModelSettings) -> ForceModel:

@@ -81,7 +81,7 @@ def _epoch(satellite: Satrec) -> float:
 def _table(sets: list[ElementSet], latency: float) -> pd.DataFrame:
     satellites = [one.satellite for one in sets]
     t = np.array([_epoch(one) for one in satellites], dtype=float)
-    created = np.array([modified_julian_day(one.created) if one.created else np.nan for one in sets])
+    created = np.array([epochs.mjd(one.created) if one.created else np.nan for one in sets])
     motion = np.array([one.no_kozai for one in satellites], dtype=float)
     return pd.DataFrame(
         {
@@ -97,9 +97,3 @@ def _table(sets: list[ElementSet], latency: float) -> pd.DataFrame:
             **{name: np.array([getattr(one, name) for one in sets], np.int64) for name in ("place", "line")},
         }
     )
-
-
-def modified_julian_day(text: str) -> float:
-    """Return the modified Julian day of UTC text. Raises InputError for a malformed one."""
-    day, fraction = epochs.utc(text, 0.0)
-    return float((day - epochs.MJD_ZERO) + fraction)

@@ -16,12 +16,10 @@ from opml.base.errors import InputError
 from opml.environment import nrlmsis
 from opml.environment.forecasts.similar_days import remove_bursts
 from opml.environment.space_weather import INTERVALS, MEASURED, ROUNDING
-from opml.environment.weather import Weather
+from opml.environment.weather import QUARTERS, Weather
 
 HEIGHTS = 1e3 * np.array([250.0, 300.0, 350.0, 400.0, 450.0, 500.0, 550.0, 600.0, 700.0, 850.0, 1000.0])
 """Heights of the tables [m]; between them the logarithm is linear."""
-
-QUARTERS = 4  # densities a day
 
 DAYS_AHEAD = 9
 """Days of the forecast: seven, half a day to the set that judges, and what the newest weather may lack."""
@@ -54,13 +52,6 @@ class Densities:
         issue = self.quarter(morning)
         begin = QUARTERS * (issue // QUARTERS - RUN_UP)
         return Densities(self.first + begin // QUARTERS, self.log[begin:issue])
-
-
-def end_of(weather: Weather) -> float:
-    """Return the time (modified Julian day) up to which both F10.7 and Kp are known, a whole quarter."""
-    # A flux serves the day after it.
-    end = min(weather.first + len(weather.flux) + 1, weather.first + len(weather.kp) / INTERVALS)
-    return float(math.floor(QUARTERS * (end + ROUNDING))) / QUARTERS
 
 
 def first_morning(weather: Weather) -> float:
@@ -253,7 +244,7 @@ def air(weather: Weather, densities: Densities, outlook: np.ndarray) -> Air:
     """
 
     def about(morning: float) -> MorningDensity:
-        issued = min(morning, end_of(weather))
+        issued = min(morning, weather.end)
         # Nothing that was measured after the morning counts.
         known = weather.keep_known(issued).drop_before(math.floor(issued) - RUN_UP)
         recent = densities.before(issued)
@@ -270,6 +261,6 @@ def air(weather: Weather, densities: Densities, outlook: np.ndarray) -> Air:
 
 def learned_air(weather: Weather, *, first: int, end: float) -> tuple[Air, np.ndarray]:
     """Return the air and its outlook, learned from the days (modified Julian) from `first` to `end`."""
-    densities = measured(weather, max(first, weather.first + RUN_UP), end_of(weather))
+    densities = measured(weather, max(first, weather.first + RUN_UP), weather.end)
     outlook = fit(densities, weather, end=end)
     return air(weather, densities, outlook), outlook

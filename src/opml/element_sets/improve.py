@@ -24,7 +24,7 @@ from opml.base.files import FilePath, check_distinct_files, suffix_of
 from opml.base.progress import Progress, counted
 from opml.element_sets import catalogue as catalogues
 from opml.element_sets import corrector, density, features, set_errors, trained_model, weighting
-from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day
+from opml.element_sets.catalogue import ElementCatalogue
 from opml.element_sets.set_errors import OLDEST
 from opml.element_sets.trained_model import CatalogueModel
 from opml.element_sets.weighting import DENSITY, PAST, UNCHANGED
@@ -34,8 +34,6 @@ from opml.interop.element_sets import known_sets, rewriting
 from opml.interop.element_sets.element_set import DEEP_SPACE, semi_major_axis
 from opml.interop.element_sets.rewriting import Better
 from opml.tables import TABLE_SUFFIXES, write_as
-
-OLDEST_WEATHER = 3.0  # days before the date that the weather may end: the forecast begins there
 
 FEWEST_SETS = 3  # of an object whose past tells something
 _MOST_BSTAR = 0.1  # of a body that is no balloon, some 0.6 m2/kg; more is a fit that failed
@@ -102,17 +100,13 @@ def read(
     Raises InputError for an unreadable file, for weather that ends too early, and where no set was public.
     """
     date = epochs.instant(date)
-    measured = known_weather.read(weather)
-    check_newest(measured.keep_known(modified_julian_day(date)), weather, date=date, oldest=OLDEST_WEATHER)
-    return public_on(date, catalogues.read(paths, latency=latency), measured, source=weather)
+    known = known_weather.known_on(weather, date)
+    return public_on(date, catalogues.read(paths, latency=latency), known)
 
 
-def public_on(date: str, catalogue: ElementCatalogue, measured: Weather, *, source: FilePath) -> PublicData:
-    """Return what was public on a date (UTC text); raises as `read`; source: of the weather."""
-    today = modified_julian_day(date)
-    weather = measured.keep_known(today)
-    check_newest(weather, source, date=date, oldest=OLDEST_WEATHER)
-    sets = catalogue.until(today).daily()
+def public_on(date: str, catalogue: ElementCatalogue, weather: Weather) -> PublicData:
+    """Return what was public on a date (UTC text); weather: known on it; raises InputError for no set."""
+    sets = catalogue.until(epochs.mjd(date)).daily()
     if sets.table.empty:
         raise InputError(f"element sets: expected some that were public on {date}, got none")
     return PublicData(sets, density.clean(weather), date)
@@ -133,20 +127,6 @@ def check_written(better: FilePath, table: FilePath | None, paths: Iterable[File
             raise InputError(f"{path}: expected a file outside {folder}, as all sets in there are read")
 
 
-def check_newest(found: Weather, source: FilePath, *, date: str, oldest: float) -> None:
-    """Raise InputError for weather that ends more than so many days before a date (UTC text), or begins then.
-
-    source: of the weather
-    """
-    if modified_julian_day(date) <= found.first + 1.0:
-        expected = f"space weather measured before {date[:10]}, got it from {epochs.calendar(found.first)} on"
-        raise InputError(f"{source}: expected {expected}")
-    end = density.end_of(found)
-    if modified_julian_day(date) - end > oldest:
-        expected = f"space weather measured up to {date[:10]}, got it up to {epochs.calendar(end)}"
-        raise InputError(f"{source}: expected {expected}: `opml fetch` gets newer")
-
-
 def improve(known: PublicData, model: CatalogueModel, *, progress: Progress = _log.info) -> Improved:
     """Return the newest set of each object, improved where its past shows that it gains.
 
@@ -154,7 +134,7 @@ def improve(known: PublicData, model: CatalogueModel, *, progress: Progress = _l
     """
     sets = known.catalogue.table
     progress(f"{counted(sets['number'].nunique(), 'object')}, {counted(len(sets), 'set')}")
-    today = modified_julian_day(known.date)
+    today = epochs.mjd(known.date)
     rows = replayed(known, model, np.arange(-PAST, 1) + today)
     is_judged = np.isfinite(rows["error"])
     mornings = rows.loc[is_judged, "morning"].nunique()
@@ -193,8 +173,8 @@ def replayed(known: PublicData, model: CatalogueModel, mornings: np.ndarray) -> 
     mornings: a day apart; those that the weather does not reach are left out, but for the last one
     """
     mornings = mornings[(mornings >= density.first_morning(known.weather)) | (mornings == mornings[-1])]
-    first = int(np.floor(min(mornings[0], density.end_of(known.weather)))) - density.RUN_UP - 1
-    densities = density.measured(known.weather, first, density.end_of(known.weather))
+    first = int(np.floor(min(mornings[0], known.weather.end))) - density.RUN_UP - 1
+    densities = density.measured(known.weather, first, known.weather.end)
     air = density.air(known.weather, densities, model.outlook)
     return features.build(known.catalogue, set_errors.build(known.catalogue, mornings), air)
 

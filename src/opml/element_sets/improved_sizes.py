@@ -10,19 +10,16 @@ from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
-from sgp4.api import Satrec
 
 from opml.base import epochs
-from opml.base.constants import DAY
-from opml.element_sets import corrector, density
-from opml.element_sets.catalogue import ElementCatalogue, modified_julian_day
+from opml.element_sets import corrector, density, set_errors
+from opml.element_sets.catalogue import ElementCatalogue
 from opml.element_sets.improve import Improved
 from opml.element_sets.inside.inside_sizes import lower
 from opml.environment import nrlmsis
 from opml.environment.space_weather import INTERVALS
 from opml.interop.element_sets import sgp4_errors
 from opml.interop.predicted_orbit import LEADS
-from opml.orbits.elements import bent_rsw
 
 MORNINGS = 12  # mornings before the date whose predictions tell an object's own sizes, radial and cross-track
 
@@ -48,7 +45,6 @@ after days up to an ap of 50, and 83 % above; with this 93 and 92 %.
 STORM_DAYS = 3  # days before the date whose storms count
 FEW_JUDGED = f"fewer than {FEWEST} of its predictions have a later set to judge them"
 _GROSS = 4.0  # sigmas that a past error counts at most: some are burns
-_REACH = 0.5  # of a set that judges from the time predicted [d]
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,8 +68,11 @@ def of_object(
     own: its sets; how: its row of the table `improved_sets` of `better`
     storm: of `after_storm`; is_burning: whether it burned lately, or thrusts
     """
-    first, errors = modified_julian_day(better.date) - ALONG_MORNINGS, errors_of_sets(own, better.date)
-    past = better.past[(better.past["number"] == how["number"]) & (better.past["morning"] >= first)]
+    today = epochs.mjd(better.date)
+    errors = set_errors.in_rsw(own, today - np.arange(MORNINGS, 0, -1), LEADS)
+    past = better.past[
+        (better.past["number"] == how["number"]) & (better.past["morning"] >= today - ALONG_MORNINGS)
+    ]
     past = past.reset_index(drop=True)
     if past.empty:
         past = errors[["morning", "lead"]].assign(error=errors["s"], left=errors["s"], sigma=np.nan)
@@ -101,39 +100,6 @@ def of_object(
         least = missed.reindex(sizes.index, fill_value=0.0).cummax()
         sizes = sizes.assign(**{name: np.maximum(sizes[name], least) for name in ("s", "sgp4")})
     return ExpectedErrors(sizes, past, basis)
-
-
-def errors_of_sets(catalogue: ElementCatalogue, date: str) -> pd.DataFrame:
-    """Return errors of SGP4 from the newest sets of the mornings before a date: morning, lead, r, s, w [m].
-
-    catalogue: of one object
-
-    The later set nearest to morning plus lead judges, at its own epoch, if it is within half a day.
-    """
-    t, known = (catalogue.table[name].to_numpy() for name in ("t", "known"))
-    rows = []
-    for morning in modified_julian_day(date) - np.arange(1, MORNINGS + 1):
-        newest = int(np.searchsorted(known, morning, side="right")) - 1
-        if newest < 0:
-            continue
-        for lead in LEADS:
-            later = int(np.argmin(np.abs(t - morning - lead)))
-            if later > newest and abs(t[later] - morning - lead) <= _REACH:
-                rows.append(
-                    (morning, lead, *_apart(catalogue.satellites[newest], catalogue.satellites[later]))
-                )
-    errors = pd.DataFrame(rows, columns=["morning", "lead", *"rsw"]).dropna()
-    return errors.astype({"lead": int, **dict.fromkeys("rsw", float)})
-
-
-def _apart(satellite: Satrec, judge: Satrec) -> tuple[float, float, float]:
-    """Return how far SGP4 propagates from another set at the epoch of that: outwards, ahead, across [m]."""
-    _, *own = judge.sgp4_tsince(0.0)
-    since, until = (one.jdsatepoch - epochs.MJD_ZERO + one.jdsatepochF for one in (satellite, judge))
-    leap = float(epochs.leap_seconds(since, until)) / DAY
-    _, position, _ = satellite.sgp4(judge.jdsatepoch, judge.jdsatepochF + leap)
-    r, s, w = 1e3 * bent_rsw(np.array([position]), np.concatenate(own)[None])[0]
-    return r, s, w
 
 
 def after_storm(kp: np.ndarray, height: float) -> float:

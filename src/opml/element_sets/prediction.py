@@ -32,10 +32,9 @@ from opml.interop import ccsds
 from opml.interop.element_sets import known_sets, mean_elements, rewriting, sgp4_errors
 from opml.interop.element_sets.burns_in_sets import burns_among
 from opml.interop.element_sets.element_set import LOW, ElementSet, changed, elements_epoch, seconds_since
-from opml.interop.ephemeris import Ephemeris
+from opml.interop.element_sets.sgp4_errors import SetErrors
 from opml.interop.object_ids import ObjectId
 from opml.interop.predicted_orbit import LEADS, PredictedOrbit, check_days, sampled
-from opml.orbits.density_error import DensityErrors
 from opml.orbits.manoeuvres import Manoeuvre
 
 BURNED = 20.0  # days before the date whose burns count: those of the mornings that tell sizes of errors
@@ -277,10 +276,9 @@ class PublicMorning:
         way, hindsight = _way(how, inside), self.better.hindsight if is_modelled else ""
         remark = way if isinstance(inside, OrbitInside) else f"{way}, propagated by SGP4"
         cautions = [*_cautions(how, errors.basis, hindsight, burns=burns, thrusts=thrusts)]
+        sizes = _errors(published, date, errors.sizes)
         return Prediction(
-            _ephemeris(
-                identity, date, days, path, errors.sizes, published, remark="; ".join([remark, *cautions])
-            ),
+            sampled(identity, days, path, sizes, remark="; ".join([remark, *cautions])),
             date,
             days,
             errors.past,
@@ -301,33 +299,15 @@ class PublicMorning:
         return inside_now.forces_on(self.better.date, str(self.weather), propagator=self.propagator)
 
 
-def _ephemeris(
-    identity: ObjectId,
-    date: str,
-    days: float,
-    path: Callable[[np.ndarray], np.ndarray],
-    sizes: pd.DataFrame,
-    published: Satrec,
-    *,
-    remark: str,
-) -> Ephemeris:
-    """Return the ephemeris of a path with sizes of errors by lead; raise InputError where SGP4 decays."""
+def _errors(published: Satrec, date: str, sizes: pd.DataFrame) -> SetErrors:
+    """Return errors from sizes by lead [d since the date], times since it."""
+    (epoch,) = seconds_since(date, [published])
+    columns = [sizes[axis].to_numpy(float) for axis in sgp4_errors.AXES]
 
     def sigmas(t: np.ndarray) -> np.ndarray:
-        return np.stack([np.interp(t / DAY, sizes.index, sizes[axis]) for axis in "rsw"], axis=1)
+        return np.stack([np.interp(t / DAY, sizes.index, column) for column in columns], axis=1)
 
-    def density(t: np.ndarray, states: np.ndarray) -> DensityErrors:
-        since = (t - seconds_since(date, [published])) / DAY
-        return sgp4_errors.density_errors(published, t, states, since, sigmas(t))
-
-    return sampled(
-        identity,
-        days,
-        path,
-        lambda t, states: sgp4_errors.covariances(sigmas(t), states),
-        remark=remark,
-        density_at=density if sgp4_errors.are_known(published) else None,
-    )
+    return SetErrors(published, epoch, sigmas)
 
 
 def known_since(one: ElementSet) -> str:

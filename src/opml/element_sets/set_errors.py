@@ -5,6 +5,7 @@ state of the later set nearest to morning plus lead, at its own epoch, judges it
 hand, as today, the row is at morning plus lead and has no error.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +15,7 @@ from opml.base import epochs
 from opml.base.constants import DAY
 from opml.element_sets.catalogue import ElementCatalogue
 from opml.interop.element_sets.element_set import perturb_drag, propagate
+from opml.orbits.elements import bent_rsw
 from opml.tables import IMPROVED_LEADS
 
 LEADS = IMPROVED_LEADS  # days from the morning to what is predicted
@@ -68,7 +70,22 @@ def along_track(positions: np.ndarray, reference: np.ndarray, velocities: np.nda
     return np.asarray(1e3 * radius * angle)
 
 
-def find(catalogue: ElementCatalogue, mornings: np.ndarray) -> tuple[pd.DataFrame, np.ndarray]:
+def in_rsw(catalogue: ElementCatalogue, mornings: np.ndarray, leads: Sequence[int]) -> pd.DataFrame:
+    """Return the rows that are judged of mornings (n,), as of `Pairs`, with errors r, s, w [m]."""
+    rows, judges = find(catalogue, mornings, leads)
+    rows, judges = rows[judges >= 0].reset_index(drop=True), judges[judges >= 0]
+    propagated = [
+        catalogue.satellites[one].sgp4_tsince(_MINUTES * tau)[1]
+        for one, tau in zip(rows["newest"], rows["tau"], strict=True)
+    ]
+    reference = [np.concatenate(catalogue.satellites[one].sgp4_tsince(0.0)[1:]) for one in judges]
+    errors = 1e3 * bent_rsw(np.reshape(propagated, (-1, 3)), np.reshape(reference, (-1, 6)))
+    return rows.assign(**dict(zip("rsw", errors.T, strict=True))).dropna()
+
+
+def find(
+    catalogue: ElementCatalogue, mornings: np.ndarray, leads: Sequence[int] = LEADS
+) -> tuple[pd.DataFrame, np.ndarray]:
     """Return the rows without errors, by object, morning and lead, and the sets (rows,) that judge, or -1."""
     table = catalogue.table
     numbers, place = np.unique(table["number"].to_numpy(), return_inverse=True)
@@ -81,8 +98,8 @@ def find(catalogue: ElementCatalogue, mornings: np.ndarray) -> tuple[pd.DataFram
     newest = np.searchsorted(known, _ordered(objects, morning), side="right") - 1
     fresh = newest >= first[objects]
     fresh[fresh] &= morning[fresh] - t[newest[fresh]] <= OLDEST
-    objects, morning, newest = (np.repeat(part[fresh], len(LEADS)) for part in (objects, morning, newest))
-    lead = np.tile(LEADS, len(objects) // len(LEADS))
+    objects, morning, newest = (np.repeat(part[fresh], len(leads)) for part in (objects, morning, newest))
+    lead = np.tile(leads, len(objects) // len(leads))
     target = morning + lead
     judge = _nearest(_ordered(place, t), _ordered(objects, target), first[objects], ends[objects])
     judge = np.where((judge > newest) & (np.abs(t[judge] - target) <= REACH), judge, -1)

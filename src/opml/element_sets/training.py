@@ -18,7 +18,6 @@ from opml.base.progress import Progress, with_time_left
 from opml.base.provenance import code_digest, commit
 from opml.element_sets import catalogue as catalogues
 from opml.element_sets import corrector, density, features, set_errors
-from opml.element_sets.catalogue import modified_julian_day
 from opml.element_sets.density import Air
 from opml.element_sets.trained_model import CatalogueModel
 from opml.environment import known_weather, solar_activity
@@ -48,7 +47,7 @@ def train(
     Raises InputError for unreadable files, and where there is too little to learn from.
     """
     found_files = {name: find_files(paths) for name, paths in populations.items()}
-    end = np.inf if date is None else modified_julian_day(date)
+    end = np.inf if date is None else epochs.mjd(date)
     sets = {name: catalogues.read(files).until(end).daily() for name, files in found_files.items()}
     for name, known_sets in sets.items():
         if known_sets.table.empty:
@@ -58,7 +57,7 @@ def train(
     progress("densities of the thermosphere since 2002")
     correctors, cards = {}, {}
     with threadpool_limits(limits=1, user_api="blas"):  # sums in one order, whatever the machine
-        air, outlook = density.learned_air(known, first=FIRST_DAY, end=density.end_of(known))
+        air, outlook = density.learned_air(known, first=FIRST_DAY, end=known.end)
         for name, files in with_time_left(list(found_files.items()), "population", progress):
             progress(f"{name}: predictions")
             rows = mornings_of(sets[name], air)
@@ -69,7 +68,7 @@ def train(
         "populations": cards,
         "seed": seed,
         "weather": _digests([solar_activity.resolve(weather)]),
-        "weather_to": epochs.calendar(np.ceil(density.end_of(known)) - 1.0),
+        "weather_to": epochs.calendar(np.ceil(known.end) - 1.0),
         "software": _software(),
     }
     return CatalogueModel(outlook, correctors, model_card | ({"date": date} if date else {}))

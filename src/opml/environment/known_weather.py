@@ -24,6 +24,8 @@ from opml.environment.weather import ACTIVITY, RUN_UP, Future, Weather
 MONTHLY, HINDCAST, FORECAST = "monthly", "hindcast", "forecast"
 KNOWN = (HINDCAST, FORECAST)  # kinds of knowledge that need measured weather
 
+OLDEST = 3.0  # days before a date that the weather may end: a forecast begins there
+
 FIT_HOURS = 3
 """Hours between the outlooks of fits: they know Kp up to the last interval that is over."""
 
@@ -71,6 +73,24 @@ def _measured(path: str | Path, text: str) -> Weather:
     return Weather(
         int(days.index[0]), days["F10.7_OBS"].to_numpy(), days[space_weather.KP].to_numpy().ravel()
     )
+
+
+def known_on(source: str | Path, date: str, *, oldest: float = OLDEST) -> Weather:
+    """Read the measured weather of a source, OBSERVED or a CSSI file, that was known on a date (UTC text).
+
+    oldest: days before the date that it may end
+
+    Raises InputError as `read`, and where it ends before these, or begins on the date.
+    """
+    today = epochs.mjd(date)
+    known = read(source).keep_known(today)
+    if today <= known.first + 1.0:
+        expected = f"space weather measured before {date[:10]}, got it from {epochs.calendar(known.first)} on"
+        raise InputError(f"{source}: expected {expected}")
+    if today - known.end > oldest:
+        expected = f"space weather measured up to {date[:10]}, got it up to {epochs.calendar(known.end)}"
+        raise InputError(f"{source}: expected {expected}: `opml fetch` gets newer")
+    return known
 
 
 def measured_source(source: str | Path) -> str | Path:

@@ -14,6 +14,7 @@ from opml.environment.space_weather import DELAY, INTERVALS, MEASURED, ROUNDING
 
 MEAN_DAYS = 81  # days of the mean flux
 RUN_UP = MEAN_DAYS + 1  # days of measurements that `Weather.activity` needs before its first time
+QUARTERS = 4  # densities a day
 HIGHEST_KP = 9.0  # upper end of the scale of Kp
 
 ACTIVITY = ["f107", "f107_mean", "kp_3h", "kp_24h"]
@@ -34,6 +35,13 @@ class Weather:
     first: int  # the first day (modified Julian day, UTC)
     flux: np.ndarray  # (days,) F10.7 [sfu], one a day
     kp: np.ndarray  # (intervals,) Kp, one every three hours
+
+    @property
+    def end(self) -> float:
+        """Time (modified Julian day) up to which both are known, a whole quarter of a day."""
+        # A flux serves the day after it.
+        end = min(self.first + len(self.flux) + 1, self.first + len(self.kp) / INTERVALS)
+        return math.floor(QUARTERS * (end + ROUNDING)) / QUARTERS
 
     def keep_known(self, day: float) -> "Weather":
         """Return the measurements that were known at a time, a modified Julian day with its fraction."""

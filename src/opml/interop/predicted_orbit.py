@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Protocol
 
 import numpy as np
 import pandas as pd
@@ -112,24 +113,32 @@ class PredictedOrbit:
         return pd.DataFrame({**columns, **axes, "sgp4_along_track": np.nan})
 
 
+class ErrorModel(Protocol):
+    """Sizes of the errors of a predicted orbit, at times (n,) [s] and GCRF states (n, 6) [m, m/s]."""
+
+    def covariances(self, t: np.ndarray, states: np.ndarray) -> np.ndarray:
+        """Return covariances (n, 6, 6) in RSW [m, m/s], NaN where they are unknown."""
+
+    def density(self, t: np.ndarray, states: np.ndarray) -> DensityErrors | None:
+        """Return the part of them that other objects share, None where it is unknown."""
+
+
 def sampled(
     identity: ObjectId,
     days: float,
     states_at: Callable[[np.ndarray], np.ndarray],
-    covariances_at: Callable[[np.ndarray, np.ndarray], np.ndarray],
+    errors: ErrorModel,
     *,
     remark: str,
-    density_at: Callable[[np.ndarray, np.ndarray], DensityErrors] | None = None,
 ) -> Ephemeris:
     """Return the ephemeris of an orbit with covariances, a state a minute, times since its date.
 
-    states_at: returns states (n, 6) at times (n,); covariances_at, density_at: take both, and return
-    covariances (n, 6, 6) in RSW, NaN where unknown, and the part of these that other objects share
+    states_at: returns GCRF states (n, 6) [m, m/s] at times (n,)
     """
     t = read_only(STEP * np.arange(int((DAY * days + _ROUNDED) / STEP) + 1))
     states, last = states_at(t), len(t) - 1
     sparse, rare = (np.unique(np.r_[0:last:every, last]) for every in (_COVARIANCE_EVERY, _DENSITY_EVERY))
-    covariances = covariances_at(t[sparse], states[sparse])
+    covariances = errors.covariances(t[sparse], states[sparse])
     known = np.isfinite(covariances).all(axis=(1, 2))
     return Ephemeris(
         identity.name,
@@ -142,5 +151,5 @@ def sampled(
         degree=7,
         identity=identity,
         known=0.0,
-        density=density_at(t[rare], states[rare]) if density_at else None,
+        density=errors.density(t[rare], states[rare]),
     )

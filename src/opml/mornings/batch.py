@@ -12,6 +12,7 @@ from typing import Any, TypeVar
 import numpy as np
 import pandas as pd
 
+from opml.base import epochs
 from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.files import FilePath
@@ -29,7 +30,6 @@ from opml.dynamics.kernels.surroundings import ForceModel
 from opml.dynamics.settings import ForceModelSettings, Integrator
 from opml.dynamics.shared_blocks import SharedBlocks
 from opml.element_sets import station_passes
-from opml.element_sets.catalogue import modified_julian_day
 from opml.element_sets.inside import kept_calibrations
 from opml.element_sets.inside.past_orbits import Calibration
 from opml.interop.element_sets import known_sets
@@ -251,7 +251,7 @@ def _public_sets(
     """Return the public sets of a run, None without any; since: a time before all mornings to be run [s]."""
     if not settings.element_files:
         return None
-    first = modified_julian_day(settings.epoch) + (since / DAY if np.isfinite(since) else 0.0)
+    first = epochs.mjd(settings.epoch) + (since / DAY if np.isfinite(since) else 0.0)
     files, weather = settings.element_files, settings.weather
     return set_mornings.read(files, weather, since=first, propagator=propagate, kept=kept)
 

@@ -25,11 +25,10 @@ from opml.catalog.fit.estimation_settings import Estimation
 from opml.catalog.measured_files import MeasurementSource, Span
 from opml.catalog.predict import weather_spread
 from opml.catalog.predict.weather_spread import Weathers
-from opml.catalog.propagator import Propagator, near_part
-from opml.dynamics.forces import build, tabulated, with_outlooks
+from opml.catalog.propagator import Propagator
+from opml.dynamics.forces import build, measured, with_outlooks
 from opml.dynamics.settings import ForceModelSettings, Integrator
-from opml.element_sets import improve
-from opml.environment import known_weather, nodes
+from opml.environment import known_weather
 from opml.environment.known_weather import Issues
 from opml.environment.settings import EnvironmentSettings
 from opml.ephemerides.along_track_shift import through
@@ -86,6 +85,12 @@ class Request:
     stations: Sequence[Station] = ()  # by which tracks were measured
     area_to_mass: float | None = None  # [m2/kg]; None: GUESS
 
+    def __post_init__(self) -> None:
+        """Raise InputError for a length out of range and an area that no body has."""
+        check_days(self.days)
+        if self.area_to_mass is not None and not 0.0 < self.area_to_mass < np.inf:
+            raise InputError(f"predict: expected an area to mass above 0 m2/kg, got {self.area_to_mass:g}")
+
     @property
     def kind(self) -> str:
         """Tracks or fixes."""
@@ -122,6 +127,11 @@ class _Times:
         return cls(epoch, begin + offset, now, now + DAY * request.days + _AFTER)
 
     @property
+    def utc(self) -> str:
+        """The date, UTC."""
+        return _text(self.epoch, self.date)
+
+    @property
     def stretch(self) -> float:
         """Length of a stretch of points [h]."""
         return min(STRETCH, (self.date - self.first) / HOUR / _LEAST_STRETCHES)
@@ -147,12 +157,9 @@ class OrbitSettings(JobSettings):
 def predict(request: Request, settings: OrbitSettings, *, progress: Progress) -> PredictedOrbit:
     """Predict an object from what measured it.
 
-    Raises InputError for unreadable files, days out of range, a date without measurements before it, weather
-    that ends too early, and measurements that no orbit fits.
+    Raises InputError for unreadable files, a date without measurements before it, weather that ends too
+    early, and measurements that no orbit fits.
     """
-    check_days(request.days)
-    if request.area_to_mass is not None and not 0.0 < request.area_to_mass < np.inf:
-        raise InputError(f"predict: expected an area to mass above 0 m2/kg, got {request.area_to_mass:g}")
     times = _Times.of(request)
     progress(f"weather and forces from {times.epoch[:_DAY]} on")
     watched = _watched(request, settings, times)
@@ -269,13 +276,12 @@ def _object_propagators(
     rso: Rso, weather: FilePath, settings: OrbitSettings, times: _Times, max_days: float
 ) -> ObjectPropagators:
     """Return the propagators of an object under the weather that was known at each time."""
-    weather, t = str(weather), nodes(times.epoch, times.duration)
-    sources, hours = settings.environment, settings.environment.issue_hours or known_weather.FIT_HOURS
-    date = _text(times.epoch, times.date)
-    improve.check_newest(known_weather.read(weather), weather, date=date, oldest=OLDEST / DAY)
-    activity = known_weather.measured_activity(weather, times.epoch, t)
+    weather, sources = str(weather), settings.environment
+    hours = sources.issue_hours or known_weather.FIT_HOURS
+    known_weather.known_on(weather, times.utc, oldest=OLDEST / DAY)
     gravity, degree = sources.gravity_field, settings.force_model.degree
-    environment = tabulated(times.epoch, t, activity, gravity=gravity, degree=degree)
+    environment = measured(weather, times.epoch, times.duration, gravity=gravity, degree=degree)
+    t = environment.solar_activity["t"].to_numpy()
     issues = Issues(source=weather, epoch=times.epoch, issue_hours=hours, max_days=max_days)
     expected = known_weather.outlooks(issues, t)
     futures = known_weather.tabulate_futures(issues, t, members=settings.futures)
@@ -285,8 +291,8 @@ def _object_propagators(
     full, flat = (with_outlooks(model, expected) for model in (still, flattened))
     propagator = partial(Propagator, rso=rso, integrator=settings.integrator, threads=os.cpu_count() or 1)
     return ObjectPropagators(
-        propagator(fitting, near=near_part(fitting)),
-        propagator(full, near=near_part(full)),
+        propagator(fitting),
+        propagator(full),
         propagator(flat),
         Weathers.of(flat, futures),
         environment.earth_orientation,
@@ -304,20 +310,31 @@ def _fitted_orbit(request: Request, times: _Times, newest: TrackMorning) -> Pred
     burned = f"; burns in its mornings: {count}, across which no error counts" if count else ""
     way = _way(watched.plan.models[selected.model])
 
-    def covariances(t: np.ndarray, _: np.ndarray) -> np.ndarray:
-        columns = {name: np.interp(t, table["t"], table[name]) for name in STATE_COVARIANCES}
-        return symmetric_matrices(pd.DataFrame(columns), STATE_COVARIANCES)
-
     path = through(table["t"].to_numpy(), state_rows(table))
     return PredictedOrbit(
-        sampled(watched.identity, request.days, path, covariances, remark=way),
-        _text(times.epoch, times.date),
+        sampled(watched.identity, request.days, path, _Errors(table), remark=way),
+        times.utc,
         request.days,
         errors[["morning", "lead", "left"]].reset_index(drop=True),
         selected.basis,
         way,
         f"{verdict.word}: {verdict.reason}{burned}",
     )
+
+
+@dataclass(frozen=True, eq=False)
+class _Errors:
+    """Errors of the ephemeris of a fit, a table `corrected`, times since the date (`fit_sizes`)."""
+
+    table: pd.DataFrame
+
+    def covariances(self, t: np.ndarray, _: np.ndarray) -> np.ndarray:
+        """Return covariances as `ErrorModel`."""
+        columns = {name: np.interp(t, self.table["t"], self.table[name]) for name in STATE_COVARIANCES}
+        return symmetric_matrices(pd.DataFrame(columns), STATE_COVARIANCES)
+
+    def density(self, *_: np.ndarray) -> None:
+        """Return none: a fit does not tell the density's part."""
 
 
 def _way(model: ResolvedSettings) -> str:

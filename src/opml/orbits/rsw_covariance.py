@@ -19,6 +19,7 @@ def half_width(level: float) -> float:
     return NormalDist().inv_cdf(0.5 + 0.5 * level)
 
 
+_TURNING = 0.5  # of the free part of the velocity along the track: of the rate times the radial sigma
 INSIDE = half_width(LEVEL)  # half the width of that interval, in standard deviations
 
 
@@ -37,6 +38,18 @@ def rsw_covariances(sigma: np.ndarray, rate: np.ndarray) -> np.ndarray:
     mixing[:, 3, 1] = mixing[:, 4, 0] = -rate
     covariance: np.ndarray = (mixing * sigma[:, None, :] ** 2) @ mixing.transpose(0, 2, 1)
     return np.asarray(0.5 * (covariance + covariance.transpose(0, 2, 1)))
+
+
+def position_covariances(sigmas: np.ndarray, states: np.ndarray) -> np.ndarray:
+    """Return covariances (n, 6, 6) in RSW [m, m/s] where sizes of errors of positions (n, 3) [m] are known.
+
+    states: (n, 6) [m, m/s]
+
+    What is free of the velocity errs as the position does times the rate of the orbit.
+    """
+    rate = rates(states)
+    velocity = rate[:, None] * sigmas[:, [0, 0, 2]] * [1.0, _TURNING, 1.0]
+    return rsw_covariances(np.hstack([sigmas, velocity]), rate)
 
 
 def rates(states: np.ndarray) -> np.ndarray:

@@ -12,6 +12,7 @@ import sinking_histories
 from support import refusal
 
 from opml import cli
+from opml.base import epochs
 from opml.element_sets import (
     catalogue,
     corrector,
@@ -23,7 +24,6 @@ from opml.element_sets import (
     weighting,
 )
 from opml.element_sets import trained_model as models
-from opml.element_sets.catalogue import modified_julian_day
 from opml.environment import solar_activity
 from opml.interop.element_sets import element_set, mean_elements, omm
 from opml.interop.object_ids import ObjectId
@@ -58,7 +58,7 @@ def test_mornings_that_the_weather_does_not_reach_have_no_past(
     folder: Path, model: models.CatalogueModel
 ) -> None:
     known = improve.read([folder], date=DATE, weather="OBSERVED")
-    today = modified_julian_day(DATE)
+    today = epochs.mjd(DATE)
     whole = improve.improve(known, model).past["morning"].min()
     weather = known.weather.drop_before(int(today) - density.RUN_UP - 83 - 10)
     short = improve.improve(replace(known, weather=weather), model)
@@ -109,7 +109,7 @@ def test_sets_flown_by_plain_sgp4_carry_the_correction(
     improve.improve(known, model).write(tmp_path / "better.tle")
     old = {one.number: one.satellite for one in mean_elements.read_sets(folder / "known.tle")}
     new = {one.number: one.satellite for one in mean_elements.read_sets(tmp_path / "better.tle")}
-    today = catalogue.modified_julian_day(DATE)
+    today = epochs.mjd(DATE)
     rows = improve.replayed(known, model, np.arange(-weighting.PAST, 1) + today)
     wanted = weighting.candidates(rows, model.correctors, corrector.jumps(rows))[way]["correction"][
         rows["morning"] == today
@@ -253,7 +253,7 @@ def test_density_of_a_constant_thermosphere_makes_a_parabola() -> None:
 def test_own_misses_count_once_their_judge_was_public(folder: Path, model: models.CatalogueModel) -> None:
     """A target of the last days touches no own miss of a morning before its judge."""
     known = improve.read([folder], date=DATE, weather="OBSERVED")
-    today = catalogue.modified_julian_day(DATE)
+    today = epochs.mjd(DATE)
     rows = improve.replayed(known, model, np.arange(-weighting.PAST, 1) + today)
     changed = rows.assign(target=rows["target"].where(rows["judged"] <= today - 4.0, 99.0))
 

@@ -11,11 +11,10 @@ from weather_files import other_after
 
 from opml.base import epochs
 from opml.base.constants import DAY
-from opml.element_sets import catalogue
 from opml.element_sets.inside import inside_forces, inside_now, kept_calibrations
 from opml.interop.element_sets.burns_in_sets import KnownSet
 
-BEGIN = np.floor(catalogue.modified_julian_day(EPOCH))
+BEGIN = np.floor(epochs.mjd(EPOCH))
 
 
 @pytest.fixture(scope="module")
@@ -26,7 +25,7 @@ def sets(forces, truth):
 def morning(sets, day, kept, weather="OBSERVED"):
     """The orbit inside the sets known on a morning, and its prediction."""
     date = f"{epochs.calendar(BEGIN + day)}T06:00:00"
-    since = DAY * (catalogue.modified_julian_day(EPOCH) - catalogue.modified_julian_day(date))
+    since = DAY * (epochs.mjd(EPOCH) - epochs.mjd(date))
     public = [KnownSet(since + DAY * at, since + DAY * at, one) for at, one in sets]
     known = [one for one in public if one.made <= 0.0]
     now = inside_now.find(known, date=date, forces=inside_now.forces_on(date, weather), kept=kept)

@@ -7,8 +7,8 @@ from element_histories import FIRST
 from opml.base import epochs
 from opml.base.constants import DAY
 from opml.element_sets import catalogue, set_errors
-from opml.element_sets.improved_sizes import errors_of_sets
 from opml.interop.element_sets import element_set, tle
+from opml.interop.predicted_orbit import LEADS
 
 NOONS = ["2016-12-30T12:00:00", "2016-12-31T12:00:00", "2017-01-01T12:00:00", "2017-01-02T12:00:00"]
 
@@ -45,7 +45,7 @@ def test_no_set_of_them_misses_those_before_it(sets):
 
 
 def test_errors_of_a_prediction_s_past_are_those_of_its_orbit(sets):
-    errors = errors_of_sets(sets, "2017-01-02T13:00:00")
+    errors = set_errors.in_rsw(sets, epochs.mjd("2017-01-02T13:00:00") - np.arange(1.0, 13.0), LEADS)
     assert len(errors) > 3
     assert errors["s"].abs().max() < 200.0
 

@@ -10,8 +10,8 @@ from publisher import BALLISTIC, HALF, SUNLIT, begun, burned, published
 from support import EPOCH
 from weather_files import other_after
 
+from opml.base import epochs
 from opml.base.constants import DAY, HOUR
-from opml.element_sets import catalogue
 from opml.element_sets.improved_sizes import ExpectedErrors
 from opml.element_sets.inside import (
     inside_forces,
@@ -96,7 +96,7 @@ def test_no_later_weather_counts(forces, sets, tmp_path, monkeypatch):
     t = DAY * DAYS + forces.time(EPOCH) - forces.time(date)
     public = [KnownSet(one, one, satellite) for one, satellite in zip(t, sets, strict=True) if one <= 0.0]
     assert 0 < len(public) < len(sets)
-    today = catalogue.modified_julian_day(date)
+    today = epochs.mjd(date)
     other = other_after(tmp_path / "weather.csv", today)
     paths = [
         inside_now.find(public, date=date, forces=inside_now.forces_on(date, weather)).predict(3.0)[1]

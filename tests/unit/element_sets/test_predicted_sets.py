@@ -25,6 +25,7 @@ from opml.element_sets import (
     corrector,
     improved_sizes,
     prediction,
+    set_errors,
     station_passes,
     trained_model,
     weighting,
@@ -33,6 +34,7 @@ from opml.element_sets.inside import inside_forces, orbit_prediction
 from opml.element_sets.inside.orbit_prediction import OrbitInside
 from opml.interop import known_orbits, predicted_orbit
 from opml.interop.element_sets import burns_in_sets, element_set, known_sets, mean_elements, sgp4_errors, tle
+from opml.interop.predicted_orbit import LEADS
 from opml.report.results import with_unit
 from opml.workflow import prediction_files
 
@@ -215,8 +217,8 @@ def test_storms_of_the_last_days_widen_along_the_track(made, file, monkeypatch):
 def test_errors_of_sets_are_those_of_later_ones(tmp_path):
     """Of sets that are a kilometre ahead from the last day on, those before err by this."""
     (tmp_path / "sets.tle").write_text(tle_text(history(np.arange(15.0), ahead={14.0: 1000.0})))
-    date = str(np.datetime64(EPOCH) + np.timedelta64(14, "D") + np.timedelta64(6, "h"))
-    found = improved_sizes.errors_of_sets(catalogue.read([tmp_path / "sets.tle"]), date)
+    mornings = epochs.mjd(EPOCH) + 0.25 + np.arange(2.0, 14.0)
+    found = set_errors.in_rsw(catalogue.read([tmp_path / "sets.tle"]), mornings, LEADS)
     last = found[found["morning"] + found["lead"] > found["morning"].max() + 0.9]
     assert len(last) > 3
     np.testing.assert_allclose(last["s"], -1000.0, atol=30.0)

@@ -52,7 +52,7 @@ def test_nothing_that_became_known_after_a_date_is_learned_from(files, monkeypat
     seen, (sets, weather) = {}, files
 
     def air(known, *, first, end):
-        seen["weather"] = [end, density.end_of(known)]
+        seen["weather"] = [end, known.end]
         return None, None
 
     def stop(sets, air):

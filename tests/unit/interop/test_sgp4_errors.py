@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 from support import shared
 
-from opml.element_sets import catalogue, improved_sizes
+from opml.element_sets import catalogue
 from opml.interop.element_sets import element_set, sgp4_errors
-from opml.orbits.rsw_covariance import half_width
+from opml.orbits.elements import bent_rsw
+from opml.orbits.rsw_covariance import half_width, position_covariances
 
 DAYS = np.array([0.0, 1.0, 7.0])
 EPOCH = "2025-06-01T00:00:00"
@@ -47,7 +48,7 @@ def test_a_covariance_has_the_sizes_and_velocities_that_follow():
     satellite = flown(700.0)
     sigmas = sgp4_errors.expected(satellite, DAYS)
     states = sgp4_errors.sgp4_states(satellite, DAYS)
-    found = sgp4_errors.covariances(sigmas, states)
+    found = position_covariances(sigmas, states)
     assert np.sqrt(np.diagonal(found, axis1=1, axis2=2))[:, :3] == pytest.approx(sigmas)
     rate = np.linalg.norm(states[:, 3:], axis=1) / np.linalg.norm(states[:, :3], axis=1)
     assert found[:, 3, 1] / found[:, 1, 1] == pytest.approx(-rate, rel=0.01)  # ahead by y: turned by y / r
@@ -67,6 +68,7 @@ def insides(name):
     for first in known[:-8:20]:
         satellite, later = sets.satellites[first], first + np.arange(1, 8)
         sigmas = sgp4_errors.usual_sigmas(satellite, t[later] - t[first])
-        for judge, (_, sigma, _) in zip(later, sigmas, strict=True):
-            _, along, _ = improved_sizes._apart(satellite, sets.satellites[judge])
-            yield abs(along) <= half_width(0.9) * sigma
+        judges = [sgp4_errors.sgp4_states(sets.satellites[judge], np.zeros(1))[0] for judge in later]
+        flown = sgp4_errors.sgp4_states(satellite, t[later] - t[first])
+        along = bent_rsw(flown[:, :3], np.array(judges))[:, 1]
+        yield from np.abs(along) <= half_width(0.9) * sigmas[:, 1]

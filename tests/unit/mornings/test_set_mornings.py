@@ -12,7 +12,6 @@ from support import refusal
 from opml.base import epochs
 from opml.base.constants import DAY
 from opml.element_sets import prediction
-from opml.element_sets.catalogue import modified_julian_day
 from opml.element_sets.inside import inside_forces, inside_now
 from opml.interop import known_orbits
 from opml.interop.element_sets import known_sets
@@ -48,7 +47,7 @@ def sets_until(path, days_of_sets):
 
 def run(path, folder, until=LAST):
     """The mornings of the sets in a file up to a date."""
-    sets = set_mornings.read([path], "OBSERVED", since=modified_julian_day(EPOCH))
+    sets = set_mornings.read([path], "OBSERVED", since=epochs.mjd(EPOCH))
     watched = of_sets(PLAN, sets, known_sets.by_object([path])[NUMBER])
     store = Store(folder, "0", ["mine"])
     shared = "mine", watched, CALENDAR, store, "digest"

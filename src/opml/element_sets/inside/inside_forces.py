@@ -15,10 +15,10 @@ import numpy as np
 from opml.base import epochs
 from opml.base.constants import BODIES, DAY
 from opml.dynamics.ensemble import Arcs, Departures, propagate
-from opml.dynamics.forces import build, tabulated, with_outlooks
+from opml.dynamics.forces import build, measured, with_outlooks
 from opml.dynamics.kernels.surroundings import ForceModel
 from opml.dynamics.settings import FORCES, ForceModelSettings, Integrator
-from opml.environment import known_weather, nodes
+from opml.environment import known_weather
 from opml.environment.known_weather import Issues
 
 GRAVITY = "EGM2008"
@@ -115,17 +115,11 @@ def read(
     """
     epoch = f"{epochs.calendar(np.floor(first) - _BEFORE)}T00:00:00"
     days = last - np.floor(first) + _BEFORE + AHEAD
-    t = nodes(epoch, DAY * days)
-    environment = tabulated(
-        epoch,
-        t,
-        known_weather.measured_activity(weather, epoch, t),
-        gravity=GRAVITY,
-        degree=degree,
-    )
+    environment = measured(weather, epoch, DAY * days, gravity=GRAVITY, degree=degree)
     settings = ForceModelSettings.read(
         {"degree": degree, "order": degree, "third_bodies": [*BODIES], "forces": [*FORCES]}, "forces"
     )
     issues = Issues(source=weather, epoch=epoch, issue_hours=ISSUE_HOURS, max_days=AHEAD)
-    model = with_outlooks(build(environment, settings), known_weather.outlooks(issues, t))
+    outlooks = known_weather.outlooks(issues, environment.solar_activity["t"].to_numpy())
+    model = with_outlooks(build(environment, settings), outlooks)
     return Forces(model, epoch, propagator)

@@ -23,7 +23,6 @@ from opml.base import epochs
 from opml.base.constants import DAY, HOUR, WGS84_A
 from opml.base.provenance import code_digest
 from opml.dynamics.ensemble import Arcs
-from opml.element_sets.catalogue import modified_julian_day
 from opml.element_sets.inside import inside_forces, past_orbits
 from opml.element_sets.inside.inside_forces import ON_ALL_CORES, Forces
 from opml.element_sets.inside.orbit_inside import (
@@ -213,7 +212,7 @@ def forces_on(date: str, weather: str | Path, *, propagator: Callable[..., Arcs]
 
     Raises InputError for weather that does not reach.
     """
-    today = modified_julian_day(date)
+    today = epochs.mjd(date)
     first = today - PAST - OLDEST - CALIBRATED_EVERY
     first = _FORCES_EVERY * np.floor(first / _FORCES_EVERY)
     return inside_forces.read(weather, first=first, last=today, propagator=propagator)
@@ -263,7 +262,7 @@ def _calibrated(
 
     The day is one in CALIBRATED_EVERY, by the object's number; that of the date while few sets were known.
     """
-    newest, day = sets[-1], int(modified_julian_day(date))
+    newest, day = sets[-1], int(epochs.mjd(date))
     day -= (day - newest.satellite.satnum) % CALIBRATED_EVERY
     utc = epochs.calendar(day)
     daily = _of_weeks([one for one in sets if one.made <= forces.time(f"{utc}T00:00:00")])

@@ -28,12 +28,13 @@ from opml.element_sets.inside.inside_sizes import FLOOR
 from opml.element_sets.inside.orbit_inside import EVERY, NoOrbitError, paths
 from opml.element_sets.inside.past_orbits import PastOrbits
 from opml.interop import ccsds, oem
-from opml.interop.element_sets import known_sets, sgp4_errors
+from opml.interop.element_sets import known_sets
 from opml.interop.element_sets.burns_in_sets import KnownSet, burns_among
 from opml.interop.element_sets.element_set import decay, elements_epoch
 from opml.interop.ephemeris import Ephemeris
 from opml.interop.object_ids import ObjectId
 from opml.orbits.elements import bent_rsw, coe_from_cartesian, in_rsw
+from opml.orbits.rsw_covariance import position_covariances
 from opml.orbits.state_polynomials import StatePolynomials
 
 STEP = 120.0  # between states [s]
@@ -125,7 +126,7 @@ def _segments(
             t[wanted],
             states[wanted],
             t[sparse],
-            sgp4_errors.covariances(sigmas[sparse], states[sparse]),
+            position_covariances(sigmas[sparse], states[sparse]),
             covariance_frame="RSW",
             remark="orbits inside public sets, joined, under the weather as measured since",
             degree=7,

@@ -7,17 +7,21 @@ a, b and c are such that nine tenths of the errors at later sets lie inside 1.64
 to all objects, whatever their planes.
 """
 
+from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cache
 from importlib import resources
+from typing import Self
 
 import numpy as np
 import pandas as pd
 from sgp4.api import Satrec
 
+from opml.base.constants import DAY
 from opml.interop.element_sets.element_set import mean_height, perturb_drag, propagate
 from opml.orbits.density_error import DensityErrors, drag_sensitivities
 from opml.orbits.elements import bent_rsw
-from opml.orbits.rsw_covariance import rates, rsw_covariances
+from opml.orbits.rsw_covariance import position_covariances, rates
 
 AXES = "rsw"
 
@@ -36,7 +40,37 @@ COMMON = 0.75
 _MOST_ECCENTRICITY = 0.02
 _MINUTES = 1440.0  # in a day
 _STEP = 0.05  # part of B* by which it is changed to see what drag does
-_TURNING = 0.5  # of the free part of the velocity along the track: of the rate times the radial sigma
+
+
+@dataclass(frozen=True, eq=False)
+class SetErrors:
+    """Errors of what is predicted from a set.
+
+    epoch: of the set [s]; sigmas: returns standard deviations (n, 3) in RSW [m] at times (n,) [s]
+    """
+
+    satellite: Satrec
+    epoch: float
+    sigmas: Callable[[np.ndarray], np.ndarray]
+
+    @classmethod
+    def usual(cls, satellite: Satrec, epoch: float) -> Self:
+        """Return those of SGP4, compared with the truth."""
+        return cls(satellite, epoch, lambda t: expected(satellite, np.abs(t - epoch) / DAY))
+
+    def covariances(self, t: np.ndarray, states: np.ndarray) -> np.ndarray:
+        """Return covariances as `ErrorModel`."""
+        return position_covariances(self.sigmas(t), states)
+
+    def density(self, t: np.ndarray, states: np.ndarray) -> DensityErrors | None:
+        """Return the part that the density has, as `ErrorModel`, where errors of such orbits were learned."""
+        if not are_known(self.satellite):
+            return None
+        uncertainty = float(np.sqrt(COMMON) * _numbers(self.satellite)[1, 2])
+        most = np.sqrt(COMMON) * self.sigmas(t)[:, 1] / uncertainty
+        days = np.abs(t - self.epoch) / DAY
+        displacements = np.clip(drag_displacement(self.satellite, days), -most, most)
+        return DensityErrors(uncertainty, t, drag_sensitivities(displacements, rates(states)))
 
 
 def are_known(satellite: Satrec) -> bool:
@@ -65,30 +99,6 @@ def drag_displacement(satellite: Satrec, days: np.ndarray) -> np.ndarray:
     """Return how far a set's drag carries an object along its track by SGP4 (n,) [m]; 0 where that fails."""
     propagated, perturbed = (sgp4_states(one, days) for one in (satellite, perturb_drag(satellite, _STEP)))
     return np.asarray(np.nan_to_num(bent_rsw(perturbed[:, :3], propagated)[:, 1] / _STEP))
-
-
-def covariances(sigmas: np.ndarray, states: np.ndarray) -> np.ndarray:
-    """Return covariances (n, 6, 6) in RSW [m, m/s] of independent axes (n, 3) [m] at states (n, 6).
-
-    What is free of the velocity errs as the position does times the rate of the orbit.
-    """
-    rate = rates(states)
-    velocity = rate[:, None] * sigmas[:, [0, 0, 2]] * [1.0, _TURNING, 1.0]
-    return rsw_covariances(np.hstack([sigmas, velocity]), rate)
-
-
-def density_errors(
-    satellite: Satrec, t: np.ndarray, states: np.ndarray, days: np.ndarray, sigmas: np.ndarray
-) -> DensityErrors:
-    """Return the part of such errors that objects have in common, because it is that of the density.
-
-    t: (n,) times [s]; states: (n, 6) then [m, m/s]; days: (n,) from the epoch of the set to them
-    sigmas: (n, 3) standard deviations of the object's errors in RSW [m], which hold that part
-    """
-    uncertainty = float(np.sqrt(COMMON) * _numbers(satellite)[1, 2])
-    most = np.sqrt(COMMON) * sigmas[:, 1] / uncertainty
-    displacements = np.clip(drag_displacement(satellite, days), -most, most)
-    return DensityErrors(uncertainty, t, drag_sensitivities(displacements, rates(states)))
 
 
 def sgp4_states(satellite: Satrec, days: np.ndarray) -> np.ndarray:
