@@ -44,7 +44,7 @@ from opml.learning.judge import metrics
 from opml.learning.judge.evaluation import evaluate
 from opml.learning.models import learners
 from opml.learning.models.contract import Model
-from opml.mornings.prediction import Request
+from opml.mornings.prediction_request import Request
 from opml.orbits.sheets import Rso, Station
 from opml.orbits.sheets import read_rsos as _read_rsos
 from opml.orbits.sheets import read_stations as _read_stations

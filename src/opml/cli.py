@@ -334,7 +334,7 @@ def _propagate_sets(options: argparse.Namespace, progress: "Progress") -> "Predi
 
 def _fit(options: argparse.Namespace, progress: "Progress") -> "PredictedOrbit":
     from opml.base.files import project_file
-    from opml.mornings.prediction import Request
+    from opml.mornings.prediction_request import Request
     from opml.orbits.sheets import read_stations
     from opml.study import prediction
     from opml.workflow import prediction_files

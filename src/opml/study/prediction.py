@@ -7,7 +7,7 @@ from opml.interop.predicted_orbit import PredictedOrbit
 from opml.learning.data import error_components
 from opml.learning.models import learners
 from opml.mornings import prediction
-from opml.mornings.prediction import OrbitSettings, Request
+from opml.mornings.prediction_request import OrbitSettings, Request
 from opml.study.settings import packaged
 from opml.study.settings.model.run import DaySettings
 

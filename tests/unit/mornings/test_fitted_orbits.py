@@ -20,7 +20,7 @@ from opml.ephemerides.paths import Paths
 from opml.interop import known_orbits, oem, tdm
 from opml.interop.element_sets import mean_elements
 from opml.mornings.outcomes import UNPROVEN
-from opml.mornings.prediction import Request
+from opml.mornings.prediction_request import Request
 from opml.orbits.elements import in_rsw
 from opml.study import prediction
 from opml.tables import STATE
