@@ -16,7 +16,7 @@ import pandas as pd
 
 from opml.element_sets.catalogue import ElementCatalogue
 from opml.element_sets.density import Air, MorningDensity
-from opml.element_sets.set_errors import BACK, LEADS, Pairs
+from opml.element_sets.set_errors import BACK, LEADS
 
 BANDS = 1e3 * np.array([300.0, 400.0, 450.0, 500.0, 550.0, 600.0, 700.0, 1000.0])
 """Edges of the bands of height [m]; what lies outside is not corrected."""
@@ -82,8 +82,8 @@ COLUMNS = ("band", "scale", "density", "target", "is_fit", "missed", *FEATURES)
 """Columns that `build` adds: band, scale [m], Q [m], what is to be learned, whether it can be corrected."""
 
 
-def build(catalogue: ElementCatalogue, pairs: Pairs, air: Air) -> pd.DataFrame:
-    """Return the rows of pairs with COLUMNS.
+def build(catalogue: ElementCatalogue, errors: tuple[pd.DataFrame, np.ndarray], air: Air) -> pd.DataFrame:
+    """Return the rows of errors, of `set_errors.build`, with COLUMNS.
 
     air: gives the density about a morning, as it was known then
 
@@ -91,11 +91,11 @@ def build(catalogue: ElementCatalogue, pairs: Pairs, air: Air) -> pd.DataFrame:
     morning: what all objects of a band share is the weather of the days ahead, and learning it would be
     learning the days. Own errors are those whose judge was known on the morning.
     """
-    rows = pairs.rows
+    rows, past = errors
     table = np.full((len(rows), 2 + len(DISTANCES)), np.nan)
     with np.errstate(divide="ignore", invalid="ignore"):  # of sets without drag, and decayed ones
         for morning, members in rows.groupby("morning", sort=True).indices.items():
-            table[members] = _of_morning(catalogue, pairs, members, air(float(morning)))
+            table[members] = _of_morning(catalogue, rows.iloc[members], past, air(float(morning)))
         scale = table[:, 0]
         distances = np.divide(table[:, 2:], scale[:, None], out=table[:, 2:])
     np.clip(distances, -_CLIP, _CLIP, out=distances)
@@ -139,10 +139,9 @@ def _is_fit(sets: pd.DataFrame, scale: np.ndarray) -> np.ndarray:
 
 
 def _of_morning(
-    catalogue: ElementCatalogue, pairs: Pairs, members: np.ndarray, air: MorningDensity
+    catalogue: ElementCatalogue, rows: pd.DataFrame, past: np.ndarray, air: MorningDensity
 ) -> np.ndarray:
-    """Return scale, Q and DISTANCES of the rows of one morning, all in metres."""
-    rows = pairs.rows.iloc[members]
+    """Return scale, Q and DISTANCES of the rows of one morning, all in metres; past: distances of sets."""
     newest, row_of = np.unique(rows["newest"].to_numpy(), return_inverse=True)
     tau = rows["tau"].to_numpy()
     t, bstar, height = (catalogue.table[name].to_numpy() for name in ("t", "bstar", "height"))
@@ -165,7 +164,7 @@ def _of_morning(
     gaps = np.where(before[:, 1 : BACK + 1] >= 0, epochs[:, None] - t[before[:, 1 : BACK + 1]], np.nan)
     for k in range(BACK):
         reach = tau / gaps[row_of, k]
-        miss = pairs.distances[newest, k][row_of]
+        miss = past[newest, k][row_of]
         columns += [miss * reach, miss * reach**2]
     return np.column_stack(columns)
 

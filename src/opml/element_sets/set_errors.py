@@ -6,7 +6,6 @@ hand, as today, the row is at morning plus lead and has no error.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
@@ -27,24 +26,17 @@ _SPAN = 1e6  # more days than any table has
 _MINUTES = 1440.0
 
 
-@dataclass(frozen=True, eq=False)
-class Pairs:
-    """The rows, and what the sets among them miss.
+def build(catalogue: ElementCatalogue, mornings: np.ndarray) -> tuple[pd.DataFrame, np.ndarray]:
+    """Return the rows of mornings (n,), modified Julian days (UTC), ascending, and distances (sets, BACK).
 
-    rows: columns number, morning (modified Julian day), lead [d], newest (row of the catalogue), tau (days
-        from the epoch of the newest set to what is predicted), judged (when the judge was known, NaN without
-        one), error (SGP4 less the judge, along the track [m], NaN without one), response (of the along-track
-        position to B* [m earth radii])
-    distances: (sets, BACK), along-track distance [m] of a set that SGP4 carries back from each of the sets
-        before it, the one before it first; NaN where there is none
+    Columns: number, morning (modified Julian day), lead [d], newest (row of the catalogue), tau (days from
+    the epoch of the newest set to what is predicted), judged (when the judge was known, NaN without one),
+    error (SGP4 less the judge, along the track [m], NaN without one), response (of the along-track position
+    to B* [m earth radii]).
+
+    The distances, along the track [m], are those of a set that SGP4 carries back from each of the sets before
+    it, the one before it first; NaN where there is none.
     """
-
-    rows: pd.DataFrame
-    distances: np.ndarray
-
-
-def build(catalogue: ElementCatalogue, mornings: np.ndarray) -> Pairs:
-    """Return the pairs of mornings (n,), modified Julian days (UTC), ascending."""
     rows, judges = find(catalogue, mornings)
     vectors = [one.sgp4_tsince(0.0)[1:] for one in catalogue.satellites]
     positions, velocities = np.array(vectors, dtype=float).reshape(-1, 2, 3).transpose(1, 0, 2)
@@ -57,7 +49,7 @@ def build(catalogue: ElementCatalogue, mornings: np.ndarray) -> Pairs:
         rows = rows.assign(error=error, response=moved / (_STEP * bstar))
     earlier = np.maximum(np.arange(len(positions))[:, None] - np.arange(1, BACK + 1), 0).ravel()
     distances = along_track(back.reshape(-1, 3), positions[earlier], velocities[earlier])
-    return Pairs(rows, distances.reshape(-1, BACK))
+    return rows, distances.reshape(-1, BACK)
 
 
 def along_track(positions: np.ndarray, reference: np.ndarray, velocities: np.ndarray) -> np.ndarray:
@@ -71,7 +63,7 @@ def along_track(positions: np.ndarray, reference: np.ndarray, velocities: np.nda
 
 
 def in_rsw(catalogue: ElementCatalogue, mornings: np.ndarray, leads: Sequence[int]) -> pd.DataFrame:
-    """Return the rows that are judged of mornings (n,), as of `Pairs`, with errors r, s, w [m]."""
+    """Return the rows that are judged of mornings (n,), as of `build`, with errors r, s, w [m]."""
     rows, judges = find(catalogue, mornings, leads)
     rows, judges = rows[judges >= 0].reset_index(drop=True), judges[judges >= 0]
     propagated = [

@@ -21,7 +21,7 @@ class Records:
     TABLES: ClassVar = ("kept_estimates", "judged", "issued")
 
     estimates: pd.DataFrame  # with the window of each, `window_hours`
-    judged: pd.DataFrame  # rows of `replay` tables, with the `model` of each
+    judged: pd.DataFrame  # what later estimates or sets judged, with the `model` of each
     issued: pd.DataFrame  # a row a morning
     paths: Sequence[Paths] = ()  # of mornings whose ephemerides tracks to come may reach
 

@@ -63,7 +63,6 @@ def test_drag_that_changes_at_the_epoch_displaces_by_the_change_of_b_star(times)
     sets = {"number": [7] * 3, "t": morning - np.arange(3.0)[::-1], "bstar": bstar, "height": 500e3}
     catalogue = SimpleNamespace(table=pd.DataFrame(sets))
     rows = pd.DataFrame({"newest": [2], "tau": [tau], "response": [response]})
-    pairs = SimpleNamespace(rows=rows, distances=np.zeros((3, BACK)))
-    ((scale, density, *_),) = features._of_morning(catalogue, pairs, np.array([0]), air)
+    ((scale, density, *_),) = features._of_morning(catalogue, rows.iloc[:1], np.zeros((3, BACK)), air)
     assert density == pytest.approx(response * bstar * (1.0 - times), abs=1e-3 * response * bstar)
     assert scale == pytest.approx(times * response * bstar + features.FLOOR * tau, rel=1e-3)
