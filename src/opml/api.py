@@ -142,8 +142,6 @@ def force_model(
         raise InputError(
             f"force_model: degree, order: expected 0 <= order <= degree <= {highest}, got {degree}, {order}"
         )
-    if unknown := [name for name in third_bodies if name not in BODIES]:
-        raise InputError(f"force_model: third_bodies: expected {', '.join(BODIES)}, got {unknown[0]}")
     given = {"degree": degree, "order": order, "third_bodies": list(third_bodies), "forces": list(forces)}
     return build(environment, ForceModelSettings.read(given, "force_model"))
 

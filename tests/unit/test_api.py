@@ -128,7 +128,7 @@ def _coarse(degree):
         ),
         (
             lambda: opml.force_model(_coarse(4), degree=4, order=4, third_bodies=["vulcan"]),
-            "force_model: third_bodies: expected sun, .*, got vulcan",
+            "force_model: third_bodies.0: expected 'sun', .*, got 'vulcan'",
         ),
     ],
 )

@@ -71,11 +71,3 @@ def of_table(table: pd.DataFrame) -> Kind:
         if columns[kind.table] & set(table.columns) - others:
             return kind
     raise InputError(f"expected a table {', '.join(columns)}, got one of {', '.join(table.columns)}")
-
-
-def track_times(tracking: pd.DataFrame) -> pd.DataFrame:
-    """Return by track when its estimate is, `at`, and since when it is known, `known`: its ends [s].
-
-    tracking: of any kind
-    """
-    return tracking.groupby("track")["t"].agg(at="min", known="max")

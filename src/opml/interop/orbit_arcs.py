@@ -107,15 +107,6 @@ def numbers(path: FilePath, texts: np.ndarray, lines: np.ndarray) -> np.ndarray:
     return values
 
 
-def lower_triangles(values: np.ndarray) -> np.ndarray:
-    """Return the symmetric matrices (n, k, k) of the numbers (n, k (k + 1) / 2) of their lower triangles."""
-    size = int(np.sqrt(2.0 * values.shape[1]))
-    matrices = np.empty((len(values), size, size))
-    matrices[:, *np.tril_indices(size)] = values
-    matrices[:, *np.tril_indices(size)[::-1]] = values
-    return matrices
-
-
 def check_ascending(path: FilePath, t: np.ndarray, lines: np.ndarray) -> None:
     """Raise InputError where a time (n,) [s] is not later than the time before it."""
     back = np.flatnonzero(np.diff(t) <= 0.0)

@@ -141,7 +141,12 @@ def state_rows(table: pd.DataFrame) -> np.ndarray:
 
 def symmetric_matrices(table: pd.DataFrame, columns: Sequence[str]) -> np.ndarray:
     """Return symmetric matrices (n, k, k) from the columns of their lower triangles, row by row."""
-    row, column = np.tril_indices(int(np.sqrt(2 * len(columns))))
-    full = np.empty((len(table), row[-1] + 1, row[-1] + 1))
-    full[:, row, column] = full[:, column, row] = table[list(columns)].to_numpy()
+    return lower_triangles(table[list(columns)].to_numpy())
+
+
+def lower_triangles(values: np.ndarray) -> np.ndarray:
+    """Return the symmetric matrices (n, k, k) of the numbers (n, k (k + 1) / 2) of their lower triangles."""
+    row, column = np.tril_indices(int(np.sqrt(2 * values.shape[1])))
+    full = np.empty((len(values), row[-1] + 1, row[-1] + 1))
+    full[:, row, column] = full[:, column, row] = values
     return full

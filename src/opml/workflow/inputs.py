@@ -147,9 +147,7 @@ class Inputs:
     @_input_function
     def later_estimates(self, wildcards: Wildcards, estimates: _Pattern) -> _Paths:
         """Find the later estimates that labels are made of; none where the truth is known."""
-        if not wildcards.label:
-            return []
-        return self._estimates(estimates, wildcards, "")
+        return at_window("", estimates)(wildcards) if wildcards.label else []
 
     @_input_function
     def true_errors(self, wildcards: Wildcards, dataset: _Pattern) -> _Paths:
@@ -190,8 +188,4 @@ class Inputs:
     @_input_function
     def at_arc(self, wildcards: Wildcards, pattern: _Pattern) -> _Paths:
         """Find a file of estimates over the window of the wildcard `arc`."""
-        hours = naming.parse_number(wildcards.arc)
-        return self._estimates(pattern, wildcards, self.plan.window(hours))
-
-    def _estimates(self, pattern: _Pattern, wildcards: Wildcards, window: str) -> str:
-        return path_of(pattern, rso=wildcards.rso, stations=wildcards.stations, window=window)
+        return at_window(self.plan.window(naming.parse_number(wildcards.arc)), pattern)(wildcards)

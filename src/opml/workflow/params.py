@@ -129,14 +129,10 @@ class Params:
     def _resolved(self, name: str, parts: Mapping[str, str]) -> ResolvedSettings:
         learner = naming.parse_learner(name, self.plan.study.learners)
         component = parts.get("component", error_components.CORRECTED)
-        return learner.resolved(component=component, variables=self._variables(parts))
-
-    def _variables(self, parts: Mapping[str, str]) -> list[str]:
-        """Return the variables that learners learn from by default: those that the measurements have."""
         variables: list[str] = self.run.learning.variables
-        if "stations" not in parts or self.plan.settings.are_radars(parts["stations"]):
-            return variables
-        return [name for name in variables if name not in MEASUREMENT]
+        if "stations" in parts and not self.plan.settings.are_radars(parts["stations"]):
+            variables = [name for name in variables if name not in MEASUREMENT]  # what these measure
+        return learner.resolved(component=component, variables=variables)
 
     def options(self, wildcards: Wildcards) -> dict[str, Any]:
         """Return how what was measured of the wildcard `rso` is taken."""
@@ -183,7 +179,7 @@ class Params:
 
     def mornings_of(self, wildcards: Wildcards) -> dict[str, Any]:
         """Return the params of the mornings of the wildcard `batch`, up to the wildcard `date`."""
-        day = self.plan.settings.day
+        day, elements = self.plan.settings.day, self.plan.settings.files_of(kinds.ELEMENTS)
         models = {name: self._resolved(name, {}) for name in self.plan.settings.morning_models}
         return {
             **self.assumed_model,
@@ -197,22 +193,12 @@ class Params:
             "max_days": self.run.prediction.max_days,
             "step_s": day.step_s,
             "models": {name: settings.of_job() for name, settings in models.items()},
-            "element_files": self.element_files,
-            "weather": self.measured_weather,
+            # The catalogue with which each set is improved, and the weather under which it is.
+            "element_files": sorted({path for paths in elements.values() for path in paths}),
+            "weather": str(known_weather.measured_source(self.run.environment.solar_activity)),
             "passes": day.passes,
             "objects": {rso: self._watched(rso) for rso in self.plan.watched[wildcards.batch]},
         }
-
-    @property
-    def element_files(self) -> list[str]:
-        """Mean elements of all RSOs: the catalogue with which each set is improved."""
-        files = self.plan.settings.files_of(kinds.ELEMENTS)
-        return sorted({path for paths in files.values() for path in paths})
-
-    @property
-    def measured_weather(self) -> str:
-        """The weather under which mean elements are improved."""
-        return str(known_weather.measured_source(self.run.environment.solar_activity))
 
     def page_of_day(self, wildcards: Wildcards) -> dict[str, Any]:
         """Return the params of the page of the wildcard `date`."""

@@ -6,7 +6,6 @@ The prediction from t_i to t_j is compared with the estimate at t_j, which is kn
 import numpy as np
 import pandas as pd
 
-from opml.catalog import kinds
 from opml.orbits.elements import in_rsw, rsw_rotation
 from opml.tables import COMPONENTS, PARAMETER_COVARIANCES, SCHEMAS, SIGMAS, STATE, symmetric_matrices
 
@@ -43,7 +42,7 @@ def build(predictions: pd.DataFrame, estimates: pd.DataFrame, tracking: pd.DataF
 
 def _known_at(estimates: pd.DataFrame, tracking: pd.DataFrame) -> np.ndarray:
     """Return when each estimate (n,) is known [s]: when its track is over, or made."""
-    tracks = kinds.track_times(tracking)
+    tracks = tracking.groupby("track")["t"].agg(at="min", known="max")
     newest = np.searchsorted(tracks["at"], estimates["t"].to_numpy(), side="right") - 1
     return np.asarray(tracks["known"].to_numpy()[newest])
 

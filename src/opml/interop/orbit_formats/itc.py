@@ -14,15 +14,8 @@ import numpy as np
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.interop.object_ids import ObjectId
-from opml.interop.orbit_arcs import (
-    Arc,
-    check_ascending,
-    choose_satellites,
-    line_error,
-    lower_triangles,
-    numbers,
-    times,
-)
+from opml.interop.orbit_arcs import Arc, check_ascending, choose_satellites, line_error, numbers, times
+from opml.tables import lower_triangles
 
 _HEAD = 4  # lines before the states; the last names the axes of covariances
 _LINES, _STATE, _TRIANGLE = 4, 6, 7  # lines of a state, its numbers, and those of a line of its covariance

@@ -15,14 +15,8 @@ from opml.base import epochs
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.interop.object_ids import ObjectId
-from opml.interop.orbit_arcs import (
-    Arc,
-    check_ascending,
-    choose_satellites,
-    line_error,
-    lower_triangles,
-    numbers,
-)
+from opml.interop.orbit_arcs import Arc, check_ascending, choose_satellites, line_error, numbers
+from opml.tables import lower_triangles
 
 _UNITS = {"meters": 1.0, "meter": 1.0, "kilometers": 1e3, "kilometer": 1e3}
 _FRAMES = {"j2000": "EME2000", "icrf": "GCRF", "fixed": "ITRF"}
