@@ -117,20 +117,24 @@ def _past_in_words(past: pd.DataFrame, *, is_inside: bool) -> str:
 
 
 def _cautions(
-    how: pd.Series, basis: str, hindsight: str, *, burns: Sequence[str], thrusts: int
+    how: pd.Series, basis: str, hindsight: str, *, burns: Sequence[str], thrusts: int, is_inside: bool
 ) -> Iterator[str]:
-    """Yield what the date hides, what sigmas rest on where no past does, and why they are wide."""
+    """Yield what the date hides, what sigmas rest on where no past does, and why they are wide.
+
+    is_inside: of the orbit inside the sets, whose sigmas are of the sets since the last burn
+    """
+    wide = "" if is_inside else "wide: "
     if hindsight:
         yield hindsight
     if basis.endswith(improved_sizes.FEW_JUDGED):
         yield basis
     if burns:
-        count, last = len(burns), burns[-1]
-        yield f"wide: its sets show burns, the last of {count} in {BURNED:g} days on {last[:_DAY]}"
-    if thrusts:
-        yield f"wide: {thrusts} of its sets of {BURNED:g} days have a B* below 0, as it thrusts"
+        shown = f"its sets show burns, the last of {len(burns)} in {BURNED:g} days on {burns[-1][:_DAY]}"
+        yield f"{shown}: later ones alone count" if is_inside else f"{wide}{shown}"
+    if thrusts and not is_inside:
+        yield f"{wide}{thrusts} of its sets of {BURNED:g} days have a B* below 0, as it thrusts"
     if how["jump"] > corrector.JUMP:
-        yield f"wide: the newest set misses those before it {how['jump']:.0f} times as far as usual"
+        yield f"{wide}the newest set misses those before it {how['jump']:.0f} times as far as usual"
 
 
 def _by_sgp4(satellite: Satrec, identity: ObjectId, date: str, t: np.ndarray) -> np.ndarray:
@@ -275,7 +279,10 @@ class PublicMorning:
             is_modelled, errors, path = inside.is_corrected, inside.errors(improved, storm), inside.path
         way, hindsight = _way(how, inside), self.better.hindsight if is_modelled else ""
         remark = way if isinstance(inside, OrbitInside) else f"{way}, propagated by SGP4"
-        cautions = [*_cautions(how, errors.basis, hindsight, burns=burns, thrusts=thrusts)]
+        is_inside = isinstance(inside, OrbitInside)
+        cautions = [
+            *_cautions(how, errors.basis, hindsight, burns=burns, thrusts=thrusts, is_inside=is_inside)
+        ]
         sizes = _errors(published, date, errors.sizes)
         return Prediction(
             sampled(identity, days, path, sizes, remark="; ".join([remark, *cautions])),
@@ -291,7 +298,7 @@ class PublicMorning:
             errors.sizes,
             manoeuvres,
             inside,
-            past_in_words=_past_in_words(errors.past, is_inside=isinstance(inside, OrbitInside)),
+            past_in_words=_past_in_words(errors.past, is_inside=is_inside),
         )
 
     @cached_property

@@ -488,6 +488,13 @@ def test_an_object_that_burned_lately_is_wide_and_says_so(tmp_path):
     assert burned.ephemeris.remark.endswith("future manoeuvres are not modelled")
 
 
+def test_cautions_of_an_orbit_inside_call_no_sigma_wide():
+    """Its sigmas are those of sets since the burn."""
+    told = prediction._cautions({"jump": 9.0}, "", "", burns=["2023-03-15T06:14"], thrusts=2, is_inside=True)
+    burn = "its sets show burns, the last of 1 in 20 days on 2023-03-15: later ones alone count"
+    assert list(told) == [burn, "the newest set misses those before it 9 times as far as usual"]
+
+
 def test_a_burn_that_is_not_yet_known_or_long_ago_does_not_count(tmp_path):
     path = burned_sets(tmp_path / "sets.tle", 25, 1000.0)
     day = np.datetime64(EPOCH) + np.timedelta64(25, "D")
