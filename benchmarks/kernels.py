@@ -78,8 +78,8 @@ def third_body_work(model: ForceModel) -> Work:
 
 
 def density_work() -> Work:
-    """Return the work: nine sums, the harmonics they are over, seven exponentials and a logarithm."""
-    sums = len(dtm2000.QUANTITIES) * dtm2000.FACTORS
+    """Return the work: eight sums, the harmonics they are over, six exponentials and a logarithm."""
+    sums = 8 * dtm2000.FACTORS
     return Work(operations=2 * sums + 27 + 108 + 341, instructions=sums + 18 + 90 + 266, divisions=5)
 
 

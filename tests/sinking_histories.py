@@ -1,9 +1,11 @@
 """Histories of element sets that tests make: objects that sink as their drag has it, a set a day."""
 
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
+from opml.element_sets.inside import inside_forces, inside_now
 from opml.interop.element_sets import tle
 from opml.interop.element_sets.element_set import mean_height, satellite
 
@@ -52,3 +54,9 @@ def write(path: Path, numbers: range, days: int, *, seed: int = 7) -> None:
     """Write the histories of objects as a file of TLEs."""
     lines = [line for number in numbers for line in sets_of(number, days, seed=seed)]
     path.write_text("\n".join(lines) + "\n")
+
+
+def seek_coarsely(put=setattr) -> None:
+    """Have orbits inside sets sought under a field of degree 8, by four sets before: SGP4 made these."""
+    put(inside_forces, "read", partial(inside_forces.read, degree=8))
+    put(inside_now, "MOST", 4)

@@ -2,6 +2,7 @@
 
 import importlib.util
 import json
+import os
 import re
 import subprocess
 import sys
@@ -51,15 +52,26 @@ def test_links_between_files_lead_somewhere(page):
     assert [link for link in LINK.findall(text) if not (page.parent / link).exists()] == []
 
 
+SPHINX = """
+import runpy, sinking_histories
+sinking_histories.seek_coarsely()  # of the site's prediction, to look at
+runpy.run_module("sphinx", run_name="__main__")
+"""
+
+
 @pytest.fixture(scope="module")
 def site(tmp_path_factory):
     """The site, built without a warning."""
     if importlib.util.find_spec("sphinx") is None:
         pytest.skip("Sphinx is not installed: make docs")
     folder = tmp_path_factory.mktemp("site")
-    command = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", "-d", str(folder / "doctrees")]
+    options = ["-W", "--keep-going", "-q", "-d", str(folder / "doctrees"), "docs", str(folder / "html")]
     done = subprocess.run(
-        [*command, "docs", str(folder / "html")], cwd=REPOSITORY, capture_output=True, text=True
+        [sys.executable, "-c", SPHINX, *options],
+        cwd=REPOSITORY,
+        env=os.environ | {"PYTHONPATH": "src:tests"},
+        capture_output=True,
+        text=True,
     )
     assert done.returncode == 0, done.stderr
     return folder / "html"

@@ -4,6 +4,7 @@ import ast
 import re
 from collections import Counter
 from graphlib import TopologicalSorter
+from itertools import chain
 from pathlib import Path
 
 import grimp
@@ -18,14 +19,20 @@ PARTICIPLES = {
 }
 
 
-def definitions(*kinds: type[ast.AST]) -> list[tuple[str, Path]]:
+@pytest.fixture(scope="module")
+def nodes():
+    """All nodes of the syntax of each of the package's own modules, the module itself first."""
+    own = [path for path in PACKAGE.rglob("*.py") if not any(map(path.is_relative_to, LINKED))]
+    return {path: [*ast.walk(ast.parse(path.read_text(encoding="utf-8")))] for path in own}
+
+
+def definitions(nodes, kind: type[ast.AST]) -> list[tuple[str, Path]]:
     """Return the public names that the package's own modules define, each with its module."""
-    modules = [path for path in PACKAGE.rglob("*.py") if not any(map(path.is_relative_to, LINKED))]
     return [
         (node.name, path.relative_to(PACKAGE))
-        for path in modules
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
-        if isinstance(node, kinds) and not node.name.startswith("_")
+        for path, parts in nodes.items()
+        for node in parts
+        if isinstance(node, kind) and not node.name.startswith("_")
     ]
 
 
@@ -36,14 +43,14 @@ def test_no_modules_import_each_other():
     ).prepare()
 
 
-def test_no_type_has_its_name_in_two_modules():
-    modules = Counter(name for name, _ in set(definitions(ast.ClassDef)))
+def test_no_type_has_its_name_in_two_modules(nodes):
+    modules = Counter(name for name, _ in set(definitions(nodes, ast.ClassDef)))
     assert len(modules) > 100
     assert [name for name, count in modules.items() if count > 1] == []
 
 
-def test_functions_are_named_by_verbs_or_nouns():
-    functions = definitions(ast.FunctionDef)
+def test_functions_are_named_by_verbs_or_nouns(nodes):
+    functions = definitions(nodes, ast.FunctionDef)
     assert len(functions) > 1000
     assert [(name, str(path)) for name, path in functions if name in PARTICIPLES] == []
 
@@ -57,14 +64,13 @@ def top_level(tree: ast.Module) -> set[str]:
 
 
 @pytest.mark.parametrize("facade", ["naming", "tables"])
-def test_what_is_taken_from_a_facade_is_its_own(facade):
+def test_what_is_taken_from_a_facade_is_its_own(facade, nodes):
     """The star imports of a facade pass on what its modules import, too."""
-    trees = {path: ast.parse(path.read_text(encoding="utf-8")) for path in PACKAGE.rglob("*.py")}
-    own = set().union(*(top_level(tree) for path, tree in trees.items() if path.parent.name == facade))
+    own = set().union(*(top_level(parts[0]) for path, parts in nodes.items() if path.parent.name == facade))
     taken = {
         alias.name
-        for tree in trees.values()
-        for node in ast.walk(tree)
+        for parts in nodes.values()
+        for node in parts
         if isinstance(node, ast.ImportFrom) and node.module == f"opml.{facade}"
         for alias in node.names
     }
@@ -82,17 +88,15 @@ MOST = {
 """Limits of the house. A change that adds pays in the same change; a change that removes lowers them."""
 
 
-def test_the_house_does_not_grow():
-    own = [path for path in PACKAGE.rglob("*.py") if not any(map(path.is_relative_to, LINKED))]
-    texts = [path.read_text(encoding="utf-8") for path in own]
-    nodes = [node for text in texts for node in ast.walk(ast.parse(text))]
+def test_the_house_does_not_grow(nodes):
+    texts, every = [path.read_text(encoding="utf-8") for path in nodes], [*chain(*nodes.values())]
     described = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
-    docstrings = [ast.get_docstring(node) or "" for node in nodes if isinstance(node, described)]
+    docstrings = [ast.get_docstring(node) or "" for node in every if isinstance(node, described)]
     tests = (REPOSITORY / "tests").rglob("*.py")
     counts = (
         sum(len(text.splitlines()) for text in texts),
         sum(len(path.read_text(encoding="utf-8").splitlines()) for path in tests),
-        sum(isinstance(node, ast.ClassDef) for node in nodes),
+        sum(isinstance(node, ast.ClassDef) for node in every),
         sum(bool(re.match(r"(What|Which|How|Where|Of)\b", text)) for text in docstrings),
         sum(len(re.findall(r"(?m)^ *(?:found|one|made|told) =", text)) for text in texts),
     )

@@ -1,7 +1,6 @@
 """The commands say one thing of an object: the same model, states and sigmas from the same sets at a time."""
 
 import csv
-from functools import partial
 from importlib import resources
 from types import SimpleNamespace
 
@@ -17,21 +16,21 @@ from opml.base.constants import DAY
 from opml.benchmark import baselines
 from opml.conjunctions import screening
 from opml.element_sets import prediction
-from opml.element_sets.inside import inside_forces, inside_now
+from opml.element_sets.inside import inside_now
 from opml.interop.element_sets import known_sets
 from opml.interop.ephemeris import EPOCH
 from opml.mornings import set_mornings
 from opml.mornings.records import Records
 from opml.mornings.watched_object import MorningPlan
 
-NUMBERS = range(101, 111)
+NUMBERS = range(101, 105)
 DATE = "2026-01-07T05:00:00"
 SIGMAS = ("along_track_sigma_m", "radial_sigma_m", "cross_track_sigma_m")
 
 
 @pytest.fixture(scope="module")
 def paths(tmp_path_factory):
-    """Ten objects, a file each, a set a day for seven weeks, that say when they were made."""
+    """Four objects, a file each, a set a day for seven weeks, that say when they were made."""
     folder = tmp_path_factory.mktemp("sets")
     return [written(folder / f"{number}.csv", number) for number in NUMBERS]
 
@@ -63,8 +62,7 @@ def sought_once():
         return remembered_orbits[sets, date[:19]]
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(inside_forces, "read", partial(inside_forces.read, degree=8))
-        patch.setattr(inside_now, "MOST", 4)
+        sinking_histories.seek_coarsely(patch.setattr)
         patch.setattr(inside_now, "find", remembered)
         yield
 

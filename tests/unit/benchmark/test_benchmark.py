@@ -343,7 +343,8 @@ def test_what_a_score_cannot_be_written_as_is_refused(sgp4, tmp_path, capsys):
 
 
 @pytest.mark.parametrize("way", baselines.BASELINES)
-def test_baselines_answer_all_that_is_asked(way, task, tmp_path):
+def test_baselines_answer_all_that_is_asked(way, task, tmp_path, monkeypatch):
+    sinking_histories.seek_coarsely(monkeypatch.setattr)
     last = task.questions[task.questions["t"] == task.questions["t"].max()]
     part = replace(task, questions=last.reset_index(drop=True))
     path = tmp_path / f"{way}.csv"

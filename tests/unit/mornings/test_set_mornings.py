@@ -1,7 +1,6 @@
 """Mornings of objects of public sets: predicted as `opml predict` does, judged by what later sets have."""
 
 from datetime import date, timedelta
-from functools import partial
 
 import numpy as np
 import pandas as pd
@@ -12,7 +11,6 @@ from support import refusal
 from opml.base import epochs
 from opml.base.constants import DAY
 from opml.element_sets import prediction
-from opml.element_sets.inside import inside_forces, inside_now
 from opml.interop import known_orbits
 from opml.interop.element_sets import known_sets
 from opml.mornings import days, set_mornings
@@ -33,10 +31,8 @@ NUMBER = 102
 
 @pytest.fixture(scope="module", autouse=True)
 def coarse_field():
-    """Orbits inside sets under a field of degree 8, by four of the sets before: in a fifth of the time."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(inside_forces, "read", partial(inside_forces.read, degree=8))
-        patch.setattr(inside_now, "MOST", 4)
+        sinking_histories.seek_coarsely(patch.setattr)
         yield
 
 

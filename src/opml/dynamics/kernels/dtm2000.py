@@ -3,7 +3,8 @@
 For each of nine quantities (exospheric temperature, temperature and its gradient at 120 km, six constituents)
 the model is a sum over spherical harmonics of latitude, longitude and local time. Their factors depend on
 date and activity, and are the same for every arc. So `reduce_to_date` computes them once, with the nine
-quantities in the lanes of a row, and the kernel sums over the position alone.
+quantities in the lanes of a row, and the kernel sums over the position alone. It leaves out what has no
+coefficients: the harmonics of the longitude, and N.
 """
 
 import math
@@ -22,7 +23,7 @@ FLUX_COUPLED[0, : len(QUANTITIES)] = 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0
 LATITUDE_TERMS = 9
 """Number of terms of the latitude: a constant, P10 to P60, and P20 and P40 about the magnetic pole."""
 
-TESSERAL_TERMS = 30  # number of terms of the local time and the longitude
+TESSERAL_TERMS = 20  # number of terms of the local time
 _STEADY = 5  # after the terms of the flux
 _ANNUAL = _STEADY + LATITUDE_TERMS
 _DIURNAL = _ANNUAL + LATITUDE_TERMS
@@ -40,9 +41,9 @@ _GAS_CONSTANT = 831.4  # in the model's own units
 _COSINE_POLE, _SINE_POLE = 0.19081, 0.98163  # magnetic pole, 79 N
 _POLE_LONGITUDE_COSINE, _POLE_LONGITUDE_SINE = math.cos(-1.2392), math.sin(-1.2392)  # 71 W
 _YEAR = 0.017214206  # 2 pi / 365 days, as the model rounds it
-_WEIGHT = (1.0, 4.0, 16.0, 28.0, 32.0, 14.0)
-_MASS = (1.6606e-24, 6.6423e-24, 26.569e-24, 46.4958e-24, 53.1381e-24, 23.2479e-24)  # g
-_DIFFUSION = (-0.40, -0.38, 0.0, 0.0, 0.0, 0.0)
+_WEIGHT = (1.0, 4.0, 16.0, 28.0, 32.0)
+_MASS = (1.6606e-24, 6.6423e-24, 26.569e-24, 46.4958e-24, 53.1381e-24)  # g
+_DIFFUSION = (-0.40, -0.38, 0.0, 0.0, 0.0)
 
 
 def coefficients() -> np.ndarray:
@@ -106,7 +107,9 @@ def reduce_to_date(a, season, f107, f107_mean, kp_3h, kp_24h, factors):
     _fold_annual(a, season, kp_3h, factors, _ANNUAL)
     _fold_diurnal(a, odd, kp_3h, factors, _DIURNAL)
     _fold_semidiurnal(a, odd, sign, factors, _SEMIDIURNAL)
-    _fold_terdiurnal_and_longitude(a, factors, _TERDIURNAL)
+    # Cosine, then sine of three times the local time, on P33.
+    store(factors, _TERDIURNAL, load(a, 35))
+    store(factors, _TERDIURNAL + 1, load(a, 36))
 
 
 @compiled
@@ -192,18 +195,6 @@ def _fold_semidiurnal(a, odd, sign, factors, first):
 
 
 @compiled
-def _fold_terdiurnal_and_longitude(a, factors, first):
-    """Store the factors of three times the local time, then of the longitude, from row `first` on.
-
-    The first two belong to P33, the others to P11, P21, P31, P41, P51 with cosine, then sine.
-    """
-    store(factors, first, load(a, 35))
-    store(factors, first + 1, load(a, 36))
-    for n in range(10):
-        store(factors, first + 2 + n, load(a, 49 + n))
-
-
-@compiled
 def density(altitude, sin_lat, cos_lat, sin_lon, cos_lon, sin_time, cos_time, a, factors, basis):
     """Return the density [kg/m3]; below 120 km that at 120 km.
 
@@ -224,7 +215,10 @@ def density_again(altitude, a, factors, basis):
     altitude, a, factors: as in `density`
     basis: as `density` filled it
     """
-    g0, g1, g2, g3, g4, g5, g6, g7, g8 = _sum_terms(factors, basis)
+    g0, g1 = _two(0, factors, basis)
+    g2, g3 = _two(2, factors, basis)
+    g4, g5 = _two(4, factors, basis)
+    g6, g7 = _two(6, factors, basis)
     t_inf = a[1, 0] * (1.0 + g0)
     t_120 = a[1, 1] + g1
     slope = a[1, 2] + g2
@@ -241,7 +235,6 @@ def density_again(altitude, a, factors, basis):
     total = total + _constituent(2, a[1, 5], g5, gamma, cooling, height)
     total = total + _constituent(3, a[1, 6], g6, gamma, cooling, height)
     total = total + _constituent(4, a[1, 7], g7, gamma, cooling, height)
-    total = total + _constituent(5, a[1, 8], g8, gamma, cooling, height)
     return total * 1e3
 
 
@@ -256,7 +249,7 @@ def _constituent(k, at_base, g, gamma, cooling, height):
 def _fill_basis(c, s, sin_lon, cos_lon, sh, ch, basis):
     """Store latitude terms, then tesseral terms, row by row; c, s: sine and cosine of the latitude."""
     _fill_zonal(c, s, sin_lon, cos_lon, basis)
-    _fill_tesseral(c, s, sin_lon, cos_lon, sh, ch, basis, LATITUDE_TERMS)
+    _fill_tesseral(c, s, sh, ch, basis, LATITUDE_TERMS)
 
 
 @compiled
@@ -281,13 +274,12 @@ def _fill_zonal(c, s, sin_lon, cos_lon, basis):
 
 
 @compiled
-def _fill_tesseral(c, s, sin_lon, cos_lon, sh, ch, basis, first):
-    """Store the terms of the local time, once, twice and three times, and of the longitude."""
+def _fill_tesseral(c, s, sh, ch, basis, first):
+    """Store the terms of the local time, once, twice and three times."""
     c2, s2 = c * c, s * s
     c4 = c2 * c2
     p21 = 3.0 * c * s
     p31 = s * (7.5 * c2 - 1.5)
-    p41 = c * s * (17.5 * c2 - 7.5)
     p51 = s * (39.375 * c4 - 26.25 * c2 + 1.875)
     p22 = 3.0 * s2
     p32 = 15.0 * c * s2
@@ -303,8 +295,6 @@ def _fill_tesseral(c, s, sin_lon, cos_lon, sh, ch, basis, first):
     _store_five(p22, p42, p32, p52, p62, s2h, basis, first + 13)
     store(basis, first + 18, p33 * c3h)
     store(basis, first + 19, p33 * s3h)
-    _store_five(s, p21, p31, p41, p51, cos_lon, basis, first + 20)
-    _store_five(s, p21, p31, p41, p51, sin_lon, basis, first + 25)
 
 
 @compiled
@@ -322,39 +312,23 @@ def _store_five(p, q, r, s, t, factor, basis, first):
 
 
 @compiled
-def _sum(factors, row, count, basis):
-    """Return the sums of the nine quantities over the first `count` rows of the basis."""
-    s0, s1, s2 = splat(0.0), splat(0.0), splat(0.0)
-    s3, s4, s5 = splat(0.0), splat(0.0), splat(0.0)
-    s6, s7, s8 = splat(0.0), splat(0.0), splat(0.0)
-    for n in range(count):
-        b = load(basis, n)
-        s0 = s0 + factors[row + n, 0] * b
-        s1 = s1 + factors[row + n, 1] * b
-        s2 = s2 + factors[row + n, 2] * b
-        s3 = s3 + factors[row + n, 3] * b
-        s4 = s4 + factors[row + n, 4] * b
-        s5 = s5 + factors[row + n, 5] * b
-        s6 = s6 + factors[row + n, 6] * b
-        s7 = s7 + factors[row + n, 7] * b
-        s8 = s8 + factors[row + n, 8] * b
-    return s0, s1, s2, s3, s4, s5, s6, s7, s8
+def _two(k, factors, basis):
+    """Return the quantities k and k + 1: constant terms plus periodic terms scaled by the flux.
+
+    Sums of two have their lanes in registers, those of all have not.
+    """
+    f0, f1 = _sums(k, factors, 0, _STEADY, basis)
+    c0, c1 = _sums(k, factors, _STEADY, LATITUDE_TERMS, basis)
+    p0, p1 = _sums(k, factors, _ANNUAL, LATITUDE_TERMS + TESSERAL_TERMS, basis)
+    return c0 + p0 * (1.0 + f0), c1 + p1 * (1.0 + f1)
 
 
 @compiled
-def _sum_terms(factors, basis):
-    """Return the nine quantities: constant terms plus periodic terms scaled by the flux."""
-    f = _sum(factors, 0, _STEADY, basis)
-    c = _sum(factors, _STEADY, LATITUDE_TERMS, basis)
-    p = _sum(factors, _ANNUAL, LATITUDE_TERMS + TESSERAL_TERMS, basis)
-    return (
-        c[0] + p[0] * (1.0 + f[0]),
-        c[1] + p[1] * (1.0 + f[1]),
-        c[2] + p[2] * (1.0 + f[2]),
-        c[3] + p[3] * (1.0 + f[3]),
-        c[4] + p[4] * (1.0 + f[4]),
-        c[5] + p[5] * (1.0 + f[5]),
-        c[6] + p[6] * (1.0 + f[6]),
-        c[7] + p[7] * (1.0 + f[7]),
-        c[8] + p[8] * (1.0 + f[8]),
-    )
+def _sums(k, factors, row, count, basis):
+    """Return the sums of the quantities k and k + 1 over the first `count` rows of the basis."""
+    s0, s1 = splat(0.0), splat(0.0)
+    for n in range(count):
+        b = load(basis, n)
+        s0 = s0 + factors[row + n, k] * b
+        s1 = s1 + factors[row + n, k + 1] * b
+    return s0, s1
