@@ -1,4 +1,4 @@
-"""The command `opml`: a new project, lines for the sheet of RSOs, pages, tables, a run as an archive."""
+"""The command `opml`: what its subcommands read and print."""
 
 import argparse
 import io

@@ -132,6 +132,12 @@ def replacing(path: FilePath) -> Iterator[Path]:
             temporary.unlink(missing_ok=True)
 
 
+def write_text(path: FilePath, text: str) -> None:
+    """Write a file of text in UTF-8, whole or not at all. Raises InputError as `replacing`."""
+    with replacing(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+
+
 @contextmanager
 def replacing_folder(path: FilePath) -> Iterator[Path]:
     """Yield a new folder, which takes the place of `path` and all that is in it if nothing is raised.

@@ -18,7 +18,7 @@ from opml import __version__
 from opml.base import epochs
 from opml.base.constants import DAY
 from opml.base.errors import InputError
-from opml.base.files import FilePath, check_distinct_files, replacing, suffix_of
+from opml.base.files import FilePath, check_distinct_files, replacing, suffix_of, write_text
 from opml.base.progress import Progress
 from opml.benchmark import tasks
 from opml.benchmark.answers import COVARIANCE, REQUIRED, about_file
@@ -91,8 +91,7 @@ def write(
         "runtime_s": round(process_time() - first, 1),
         "hindsight": hindsight,
     }
-    with replacing(about_file(Path(path))) as temporary:
-        temporary.write_text(json.dumps(about, indent=1) + "\n", encoding="utf-8")
+    write_text(about_file(Path(path)), json.dumps(about, indent=1) + "\n")
     return len(lines)
 
 

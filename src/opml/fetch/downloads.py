@@ -13,7 +13,7 @@ from pathlib import Path
 
 from opml import __version__
 from opml.base.errors import InputError
-from opml.base.files import replacing
+from opml.base.files import replacing, write_text
 from opml.interop.orbit_arcs import excerpt
 
 AGENT = f"opml-orbits/{__version__} (orbit prediction)"
@@ -108,10 +108,7 @@ class Downloads:
 
     def _note(self, file: Download, answer: str, last_modified: str) -> None:
         entry = {"at": now().isoformat(), "url": file.url, "answer": answer, "last_modified": last_modified}
-        with replacing(self._record) as temporary:
-            temporary.write_text(
-                json.dumps({**self.requests(), file.name: entry}, indent=1), encoding="utf-8"
-            )
+        write_text(self._record, json.dumps({**self.requests(), file.name: entry}, indent=1))
 
 
 def _refusal(status: int, content: bytes, file: Download) -> str:

@@ -21,7 +21,7 @@ import astropy_iers_data
 import pandas as pd
 
 from opml.base.errors import InputError
-from opml.base.files import FilePath, data_folder, replacing
+from opml.base.files import FilePath, data_folder, write_text
 from opml.base.progress import Progress, counted
 from opml.environment import earth_orientation, solar_activity, space_weather
 from opml.fetch.downloads import Download, Downloads, NoAnswerError, now
@@ -158,8 +158,7 @@ def _renew_sets(query: Query) -> str:
     header, *rows = _lines(path)
     new = [row for row in rows if row not in before] if header in before else rows
     if new:
-        with replacing(query.folder / f"{now():%Y-%m-%dT%H%M%S}.csv") as temporary:
-            temporary.write_text("\n".join([header, *new]) + "\n", encoding="utf-8")
+        write_text(query.folder / f"{now():%Y-%m-%dT%H%M%S}.csv", "\n".join([header, *new]) + "\n")
     return f"{counted(len(rows), 'set')}, {len(new)} new: {query.folder}"
 
 
@@ -177,8 +176,7 @@ def _renew_weather() -> bool:
     if joined is None:
         _downloads().renew(_weather_file(_LONG))
         joined = _downloads().path(_LONG).read_text(encoding="utf-8")
-    with replacing(path) as temporary:
-        temporary.write_text(joined, encoding="utf-8")
+    write_text(path, joined)
     return True
 
 

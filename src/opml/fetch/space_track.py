@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 from urllib.parse import urlparse
 
 from opml.base.errors import InputError
-from opml.base.files import data_folder, replacing
+from opml.base.files import data_folder, write_text
 from opml.base.progress import Progress, counted
 from opml.fetch.downloads import NoAnswerError, now
 from opml.fetch.public_data import Query, numbers_of
@@ -82,8 +82,7 @@ def _renew_span(client: "SpaceTrackClient", query: Query, numbers: Sequence[str]
         raise NoAnswerError(f"Space-Track: expected element sets, got {excerpt(str(error))}") from None
     if sets:
         formats.of("Space-Track", text.encode(), formats.ELEMENTS)
-        with replacing(query.folder / f"{span[0]}--{span[1]}--{numbers[0]}.json") as temporary:
-            temporary.write_text(text, encoding="utf-8")
+        write_text(query.folder / f"{span[0]}--{span[1]}--{numbers[0]}.json", text)
     _note(numbers, span)
     return len(sets)
 
@@ -120,5 +119,4 @@ def _note(numbers: Iterable[str], span: Span) -> None:
     for number in numbers:
         first, last = spans.get(number, span)
         spans[number] = min(first, span[0]), max(last, span[1])
-    with replacing(_downloads() / "histories.json") as temporary:
-        temporary.write_text(json.dumps(spans, indent=1, default=str), encoding="utf-8")
+    write_text(_downloads() / "histories.json", json.dumps(spans, indent=1, default=str))

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from opml.base.files import FilePath, replacing
+from opml.base.files import FilePath, write_text
 from opml.interop import ccsds
 
 _SECONDS = len("2016-09-28T12:09:45")
@@ -42,5 +42,4 @@ def write(path: FilePath, name: str, t: np.ndarray, positions: np.ndarray, *, ep
             "path": {"leadTime": _TRAIL, "trailTime": _TRAIL, "width": 1, "resolution": 60},
         },
     ]
-    with replacing(path) as temporary:
-        temporary.write_text(json.dumps(packets) + "\n", encoding="utf-8")
+    write_text(path, json.dumps(packets) + "\n")

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from opml.base.files import FilePath, replacing, suffix_of
+from opml.base.files import FilePath, suffix_of, write_text
 from opml.benchmark import scores, suspicions, tasks
 from opml.benchmark.answers import read as read_answers
 from opml.benchmark.scores import AXES, LEVEL, STORM
@@ -188,5 +188,4 @@ def write(path: FilePath, score: Score) -> None:
         ".tsv": lambda: board_lines(score),
     }
     text = texts[suffix_of(path, SUFFIXES)]()
-    with replacing(path) as temporary:
-        temporary.write_text(text, encoding="utf-8")
+    write_text(path, text)

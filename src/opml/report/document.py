@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
 
-from opml.base.files import FilePath, replacing
+from opml.base.files import FilePath, write_text
 from opml.tables import HOW_TO_CSV
 
 
@@ -102,8 +102,7 @@ def write(
         (path_html, html_page(pages, title=title)),
         (path_tsv, tab_separated(table)),
     ):
-        with replacing(path) as temporary:
-            temporary.write_text(text, encoding="utf-8")
+        write_text(path, text)
 
 
 _LINK = re.compile(r"\[([^\]]+)\]\((https?://[^)\s]+|(?!//)[^):\s]+)\)")

@@ -6,7 +6,7 @@ from typing import Any
 
 import pandas as pd
 
-from opml.base.files import FilePath, replacing, suffix_of
+from opml.base.files import FilePath, replacing, suffix_of, write_text
 from opml.tables.columns import Schema
 from opml.tables.listing import comma_separated
 from opml.tables.parquet import write_table
@@ -33,8 +33,7 @@ def _write_csv(path: FilePath, frame: pd.DataFrame, _: str | Schema, *, metadata
 
 def _write_json(path: FilePath, frame: pd.DataFrame, _: str | Schema, *, metadata: Mapping[str, Any]) -> None:
     rows = json.loads(frame.to_json(orient="records", double_precision=15))
-    with replacing(path) as temporary:
-        temporary.write_text(json.dumps({**metadata, "rows": rows}, indent=1) + "\n", encoding="utf-8")
+    write_text(path, json.dumps({**metadata, "rows": rows}, indent=1) + "\n")
 
 
 _WRITERS: Mapping[str, Callable[..., None]] = {

@@ -18,7 +18,7 @@ from sgp4.api import Satrec
 
 from opml import __version__
 from opml.base.errors import InputError
-from opml.base.files import FilePath, replacing, suffix_of
+from opml.base.files import FilePath, suffix_of, write_text
 from opml.interop import ccsds
 from opml.interop.element_sets import mean_elements, omm, tle
 from opml.interop.element_sets.element_set import PER_DAY, seconds_since
@@ -83,8 +83,7 @@ def write(path: FilePath, sets: Sequence[Better]) -> int:
     header = _header(sets, there)
     written = [_better(there[one.path][one.place], one, header) for one in sets]
     text, missing = write_sets(written, header)
-    with replacing(path) as temporary:
-        temporary.write_text(text, encoding="utf-8")
+    write_text(path, text)
     return missing
 
 

@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from opml.base.files import FilePath, replacing
+from opml.base.files import FilePath, write_text
 from opml.study.settings.json_schema import json_schema
 from opml.study.settings.model.whole import SettingsFile
 
@@ -18,9 +18,7 @@ _ONLY_IN_TABLES = ("unit", "see", "shared", "placeholder")
 def write(folder: FilePath) -> None:
     """Write the schema of a file of settings, whose mappings may all be incomplete, into a project."""
     path = Path(folder) / PLACE
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with replacing(path) as temporary:
-        temporary.write_text(json.dumps(_described(json_schema(SettingsFile)), indent=1) + "\n", "utf-8")
+    write_text(path, json.dumps(_described(json_schema(SettingsFile)), indent=1) + "\n")
 
 
 def _described(node: Any) -> Any:
