@@ -91,7 +91,7 @@ def propagate(
     start = np.concatenate([[0], np.cumsum(last - first)])
     arcs = Arcs(np.full((start[-1], 6), np.nan), start, np.zeros(len(first), np.int64))
     outlook = departures.outlooks(model, epochs)
-    if not advance.signatures and not any(Path(advance.stats.cache_path).glob("*.nbi")):
+    if not is_loaded() and not any(Path(advance.stats.cache_path).glob("*.nbi")):
         _log.warning("the force model is compiled, once for each version: ten seconds")
 
     def propagate(members: np.ndarray) -> int:
@@ -130,6 +130,11 @@ def propagate(
             if progress:
                 progress(done / len(first))
     return arcs
+
+
+def is_loaded() -> bool:
+    """Return whether the kernels are compiled, or read, by an earlier call."""
+    return bool(advance.signatures)
 
 
 def _grid(epochs: np.ndarray, jumps: np.ndarray, max_step: float) -> tuple[np.ndarray, np.ndarray]:

@@ -34,6 +34,7 @@ _TEXT_DAILY = ("OBSERVED", "DAILY_PREDICTED")
 _TEXT_COLUMNS = [slice(18 + 3 * k, 21 + 3 * k) for k in range(8)] + [slice(112, 118), slice(118, 124)]
 
 _KP_AS_PRINTED = frozenset(round(10.0 * third / 3.0) for third in range(28))
+_ZERO = date(1858, 11, 17).toordinal()  # of the modified Julian days
 _LEAST_FLUX, _MOST_FLUX = 40.0, 1000.0  # what the Sun can do [sfu]; 53.5 and 938.6 were printed since 1957
 _BEFORE, _BURST = 5, 1.7  # days before a flux, and the multiple of their median from which it is a burst
 _CENTRED = 81  # days of the centred mean
@@ -222,19 +223,20 @@ def _day(path: str | Path, line: int, day: str, figures: list[str], is_measured:
     Raises InputError for a malformed one, and for figures that cannot be.
     """
     try:
-        mjd = date.fromisoformat(day).toordinal() - date(1858, 11, 17).toordinal()
+        mjd = date.fromisoformat(day).toordinal() - _ZERO
         values = list(map(float, figures))
     except ValueError:
         values = [math.nan]
+    kp, fluxes = values[: len(KP)], values[len(KP) :]
+    is_kp = _KP_AS_PRINTED.issuperset(kp) or (not is_measured and all(0.0 <= value <= 90.0 for value in kp))
+    if is_kp and all(_LEAST_FLUX <= value <= _MOST_FLUX for value in fluxes):
+        return [mjd, *values]
     if not all(map(math.isfinite, values)):
         got = " ".join([day, *map(str.strip, figures)])
         raise InputError(f"{path}: line {line}: expected a date, eight Kp and two fluxes, got '{got}'")
-    kp, fluxes = values[: len(KP)], values[len(KP) :]
-    if not all(value in _KP_AS_PRINTED or (not is_measured and 0.0 <= value <= 90.0) for value in kp):
+    if not is_kp:
         got = " ".join(map(str.strip, figures[: len(KP)]))
         raise InputError(f"{path}: line {line}: expected ten times Kp in thirds from 0 to 90, got {got}")
-    if not all(_LEAST_FLUX <= value <= _MOST_FLUX for value in fluxes):
-        got = " and ".join(map(str.strip, figures[len(KP) :]))
-        expected = f"two fluxes of {_LEAST_FLUX:g} to {_MOST_FLUX:g} sfu"
-        raise InputError(f"{path}: line {line}: expected {expected}, got {got}")
-    return [mjd, *values]
+    got = " and ".join(map(str.strip, figures[len(KP) :]))
+    expected = f"two fluxes of {_LEAST_FLUX:g} to {_MOST_FLUX:g} sfu"
+    raise InputError(f"{path}: line {line}: expected {expected}, got {got}")

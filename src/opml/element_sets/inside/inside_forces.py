@@ -5,7 +5,8 @@ A publisher's forces are not known in detail; these agree with what theirs make 
 
 import hashlib
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from pathlib import Path
@@ -14,7 +15,7 @@ import numpy as np
 
 from opml.base import epochs
 from opml.base.constants import BODIES, DAY
-from opml.dynamics.ensemble import Arcs, Departures, propagate
+from opml.dynamics.ensemble import Arcs, Departures, is_loaded, propagate
 from opml.dynamics.forces import build, measured, with_outlooks
 from opml.dynamics.kernels.surroundings import ForceModel
 from opml.dynamics.settings import FORCES, ForceModelSettings, Integrator
@@ -92,6 +93,16 @@ class Forces:
     def propagate(self, epochs: np.ndarray, departures: Departures) -> Arcs:
         """Propagate arcs as `ensemble.propagate`."""
         return self.propagator(self.model, epochs, departures, integrator=self.steps)
+
+    def run(self, calls: Sequence[Callable[[], Arcs]]) -> list[Arcs]:
+        """Return what calls that propagate return, side by side where no other callers share their blocks.
+
+        The first arcs of a process load the kernels alone.
+        """
+        if self.propagator is not ON_ALL_CORES or not is_loaded():
+            return [call() for call in calls]
+        with ThreadPoolExecutor(len(calls)) as threads:
+            return [each.result() for each in [threads.submit(call) for call in calls]]
 
     def time(self, date: str) -> float:
         """Return the time of UTC text [s since the epoch]."""

@@ -14,6 +14,7 @@ smooth field. One step from SGP4's own state leaves half a metre.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from sgp4.api import Satrec
@@ -214,9 +215,11 @@ def paths(
 
     ends: (2, orbits) first and last times [s], multiples of `every`, which divides EVERY
     """
-    back, ahead = (
-        _half(forces, beginnings, end, direction * every)
-        for end, direction in zip(ends, (-1.0, 1.0), strict=True)
+    back, ahead = forces.run(
+        [
+            partial(_half, forces, beginnings, end, direction * every)
+            for end, direction in zip(ends, (-1.0, 1.0), strict=True)
+        ]
     )
     return [
         np.concatenate([back.path(k)[::-1], begin.state[None], ahead.path(k)])
