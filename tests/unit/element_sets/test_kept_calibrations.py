@@ -1,17 +1,16 @@
 """What sets of past weeks tell is kept for some days: mornings with it are those without, to the bit."""
 
-from functools import partial
-
 import numpy as np
 import pandas as pd
 import pytest
+import sinking_histories
 from publisher import published
 from support import EPOCH
 from weather_files import other_after
 
 from opml.base import epochs
 from opml.base.constants import DAY
-from opml.element_sets.inside import inside_forces, inside_now, kept_calibrations
+from opml.element_sets.inside import inside_now, kept_calibrations
 from opml.interop.element_sets.burns_in_sets import KnownSet
 
 BEGIN = np.floor(epochs.mjd(EPOCH))
@@ -33,7 +32,7 @@ def morning(sets, day, kept, weather="OBSERVED"):
 
 
 def test_mornings_with_kept_calibrations_are_those_without_to_the_bit(sets, tmp_path, monkeypatch):
-    monkeypatch.setattr(inside_forces, "read", partial(inside_forces.read, degree=8))
+    sinking_histories.seek_coarsely(monkeypatch.setattr)
     path, number = tmp_path / "kept.npz", sets[0][1].satnum
     first = next(day for day in range(11, 15) if (BEGIN + day - number) % inside_now.CALIBRATED_EVERY == 0)
     kept = {}

@@ -45,9 +45,9 @@ NUMBER = 101
 
 @pytest.fixture(scope="module", autouse=True)
 def coarse_field():
-    """Orbits inside sets under a field of degree 16, in less than half of the time."""
+    """Orbits inside sets under a field of degree 8, in less than half of the time."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(inside_forces, "read", partial(inside_forces.read, degree=16))
+        patch.setattr(inside_forces, "read", partial(inside_forces.read, degree=8))
         yield
 
 

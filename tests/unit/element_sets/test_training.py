@@ -30,7 +30,7 @@ this model the corrections then differ by 2 % of their sigma in the median, and 
 def files(tmp_path_factory):
     """The sets and the weather."""
     folder, begin = tmp_path_factory.mktemp("training"), catalogue_files.FIRST_DAY
-    sets = catalogue_files.write_sets(folder / "sets.tle", objects=12, days=70)
+    sets = catalogue_files.write_sets(folder / "sets.tle", objects=8, days=70)
     return sets, catalogue_files.write_weather(folder / "weather.csv", first=begin - 600, last=begin + 75)
 
 
