@@ -1,11 +1,11 @@
 """The orbit that a set was fitted to is the orbit that is found inside it, whatever came later."""
 
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 import pandas as pd
 import pytest
+import sinking_histories
 from publisher import BALLISTIC, HALF, SUNLIT, begun, burned, published
 from support import EPOCH
 from weather_files import other_after
@@ -14,7 +14,6 @@ from opml.base import epochs
 from opml.base.constants import DAY, HOUR
 from opml.element_sets.improved_sizes import ExpectedErrors
 from opml.element_sets.inside import (
-    inside_forces,
     inside_now,
     inside_sizes,
     orbit_inside,
@@ -91,7 +90,7 @@ def test_pairs_of_sets_tell_the_pressure_of_light(past):
 
 def test_no_later_weather_counts(forces, sets, tmp_path, monkeypatch):
     """With other weather from the date on, the newest orbit and its prediction are the same to the bit."""
-    monkeypatch.setattr(inside_forces, "read", partial(inside_forces.read, degree=8))
+    sinking_histories.seek_coarsely(monkeypatch.setattr)
     date = "2016-10-10T12:00:00"
     t = DAY * DAYS + forces.time(EPOCH) - forces.time(date)
     public = [KnownSet(one, one, satellite) for one, satellite in zip(t, sets, strict=True) if one <= 0.0]
