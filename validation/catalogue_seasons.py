@@ -19,8 +19,7 @@ import pandas as pd
 from opml.base import epochs
 from opml.base.seeds import derive
 from opml.benchmark.scores import drawn_weights, weeks_of, weighted_median
-from opml.element_sets import catalogue as catalogues
-from opml.element_sets import corrector, density, features, set_errors, weighting
+from opml.element_sets import catalogue as catalogues, corrector, density, features, set_errors, weighting
 from opml.element_sets.catalogue import ElementCatalogue
 from opml.element_sets.density import Densities
 from opml.element_sets.features import APART, BANDS

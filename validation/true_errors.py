@@ -23,8 +23,7 @@ from opml.base import epochs
 from opml.base.constants import DAY
 from opml.base.seeds import derive
 from opml.benchmark.scores import drawn_weights
-from opml.element_sets import catalogue as catalogues
-from opml.element_sets import density, features, set_errors
+from opml.element_sets import catalogue as catalogues, density, features, set_errors
 from opml.element_sets.catalogue import ElementCatalogue
 from opml.element_sets.density import Air
 from opml.element_sets.features import FEATURES

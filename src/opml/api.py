@@ -19,8 +19,7 @@ from opml.base.constants import BODIES, DAY
 from opml.base.errors import InputError
 from opml.base.files import FilePath, project_file
 from opml.catalog.associate import quarantine
-from opml.catalog.fit import fixes, start_states
-from opml.catalog.fit import measured_tracks as from_measurements
+from opml.catalog.fit import fixes, measured_tracks as from_measurements, start_states
 from opml.catalog.fit.estimation_settings import Estimation
 from opml.catalog.fit.first import first_orbit as first_orbits
 from opml.catalog.predict import labels, prediction
@@ -37,17 +36,14 @@ from opml.fetch import public_data
 from opml.interop import comparison, formats, known_orbits, tdm
 from opml.interop.known_orbits import KnownOrbit
 from opml.interop.predicted_orbit import PredictedOrbit
-from opml.learning.data import dataset as datasets
-from opml.learning.data import splits
+from opml.learning.data import dataset as datasets, splits
 from opml.learning.data.cleaning import Cleaning
 from opml.learning.judge import metrics
 from opml.learning.judge.evaluation import evaluate
 from opml.learning.models import learners
 from opml.learning.models.contract import Model
 from opml.mornings.prediction_request import Request
-from opml.orbits.sheets import Rso, Station
-from opml.orbits.sheets import read_rsos as _read_rsos
-from opml.orbits.sheets import read_stations as _read_stations
+from opml.orbits.sheets import Rso, Station, read_rsos as _read_rsos, read_stations as _read_stations
 from opml.study import prediction as measured_prediction
 from opml.study.settings import packaged
 from opml.tables import COMPONENTS, LEARNING_VARIABLES

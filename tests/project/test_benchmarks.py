@@ -4,14 +4,7 @@ import numpy as np
 import pytest
 from support import refusal
 
-from benchmarks import (
-    fits,
-    paper,
-    precision,
-    race,
-    svr,
-    windows,
-)
+from benchmarks import fits, paper, precision, race, svr, windows
 from benchmarks.precision import Line, Point
 from opml.catalog.fit.least_squares import Evaluation, Fit, Method
 

@@ -8,8 +8,7 @@ from support import REPOSITORY
 
 from opml.catalog.fit.first import first_orbit
 from opml.conjunctions import screening
-from opml.element_sets import catalogue as catalogue_of_sets
-from opml.element_sets import features, improved_sizes, prediction, weighting
+from opml.element_sets import catalogue as catalogue_of_sets, features, improved_sizes, prediction, weighting
 from opml.interop.curves import orbit_breaks
 from opml.mornings import days, verdicts
 from validation.pictures import every_week, where_learning_helps

@@ -16,8 +16,7 @@ import pytest
 import sinking_histories
 from support import REPOSITORY, refusals
 
-from opml import __main__ as started
-from opml import __version__, cli
+from opml import __main__ as started, __version__, cli
 from opml.study.settings import editor_schema
 from opml.tables import write_table
 from opml.workflow import manual

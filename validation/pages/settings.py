@@ -9,12 +9,7 @@ from opml.base.section import Section
 from opml.base.setting_types import TypeSchema
 from opml.study.settings.json_schema import choices, dereferenced, json_schema
 from opml.study.settings.model.run import RunAlone
-from opml.study.settings.model.study_parts import (
-    ClaimSettings,
-    Entry,
-    OwnStudySettings,
-    PaperStudy,
-)
+from opml.study.settings.model.study_parts import ClaimSettings, Entry, OwnStudySettings, PaperStudy
 
 KEYS = Path("config/keys.md")
 """Page with the tables of keys."""

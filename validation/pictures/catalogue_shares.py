@@ -18,14 +18,7 @@ from opml.base.epochs import calendar
 from opml.element_sets.features import BANDS
 from opml.figures.axis_labels import clauses
 from opml.figures.display_names import display_learner
-from opml.figures.style import (
-    MARKERS,
-    MUTED,
-    SERIES,
-    TRUE_COLOR,
-    add_head_and_legend,
-    panel_figure,
-)
+from opml.figures.style import MARKERS, MUTED, SERIES, TRUE_COLOR, add_head_and_legend, panel_figure
 from validation.catalogue_seasons import ALL, SEASONS
 from validation.pictures import shrunk
 

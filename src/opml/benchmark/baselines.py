@@ -23,8 +23,7 @@ from opml.base.progress import Progress
 from opml.benchmark import tasks
 from opml.benchmark.answers import COVARIANCE, REQUIRED, about_file
 from opml.benchmark.tasks import BenchmarkTask
-from opml.element_sets import corrector, improve, set_errors, weighting
-from opml.element_sets import trained_model as models
+from opml.element_sets import corrector, improve, set_errors, trained_model as models, weighting
 from opml.element_sets.catalogue import ElementCatalogue
 from opml.element_sets.prediction import PublicMorning
 from opml.element_sets.trained_model import CatalogueModel

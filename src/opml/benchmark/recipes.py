@@ -22,8 +22,7 @@ from opml.benchmark import set_truths, task_folders, tasks, track_recipes
 from opml.benchmark.set_truths import Judge
 from opml.benchmark.task_folders import Folders, Question, TaskRecipe, utc_text
 from opml.benchmark.track_recipes import TrackRecipe
-from opml.element_sets import catalogue as catalogues
-from opml.element_sets import set_errors
+from opml.element_sets import catalogue as catalogues, set_errors
 from opml.element_sets.catalogue import ElementCatalogue
 from opml.element_sets.training import HOUR_OF_MORNING
 from opml.environment import known_weather

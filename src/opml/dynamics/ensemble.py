@@ -21,8 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from opml.base.constants import DAY
-from opml.dynamics.kernels.block import REASONS as REASONS
-from opml.dynamics.kernels.block import advance, workspace
+from opml.dynamics.kernels.block import REASONS as REASONS, advance, workspace
 from opml.dynamics.kernels.lanes import WIDTH, rows
 from opml.dynamics.kernels.surroundings import ForceModel
 from opml.dynamics.settings import Integrator

@@ -22,8 +22,15 @@ from opml.base import epochs
 from opml.base.errors import InputError
 from opml.base.files import FilePath, check_distinct_files, suffix_of
 from opml.base.progress import Progress, counted
-from opml.element_sets import catalogue as catalogues
-from opml.element_sets import corrector, density, features, set_errors, trained_model, weighting
+from opml.element_sets import (
+    catalogue as catalogues,
+    corrector,
+    density,
+    features,
+    set_errors,
+    trained_model,
+    weighting,
+)
 from opml.element_sets.catalogue import ElementCatalogue
 from opml.element_sets.set_errors import OLDEST
 from opml.element_sets.trained_model import CatalogueModel

@@ -16,8 +16,7 @@ from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.base.progress import Progress, with_time_left
 from opml.base.provenance import code_digest, commit
-from opml.element_sets import catalogue as catalogues
-from opml.element_sets import corrector, density, features, set_errors
+from opml.element_sets import catalogue as catalogues, corrector, density, features, set_errors
 from opml.element_sets.density import Air
 from opml.element_sets.trained_model import CatalogueModel
 from opml.environment import known_weather, solar_activity

@@ -30,15 +30,7 @@ from opml.catalog.predict.weather_spread import TENTH, mean_cd
 from opml.orbits.elements import rsw_rotation
 from opml.orbits.rsw_covariance import AXES, rates
 from opml.orbits.sheets import Rso
-from opml.tables import (
-    COMPONENTS,
-    DOUBT,
-    PARAMETER_COVARIANCES,
-    SIGMAS,
-    SIZES,
-    STATE,
-    symmetric_matrices,
-)
+from opml.tables import COMPONENTS, DOUBT, PARAMETER_COVARIANCES, SIGMAS, SIZES, STATE, symmetric_matrices
 
 CONSTANT = np.array([1.0, 1.5, 1.0])  # what forces leave in a fit, in RSW [m]
 RATE = np.array([1.2, 2.0, 1.0])  # by what that grows [m/day]

@@ -26,15 +26,7 @@ from opml.figures.axis_labels import (
     symbol,
 )
 from opml.figures.display_names import display_learner, display_rso, display_stations
-from opml.figures.style import (
-    MARKERS,
-    MUTED,
-    PUBLISHED,
-    RESIDUAL,
-    SERIES,
-    add_head_and_legend,
-    column_figure,
-)
+from opml.figures.style import MARKERS, MUTED, PUBLISHED, RESIDUAL, SERIES, add_head_and_legend, column_figure
 from opml.naming import Split
 
 _APART = 0.02  # of two series of a curve, in parts of its length, so that equal points are seen

@@ -11,15 +11,7 @@ from matplotlib.ticker import LogLocator, NullFormatter
 
 from opml.figures.axis_labels import INTERVAL, NO_CORRECTION, P_ML, clauses, in_words, symbol
 from opml.figures.display_names import display_learner, display_stations
-from opml.figures.style import (
-    MARKERS,
-    MUTED,
-    NOTE_SIZE,
-    PUBLISHED,
-    SERIES,
-    add_head_and_legend,
-    page_figure,
-)
+from opml.figures.style import MARKERS, MUTED, NOTE_SIZE, PUBLISHED, SERIES, add_head_and_legend, page_figure
 
 
 def splits(

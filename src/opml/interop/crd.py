@@ -16,12 +16,7 @@ from opml.base import epochs
 from opml.base.constants import DAY, SPEED_OF_LIGHT
 from opml.base.errors import InputError
 from opml.base.files import FilePath
-from opml.interop.orbit_arcs import (
-    choose_satellites,
-    contents,
-    line_error,
-    numbers,
-)
+from opml.interop.orbit_arcs import choose_satellites, contents, line_error, numbers
 
 _HECTO, _NANO, _PICO, _PERCENT = 1e2, 1e-9, 1e-12, 1e-2
 

@@ -22,14 +22,7 @@ import numpy as np
 
 from opml.base.errors import InputError
 from opml.base.files import FilePath
-from opml.interop.orbit_arcs import (
-    EVERY,
-    Arc,
-    check_ascending,
-    line_error,
-    numbers,
-    times,
-)
+from opml.interop.orbit_arcs import EVERY, Arc, check_ascending, line_error, numbers, times
 
 PASSED_OVER = "-"  # name of a column that is not read
 SCALES = ("utc", "gps", "tai", "tt")  # names of columns of times

@@ -18,8 +18,7 @@ from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.dynamics.ensemble import Arcs
-from opml.element_sets import catalogue as catalogues
-from opml.element_sets import improve, trained_model
+from opml.element_sets import catalogue as catalogues, improve, trained_model
 from opml.element_sets.inside import inside_sizes
 from opml.element_sets.inside.inside_forces import ON_ALL_CORES
 from opml.element_sets.inside.orbit_prediction import OrbitInside

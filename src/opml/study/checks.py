@@ -125,9 +125,7 @@ def _check_day(source: Source, settings: Settings) -> None:
 def _check_places(places: Sequence[str], source: Source) -> None:
     """Raise InputError for a place of passes that is none."""
     for text in places:
-        from opml.element_sets import (
-            station_passes,
-        )  # kernels, which most plans do not await
+        from opml.element_sets import station_passes  # kernels, which most plans do not await
 
         try:
             station_passes.place(text)

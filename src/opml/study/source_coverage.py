@@ -6,13 +6,7 @@ from opml.base import epochs
 from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.dynamics.settings import ForceModelSettings
-from opml.environment import (
-    earth_orientation,
-    gravity_field,
-    known_weather,
-    nodes,
-    solar_activity,
-)
+from opml.environment import earth_orientation, gravity_field, known_weather, nodes, solar_activity
 from opml.study.settings.model.whole import RunSettings
 
 

@@ -5,8 +5,7 @@ import logging
 import numpy as np
 import pandas as pd
 import pytest
-from support import BOUNDED_ESTIMATION as SETTINGS
-from support import environment
+from support import BOUNDED_ESTIMATION as SETTINGS, environment
 
 from opml.catalog.fit.biases import facts, read_noise, summary, whiten
 from opml.catalog.fit.fixes import Fixes

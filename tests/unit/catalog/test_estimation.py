@@ -6,8 +6,7 @@ import fits
 import numpy as np
 import pandas as pd
 import pytest
-from support import BOUNDED_ESTIMATION as SETTINGS
-from support import rsos
+from support import BOUNDED_ESTIMATION as SETTINGS, rsos
 
 from opml.base.constants import DAY, HOUR
 from opml.catalog.associate import quarantine

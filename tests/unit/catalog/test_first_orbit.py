@@ -7,8 +7,7 @@ import orbit_files
 import pandas as pd
 import pytest
 from fits import distances
-from support import BOUNDED_ESTIMATION as SETTINGS
-from support import EPOCH, kepler_orbit, refusal, rsos
+from support import BOUNDED_ESTIMATION as SETTINGS, EPOCH, kepler_orbit, refusal, rsos
 
 from opml.base.constants import DAY
 from opml.base.errors import InputError

@@ -7,8 +7,7 @@ from support import BOUNDED_ESTIMATION, force_model, precise_model
 from opml.base.constants import DAY
 from opml.catalog import propagator as propagators
 from opml.catalog.associate import quarantine
-from opml.catalog.fit import iterations as iterations_of_fits
-from opml.catalog.fit import observations, start_states
+from opml.catalog.fit import iterations as iterations_of_fits, observations, start_states
 from opml.catalog.predict import prediction, sensitivity
 from opml.catalog.propagator import Propagator, neighbour_paths
 from opml.catalog.simulate import tracking, truth

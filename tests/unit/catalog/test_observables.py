@@ -6,8 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from fits import fitted, without_noise
-from support import BOUNDED_ESTIMATION as SETTINGS
-from support import EPOCH, environment, kepler_orbit
+from support import BOUNDED_ESTIMATION as SETTINGS, EPOCH, environment, kepler_orbit
 
 from opml.base.constants import DAY, HOUR, WGS84_A
 from opml.base.errors import InputError

@@ -8,8 +8,7 @@ import orbit_files
 import pandas as pd
 import pytest
 from element_histories import history, tle_text
-from support import EPOCH as RUN
-from support import environment, refusal
+from support import EPOCH as RUN, environment, refusal
 from test_approaches import kepler
 
 from opml import cli
@@ -20,8 +19,7 @@ from opml.interop.ccsds import utc_texts
 from opml.interop.ephemeris import Ephemeris
 from opml.interop.object_ids import ObjectId
 from opml.orbits.elements import rsw_rotation
-from opml.tables import SCHEMAS, read_table, write_table
-from opml.tables import STATE as STATE_COLUMNS
+from opml.tables import SCHEMAS, STATE as STATE_COLUMNS, read_table, write_table
 
 RADIUS = 7e6
 SPEED = np.sqrt(EARTH_GM / RADIUS)

@@ -7,8 +7,7 @@ import pytest
 from support import EPOCH, environment, force_model
 
 from opml.base import epochs
-from opml.base.constants import BODIES as NAMES
-from opml.base.constants import DAY, EARTH_RATE
+from opml.base.constants import BODIES as NAMES, DAY, EARTH_RATE
 from opml.dynamics.kernels import dtm2000, surroundings
 from opml.dynamics.kernels.lanes import WIDTH
 from opml.dynamics.kernels.surroundings import BODIES, ROTATION, SPIN, SUN_ITRF, TIDE

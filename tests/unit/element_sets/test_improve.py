@@ -21,9 +21,9 @@ from opml.element_sets import (
     improve,
     prediction,
     set_errors,
+    trained_model as models,
     weighting,
 )
-from opml.element_sets import trained_model as models
 from opml.environment import solar_activity
 from opml.interop.element_sets import element_set, mean_elements, omm
 from opml.interop.object_ids import ObjectId

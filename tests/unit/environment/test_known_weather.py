@@ -15,8 +15,7 @@ from opml.catalog.associate import quarantine
 from opml.catalog.fit import observations, start_states
 from opml.catalog.predict import prediction
 from opml.catalog.propagator import Propagator
-from opml.catalog.simulate import tracking
-from opml.catalog.simulate import truth as truths
+from opml.catalog.simulate import tracking, truth as truths
 from opml.dynamics import forces
 from opml.dynamics.run_environment import Environment
 from opml.dynamics.settings import ForceModelSettings

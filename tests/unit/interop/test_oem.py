@@ -5,8 +5,7 @@ import re
 import erfa
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from support import EPOCH, edited, refusal, refusals
 
 from opml.base import epochs

@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-from orbit_files import AHEAD_OF_UTC, flagged
-from orbit_files import sp3 as written
+from orbit_files import AHEAD_OF_UTC, flagged, sp3 as written
 from support import EPOCH, edited, refusal, refusals
 
 from opml.base.errors import InputError

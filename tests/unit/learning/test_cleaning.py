@@ -5,11 +5,7 @@ import pytest
 from support import refusals
 
 from opml.base.errors import InputError
-from opml.learning.data.cleaning import (
-    Cleaning,
-    quartiles,
-    tukey_fences,
-)
+from opml.learning.data.cleaning import Cleaning, quartiles, tukey_fences
 
 
 def test_drag_coefficient_bounds_belong_to_the_interval():

@@ -5,8 +5,7 @@ import re
 from itertools import combinations
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from support import refusal, refusals, rsos, stations
 
 from opml import naming

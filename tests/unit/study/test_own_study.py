@@ -9,8 +9,7 @@ from support import paper_values, study_of
 
 from opml.environment.settings import EnvironmentSettings
 from opml.figures import study_models
-from opml.report import absurd_fits, document
-from opml.report import own_study as report
+from opml.report import absurd_fits, document, own_study as report
 from opml.report.settings_tables import weather
 from opml.study.own_study import MODELS, OwnStudy
 

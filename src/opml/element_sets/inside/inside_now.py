@@ -40,13 +40,7 @@ from opml.element_sets.inside.orbit_inside import (
     solve,
     usual_half_span,
 )
-from opml.element_sets.inside.past_orbits import (
-    LONGEST,
-    SPANS,
-    Calibration,
-    PastOrbits,
-    centred,
-)
+from opml.element_sets.inside.past_orbits import LONGEST, SPANS, Calibration, PastOrbits, centred
 from opml.element_sets.inside.set_orbits import gauged
 from opml.element_sets.set_errors import OLDEST
 from opml.interop.element_sets.burns_in_sets import KnownSet

@@ -14,13 +14,7 @@ from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.interop.element_sets import mean_elements
 from opml.interop.element_sets.burns_in_sets import KnownSet
-from opml.interop.element_sets.element_set import (
-    ElementSet,
-    each,
-    numbered,
-    of_files,
-    seconds_since,
-)
+from opml.interop.element_sets.element_set import ElementSet, each, numbered, of_files, seconds_since
 from opml.interop.object_ids import ObjectId
 
 LATENCY = 0.25  # days from the epoch of a set to its publication, where the set does not say when it was made

@@ -13,14 +13,7 @@ from opml.base.constants import DAY
 from opml.base.errors import InputError
 from opml.base.files import FilePath
 from opml.interop.object_ids import ObjectId
-from opml.interop.orbit_arcs import (
-    Arc,
-    check_ascending,
-    choose_satellites,
-    line_error,
-    numbers,
-    times,
-)
+from opml.interop.orbit_arcs import Arc, check_ascending, choose_satellites, line_error, numbers, times
 
 _NAME = {"1": 9, "2": 10}  # word of the first line with the satellite's name, by version
 _IDS = slice(1, 4)  # words of the second line: COSPAR, SIC and NORAD number

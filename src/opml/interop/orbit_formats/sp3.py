@@ -13,14 +13,7 @@ import numpy as np
 
 from opml.base.errors import InputError
 from opml.base.files import FilePath
-from opml.interop.orbit_arcs import (
-    Arc,
-    check_ascending,
-    choose_satellites,
-    line_error,
-    numbers,
-    times,
-)
+from opml.interop.orbit_arcs import Arc, check_ascending, choose_satellites, line_error, numbers, times
 
 _SCALES = ("GPS", "UTC", "TAI", "GAL", "QZS")  # time systems for reading
 _WIDTH = 80  # of a line

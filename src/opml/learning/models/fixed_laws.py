@@ -11,14 +11,7 @@ import numpy as np
 import pandas as pd
 
 from opml.base.setting_types import Positive
-from opml.learning.models.contract import (
-    Learner,
-    LearnerSettings,
-    Metadata,
-    describe,
-    restore,
-    table_of,
-)
+from opml.learning.models.contract import Learner, LearnerSettings, Metadata, describe, restore, table_of
 from opml.learning.models.training_inputs import Training, check_rows
 
 

@@ -23,13 +23,7 @@ from opml.orbits.sheets import (
     rsos_from_rows,
     stations_from_rows,
 )
-from opml.study.settings.model.run import (
-    MORNING_MODELS,
-    DaySettings,
-    RangeSettings,
-    Sheets,
-    reading_options,
-)
+from opml.study.settings.model.run import MORNING_MODELS, DaySettings, RangeSettings, Sheets, reading_options
 from opml.study.settings.model.whole import RunSettings
 from opml.study.settings.overlay import MISSING, Key, Layer, Source, laid_over, read_layer
 
