@@ -194,12 +194,7 @@ def track(
     29
     """
     return tracking.simulate(
-        truth,
-        environment.earth_orientation,
-        stations,
-        rso=rso.name,
-        seed=seed,
-        epoch=environment.epoch,
+        truth, environment.earth_orientation, stations, rso=rso.name, seed=seed, epoch=environment.epoch
     )
 
 

@@ -69,11 +69,7 @@ APART = tuple(f"{name}_apart" for name in DISTANCES)  # the features that these 
 
 OWN_FEATURES = tuple(f"own_{count}_{what}" for count in OWN for what in ("mean", "size"))
 
-FEATURES = (
-    *APART,
-    *("height", "inclination", "age", "drag", "lead", "tau"),
-    *OWN_FEATURES,
-)
+FEATURES = (*APART, *("height", "inclination", "age", "drag", "lead", "tau"), *OWN_FEATURES)
 """All features, in the order of the model's columns."""
 
 _MISSES = tuple(f"miss_{k + 1}_1" for k in range(BACK))

@@ -5,10 +5,7 @@ from collections.abc import Sequence
 from opml.learning.models.contract import LearnerSettings
 from opml.learning.models.learners import description
 
-SHORT = {
-    "refitted": "fit over a longer window",
-    "running": "fits with the running mean of Cd",
-}
+SHORT = {"refitted": "fit over a longer window", "running": "fits with the running mean of Cd"}
 """Short descriptions of the kinds whose own is too long for a figure."""
 
 _LISTED = 3  # terms of a law that are named, where there are no more

@@ -82,10 +82,7 @@ def cartesian_from_coe(coe: np.ndarray, gm: float) -> np.ndarray:
         return np.asarray(along_node[..., None] * node + along_ahead[..., None] * ahead)
 
     position = combine(radius * np.cos(u), radius * np.sin(u))
-    velocity = combine(
-        -speed * (np.sin(u) + e * np.sin(argp)),
-        speed * (np.cos(u) + e * np.cos(argp)),
-    )
+    velocity = combine(-speed * (np.sin(u) + e * np.sin(argp)), speed * (np.cos(u) + e * np.cos(argp)))
     return np.concatenate([position, velocity], axis=-1)
 
 

@@ -83,12 +83,7 @@ def tab_separated(table: Table) -> str:
     return "\n".join(lines).replace("`", "") + "\n"
 
 
-def write(
-    blocks: Sequence[Block],
-    path_md: FilePath,
-    path_tsv: FilePath,
-    path_html: FilePath,
-) -> None:
+def write(blocks: Sequence[Block], path_md: FilePath, path_tsv: FilePath, path_html: FilePath) -> None:
     """Write a document as Markdown and HTML, and its first table as tab-separated text.
 
     The pages end with a line on tables as CSV.

@@ -175,9 +175,7 @@ def _touches(train: str, test: str) -> bool:
     return trained.kind != "days" or not tested.starts_inside or trained.days[1] > tested.days[0]
 
 
-LATER = {
-    "later": "the estimate that is made when the track predicted to is over",
-}
+LATER = {"later": "the estimate that is made when the track predicted to is over"}
 """The reference of a label, in words."""
 
 

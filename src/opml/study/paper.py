@@ -184,11 +184,7 @@ class Paper:
     @cached_property
     def reported(self) -> list[Experiment]:
         """Every experiment whose number stands in the reproduction, each once."""
-        reported = [
-            *self.evaluations.values(),
-            *self.partitions,
-            *self.drawn_experiments.values(),
-        ]
+        reported = [*self.evaluations.values(), *self.partitions, *self.drawn_experiments.values()]
         for headline in self.headlines:
             reported += [headline.experiment, headline.fixed, *headline.over_splits, *headline.over_noise]
         for experiments in self.readings.values():

@@ -95,14 +95,7 @@ def upgrade(folder: FilePath) -> None:
 def next_steps(folder: str, command: str = STUDY_COMMAND) -> str:
     """Return the commands that run a new project, and the one that prints how to go on."""
     install = [] if find_spec("snakemake") else ["pip install 'opml-orbits[workflow]'"]
-    return "\n".join(
-        [
-            *install,
-            f"cd {shlex.quote(folder)}",
-            command,
-            "opml docs howto",
-        ]
-    )
+    return "\n".join([*install, f"cd {shlex.quote(folder)}", command, "opml docs howto"])
 
 
 def _copy(part: Path, to: Path) -> None:

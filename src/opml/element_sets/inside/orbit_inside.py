@@ -312,14 +312,7 @@ def departing(
     )
 
 
-HALF_SPANS = (
-    (3.0, 168.0),
-    (22.0, 120.0),
-    (50.0, 72.0),
-    (130.0, 60.0),
-    (300.0, 48.0),
-    (np.inf, 36.0),
-)
+HALF_SPANS = ((3.0, 168.0), (22.0, 120.0), (50.0, 72.0), (130.0, 60.0), (300.0, 48.0), (np.inf, 36.0))
 """Half of the span of sets [h] by the decay up to which it serves [m/d]: of 64 objects of 2026, 2018 and
 2024.
 """

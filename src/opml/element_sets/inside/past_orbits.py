@@ -48,10 +48,7 @@ SPANS = (
 LONGEST = 192.0 * HOUR  # half of the longest span that is tried [s]
 REACH = 8.0 * DAY  # longest time between two sets that are compared [s]
 
-ERRORS = [
-    *("i", "j", "days", "r", "s", "w", "ahead"),
-    *("sgp4_r", "sgp4_s", "sgp4_w", "sgp4_ahead"),
-]
+ERRORS = [*("i", "j", "days", "r", "s", "w", "ahead"), *("sgp4_r", "sgp4_s", "sgp4_w", "sgp4_ahead")]
 """Columns of `PastOrbits.errors`."""
 
 _APART = 4.0 * DAY  # least time between two sets that tell whether a span is right [s]

@@ -66,9 +66,7 @@ class LinearLaw:
 
 
 _Term = Annotated[
-    str,
-    Field(pattern=r"^[a-z0-9_]+(\*[a-z0-9_]+)*$"),
-    Expected("a product of variables, such as v*cd"),
+    str, Field(pattern=r"^[a-z0-9_]+(\*[a-z0-9_]+)*$"), Expected("a product of variables, such as v*cd")
 ]
 
 

@@ -79,8 +79,7 @@ class SvrSettings(ChoosingSettings):
     """Settings of a machine."""
 
     kernel_scale: Annotated[
-        Annotated[str, OneOf(tuple(QUANTILES))] | Positive,
-        Expected("sigest, median or a number above 0"),
+        Annotated[str, OneOf(tuple(QUANTILES))] | Positive, Expected("sigest, median or a number above 0")
     ]
     c: Positive
     epsilon: NotNegative

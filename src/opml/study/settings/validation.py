@@ -81,32 +81,7 @@ def _text(key: Key) -> Sequence[str]:
     return list(map(str, key))
 
 
-_EARLIER = {
-    "atmosphere": "it is gone: the truth has DTM2000, under true_solar_activity if that is set",
-    "cleaning": "it is study.cleaning now",
-    "conjunctions": "it is gone: opml screen finds them",
-    "experiments": "they are keys of study now",
-    "forecast": "it is gone: a forecast is the regression",
-    "forecasts": "it is gone: a forecast is the regression",
-    "find_manoeuvres": "it is gone: burns in element sets are always detected",
-    "high_degree": "it is gone: element sets are predicted as by opml predict",
-    "beyond": "it is gone: a study compares models itself, by its station_sets, learners and splits",
-    "positions_alone": "it is gone: SP3 velocities in m/s are recognised",
-    "pools": "it is gone: opml train learns from many objects",
-    "ephemeris": "it is day.step_s now",
-    "ephemerides": "it is gone: bodies are where DE440 has them",
-    "every_hours": "it is gone: `opml day --since` runs past mornings again",
-    "replayed": "it is gone: `opml day --since` runs past mornings again",
-    "rolling": "it is gone: `opml day --since` runs past mornings again",
-    "span_days": "it is study.span_days now",
-    "uncertainty": "it is day.futures now",
-}
-"""What became of keys of earlier versions."""
-
-
 def _hint(unknown: str | int, node: TypeSchema) -> str:
-    if unknown in _EARLIER:
-        return _EARLIER[str(unknown)]
     known = list(node["properties"])
     for key, below in node["properties"].items():
         if unknown in choices(child(below, 0) or {}):
