@@ -124,8 +124,7 @@ def _answers(
     weather = str(folder / "weather.csv")
     known = improve.read([folder / "sets.tle"], date=t, weather=weather, latency=task.latency)
     now = _corrections(known, model, baseline)
-    newest = improve.newest_sets(known.catalogue)
-    satellites = _corrected(known.catalogue, newest, now)
+    satellites = _corrected(known.catalogue.newest(), now)
     sigmas = now.set_index(["number", "lead"])["sigma"].to_dict()
     return [
         [str(number), t, when, "GCRF", *_state(satellites[number], when, sigmas.get((number, lead)))]
@@ -143,7 +142,7 @@ def _corrections(known: improve.PublicData, model: CatalogueModel, baseline: str
         if baseline == LEARNED:
             tried = {name: value for name, value in tried.items() if name not in (UNCHANGED, DENSITY)}
         # The candidates count by the object's past, where nothing speaks against it.
-        why = improve.reasons(known.catalogue, improve.newest_sets(known.catalogue), rows, date=today)
+        why = improve.reasons(known.catalogue, known.catalogue.newest().by_number, rows, date=today)
         weights = improve.where_usable(weighting.weights(rows, tried), why)
         combined = weighting.combined(rows, tried, weighting.of_objects(weights, rows))
     else:
@@ -157,14 +156,13 @@ def _corrections(known: improve.PublicData, model: CatalogueModel, baseline: str
     return rows.loc[is_now, columns].join(combined[["correction", "sigma"]])
 
 
-def _corrected(catalogue: ElementCatalogue, newest: pd.DataFrame, now: pd.DataFrame) -> dict[int, Satrec]:
+def _corrected(newest: ElementCatalogue, now: pd.DataFrame) -> dict[int, Satrec]:
     """Return the newest sets with better numbers, by object; without drag they stay, as `opml improve`'s."""
-    has_drag = now["number"].map(newest["bstar"]).gt(0.0)
-    better = improve.numbers(newest, now[np.isfinite(now["correction"]) & has_drag])
-    last = catalogue.table.groupby("number").tail(1)
+    has_drag = now["number"].map(newest.by_number["bstar"]).gt(0.0)
+    better = improve.numbers(newest.by_number, now[np.isfinite(now["correction"]) & has_drag])
     return {
-        int(number): changed(catalogue.satellites[row], *map(float, better.loc[number]))
-        for row, number in last["number"].items()
+        int(number): changed(satellite, *map(float, better.loc[number]))
+        for number, satellite in zip(newest.table["number"], newest.satellites, strict=True)
     }
 
 

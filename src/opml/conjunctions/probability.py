@@ -164,5 +164,4 @@ def _largest(by_scale: Callable[[float], float]) -> tuple[float, float]:
     optimum = minimize_scalar(
         lambda logarithm: -by_scale(math.exp(logarithm)), bounds=bounds, method="bounded"
     )
-    best = max((-float(optimum.fun), math.exp(optimum.x)), (probabilities[k], float(_SCALES[k])))
-    return best
+    return max((-float(optimum.fun), math.exp(optimum.x)), (probabilities[k], float(_SCALES[k])))

@@ -158,9 +158,7 @@ class ScreenedElements(ScreenedObject):
         return self._through(np.linspace(begin, end, int(np.ceil((end - begin) / approaches.STEP)) + 1))
 
     def _through(self, t: np.ndarray) -> list[Ephemeris]:
-        """Return the trajectory through times (n,) [s], with the covariances that sets of such orbits usually
-        have, or none.
-        """
+        """Return the trajectory through times (n,) [s], with the covariances that are usual, or none."""
         if len(t) < FEWEST:
             return []
         satellite = self.known_set.satellite

@@ -47,6 +47,11 @@ class ElementCatalogue:
         number = self.table["number"].to_numpy()
         return self.take(np.flatnonzero(np.append(number[1:] != number[:-1], True)[: len(number)]))
 
+    @property
+    def by_number(self) -> pd.DataFrame:
+        """The table by the number of the object."""
+        return self.table.set_index("number", drop=False)
+
     def take(self, rows: np.ndarray) -> "ElementCatalogue":
         """Return the sets of some rows, in order."""
         return ElementCatalogue(

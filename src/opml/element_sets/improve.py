@@ -153,7 +153,7 @@ def improve(known: PublicData, model: CatalogueModel, *, progress: Progress = _l
     # What correctors alone look at is more than half of the rows' memory.
     rows = rows.drop(columns=list(features.APART))
     now = rows[rows["morning"] == today].assign(jump=jump)
-    newest = newest_sets(known.catalogue)
+    newest = known.catalogue.newest().by_number
     why = reasons(known.catalogue, newest, rows, date=today)
     some = next(iter(tried.values()))["sigma"].reindex(now.index)  # of any way: the sizes are of the model
     unseen = now.loc[now["is_fit"] & some.isna(), "number"]
@@ -221,17 +221,12 @@ def _table(
     return table.assign(**newest[[*_WHERE]]).reset_index(drop=True)
 
 
-def newest_sets(catalogue: ElementCatalogue) -> pd.DataFrame:
-    """Return the newest set of each object, by its number."""
-    return catalogue.table.groupby("number", sort=True).tail(1).set_index("number", drop=False)
-
-
 def reasons(
     catalogue: ElementCatalogue, newest: pd.DataFrame, rows: pd.DataFrame, *, date: float
 ) -> pd.Series:
     """Return by the number of the object why its past does not weigh the ways, '' where it does.
 
-    newest: of `newest_sets`
+    newest: `by_number` of the newest sets
     rows: of the mornings up to the date, a modified Julian day
     """
     counts = catalogue.table.groupby("number").size()

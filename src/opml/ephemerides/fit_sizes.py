@@ -170,5 +170,4 @@ def _scales(past: pd.DataFrame, formal: pd.DataFrame) -> np.ndarray:
     ratio = np.minimum(past[list(COMPONENTS[:3])].to_numpy() ** 2 / square, _GROSS**2)
     alike = past.groupby([past["i"], np.floor(days)])["i"].transform("size").to_numpy()
     weight = parts / square / (alike * np.maximum(days, 1.0))[:, None]
-    scales: np.ndarray = np.sqrt(((weight * ratio).sum(axis=1) + USUAL) / (weight.sum(axis=1) + USUAL))
-    return scales
+    return np.asarray(np.sqrt(((weight * ratio).sum(axis=1) + USUAL) / (weight.sum(axis=1) + USUAL)))

@@ -201,7 +201,4 @@ def are_far(judged: pd.DataFrame) -> bool:
 
 def sigmas_off(rows: pd.DataFrame) -> np.ndarray:
     """Return how far off (n,) along the track ephemerides were, in the standard deviations of that."""
-    off: np.ndarray = rows["e_y"].abs().to_numpy(float) / np.hypot(
-        rows["sigma_y"].to_numpy(float), rows["doubt_y"].to_numpy(float)
-    )
-    return off
+    return np.asarray(rows["e_y"].abs() / np.hypot(rows["sigma_y"], rows["doubt_y"]), float)

@@ -110,5 +110,4 @@ def with_sigmas(judged: pd.DataFrame, issued: pd.DataFrame) -> pd.DataFrame:
 def epochs(paths: pd.DataFrame, step: float) -> np.ndarray:
     """Return the multiples (n,) of a step [s] along the ephemerides of a morning, a table `paths`."""
     t = paths["t_j"].to_numpy()
-    at: np.ndarray = np.arange(np.ceil(t[0] / step), np.floor(t[-1] / step) + 1.0) * step
-    return at
+    return np.arange(np.ceil(t[0] / step), np.floor(t[-1] / step) + 1.0) * step

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from opml.base.constants import EARTH_GM, WGS84_A
-from opml.base.files import FilePath, replacing
+from opml.base.files import FilePath, replacing, unpacked
 from opml.orbits.elements import coe_from_cartesian
 
 GOOD, UNPROVEN, WIDE, DO_NOT_USE = "good", "unproven", "wide", "do not use"  # verdicts
@@ -43,11 +43,7 @@ def write(path: FilePath, outcomes: Any) -> None:
 
 def read(path: FilePath) -> list[dict[str, Any]]:
     """Return what became of objects."""
-    content = Path(path).read_bytes()
-    found: list[dict[str, Any]] = json.loads(
-        gzip.decompress(content) if Path(path).suffix == ".gz" else content
-    )
-    return found
+    return json.loads(unpacked(Path(path).read_bytes()))
 
 
 def orbit(state: np.ndarray) -> dict[str, float]:

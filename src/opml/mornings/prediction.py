@@ -15,7 +15,6 @@ from opml.base.errors import InputError
 from opml.base.progress import Progress, with_time_left
 from opml.ephemerides.along_track_shift import through
 from opml.interop.predicted_orbit import PredictedOrbit, sampled
-from opml.learning.models.contract import ResolvedSettings
 from opml.learning.models.learners import arc_of
 from opml.mornings import issued
 from opml.mornings.morning import TrackMorning, morning
@@ -111,7 +110,10 @@ def _fitted_orbit(request: Request, times: Times, newest: TrackMorning) -> Predi
     errors = selected.past.assign(lead=selected.past["duration"] / DAY, left=selected.past["e_y"])
     count = sum(times.mornings[0] <= one.t for one in watched.known_by(times.date))
     burned = f"; burns in its mornings: {count}, across which no error counts" if count else ""
-    way = _way(watched.plan.models[selected.model])
+    model = watched.plan.models[selected.model]
+    of_mean = ", its drag the mean of such fits" if issued.holds_cd(model) else ""
+    hours, _ = arc_of(model) or (0.0, 0.0)
+    way = f"fit over {hours:g} h under all forces{of_mean}"
     path = through(table["t"].to_numpy(), state_rows(table))
     return PredictedOrbit(
         sampled(watched.identity, request.days, path, _Errors(table), remark=way),
@@ -137,10 +139,3 @@ class _Errors:
 
     def density(self, *_: np.ndarray) -> None:
         """Return none: a fit does not tell the density's part."""
-
-
-def _way(model: ResolvedSettings) -> str:
-    """Return the fits that were used, in words."""
-    arc = arc_of(model)
-    of_mean = ", its drag the mean of such fits" if issued.holds_cd(model) else ""
-    return f"fit over {arc[0] if arc else 0.0:g} h under all forces{of_mean}"

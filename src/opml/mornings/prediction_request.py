@@ -29,7 +29,7 @@ from opml.ephemerides.fit_sizes import GIVEN, GUESSED
 from opml.interop import ccsds, formats, points_from_files, tdm
 from opml.interop.object_ids import ObjectId
 from opml.interop.orbit_from_files import OrbitFiles
-from opml.interop.predicted_orbit import STEP, check_days
+from opml.interop.predicted_orbit import LEADS, STEP, check_days
 from opml.learning.models import learners
 from opml.learning.models.learners import JobLearner
 from opml.mornings.verdicts import OLDEST
@@ -40,7 +40,6 @@ MORNINGS = 7  # mornings before the date that are run again
 STRETCH = 6.0  # length of a stretch of points [h], whose estimate is at its first
 SIGMA = 10.0  # standard deviation of positions whose file tells none [m]
 GUESS = 0.01  # area to mass of a body that nobody knows [m2/kg]
-LONGEST = 7.0  # days that a prediction reaches at most
 AFTER = HOUR  # that paths reach beyond the end
 _EVERY = 120.0  # between points [s]: each is an end of a step
 _ANY = "2000-01-01T12:00:00"
@@ -57,7 +56,7 @@ class Request:
     """Prediction that is asked for."""
 
     files: Sequence[FilePath]  # of one object, points (OEM, SP3, CPF, CSV) or tracks (TDM)
-    days: float = LONGEST  # how long
+    days: float = LEADS[-1]  # how long
     object: str | None = None  # name or number, where the files have several objects
     date: str | None = None  # UTC text; None: when the last was measured
     weather: FilePath = "OBSERVED"  # OBSERVED, the packaged weather, or a CSSI file

@@ -78,9 +78,7 @@ class Forces:
         }
 
     def digest(self, known: float, until: float) -> bytes:
-        """Return a digest of what acts on arcs that are propagated under the weather of a time, until another
-        [s].
-        """
+        """Return a digest of what acts on arcs under the weather of a time, until another [s]."""
         model, digest = self.model, hashlib.sha256(repr((self.epoch, self.steps, self.model.degree)).encode())
         newest = int(model.newest_outlook(np.array(known)))
         nodes = int((until - model.first) / model.step) + 4

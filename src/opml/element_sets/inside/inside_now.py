@@ -70,9 +70,7 @@ Those of Jason-2 in 2008 agree to 60 m, and their orbits are as far off as SGP4'
 """
 
 AGREED = 0.7
-"""Part of what SGP4's predictions are off, outwards and across, that those of orbits inside are off at
-most.
-"""
+"""Largest part of the errors of SGP4's predictions, outwards and across, that those of orbits inside have."""
 
 AGREED_BEFORE = 0.4
 """The same for spans before the epochs: those of older sets share what no radar saw, and agree too well."""
@@ -131,9 +129,7 @@ class InsideNow:
         return (t - now)[wanted], np.concatenate([begin.state[None], arcs.path(0)])[wanted]
 
     def _shifted(self, along_track: np.ndarray | None) -> np.ndarray:
-        """Return the changes (7,) of mean motion, argument of latitude and Cd A/m that come near to a
-        shift.
-        """
+        """Return changes (7,), of mean motion, argument of latitude and Cd A/m, that come near to a shift."""
         changes = np.zeros(NUMBERS)
         if along_track is None:
             return changes

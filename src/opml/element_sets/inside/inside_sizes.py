@@ -68,9 +68,7 @@ def _common(satellite: Satrec) -> np.ndarray:
 
 
 def rms(now: InsideNow) -> pd.DataFrame:
-    """Return the root mean squares r, s, w [m] of errors at LEADS [d] from the date on, which they index: of
-    the object's own, and of typical ones.
-    """
+    """Return rms r, s, w [m] of the object's own errors and typical ones, by LEADS [d] from the date on."""
     satellite = now.orbit.beginning.satellite
     since = _LEADS + now.age
     usual = typical(decay(satellite), since, satellite.no_kozai / _MINUTE)

@@ -299,9 +299,7 @@ def begin_at(one: KnownSet, epoch: str, ballistic: float, reflection: float = LI
 def departing(
     begins: Sequence[Beginning], forces: Forces, *, first: np.ndarray, last: np.ndarray
 ) -> Departures:
-    """Return the departures of orbits, each under the weather as it was known; first, last: as of
-    `Departures`.
-    """
+    """Return departures of orbits under the weather as it was known; first, last: as of `Departures`."""
     return Departures(
         np.array([one.state for one in begins]),
         first=first,
@@ -313,9 +311,7 @@ def departing(
 
 
 HALF_SPANS = ((3.0, 168.0), (22.0, 120.0), (50.0, 72.0), (130.0, 60.0), (300.0, 48.0), (np.inf, 36.0))
-"""Half of the span of sets [h] by the decay up to which it serves [m/d]: of 64 objects of 2026, 2018 and
-2024.
-"""
+"""Half of the span of sets [h] by the largest decay for it [m/d]: of 64 objects of 2018, 2024 and 2026."""
 
 
 def usual_half_span(satellite: Satrec) -> float:

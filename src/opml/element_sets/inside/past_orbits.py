@@ -28,9 +28,7 @@ class FitSpan:
 
     @property
     def is_centred(self) -> bool:
-        """Return whether the span is as long after the epoch as before it, as of sets with an orbit
-        inside.
-        """
+        """Whether the span is as long after the epoch as before it, as of sets with an orbit inside."""
         return self.before == self.after
 
 

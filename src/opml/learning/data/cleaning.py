@@ -41,8 +41,7 @@ class Cleaning(Section):
         if self.cd_bounds is None:
             return np.ones(np.shape(cd), dtype=bool)
         low, high = self.cd_bounds
-        kept: np.ndarray = (cd >= low) & (cd <= high)
-        return kept
+        return (cd >= low) & (cd <= high)
 
 
 OUTSIDE_FENCES = "outside Tukey fences"  # why a row is dropped that only the fences drop

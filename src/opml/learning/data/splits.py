@@ -48,8 +48,7 @@ def known_at(dataset: pd.DataFrame) -> np.ndarray:
 
 def are_over(rows: pd.DataFrame, now: float) -> np.ndarray:
     """Return which rows (n,) of a dataset, or of `judged`, have an error that is known by `now` [s]."""
-    over: np.ndarray = known_at(rows) <= now
-    return over
+    return known_at(rows) <= now
 
 
 def training_rows(dataset: pd.DataFrame, name: str, *, span_days: Sequence[float], seed: int) -> np.ndarray:
