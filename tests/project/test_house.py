@@ -79,8 +79,8 @@ def test_what_is_taken_from_a_facade_is_its_own(facade, nodes):
 
 
 MOST = {
-    "lines of the package": 40_316,
-    "lines of tests": 30_847,
+    "lines of the package": 39_982,
+    "lines of tests": 30_816,
     "classes": 262,
     "docstrings that begin with what, which, how, where, of": 0,
     "variables called found, one, made, told": 0,

@@ -23,14 +23,14 @@ from opml.mornings import set_mornings
 from opml.mornings.records import Records
 from opml.mornings.watched_object import MorningPlan
 
-NUMBERS = range(101, 105)
+NUMBERS = range(101, 111)
 DATE = "2026-01-07T05:00:00"
 SIGMAS = ("along_track_sigma_m", "radial_sigma_m", "cross_track_sigma_m")
 
 
 @pytest.fixture(scope="module")
 def paths(tmp_path_factory):
-    """Four objects, a file each, a set a day for seven weeks, that say when they were made."""
+    """Ten objects, a file each, a set a day for seven weeks, that say when they were made."""
     folder = tmp_path_factory.mktemp("sets")
     return [written(folder / f"{number}.csv", number) for number in NUMBERS]
 

@@ -19,12 +19,7 @@ from opml.interop.element_sets import mean_elements, omm, tle
 from opml.interop.element_sets.element_set import PER_DAY, elements_epoch
 from opml.interop.object_ids import ObjectId
 
-OFFLINE = {
-    "alpha5-tle-derived",
-    "corrupt-input",
-    "kvn-syntax-variants",
-    "tle-writer-alpha5",
-}
+OFFLINE = {"alpha5-tle-derived", "corrupt-input", "kvn-syntax-variants", "tle-writer-alpha5"}
 """Cases that are graded; a fifth asks for functions of letters alone, which sgp4 has."""
 
 _DAY = 1440.0  # min

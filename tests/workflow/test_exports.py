@@ -12,10 +12,7 @@ TRIMMED = "--configfile=config/ci.yaml"
 
 @pytest.mark.parametrize(
     ("target", "rule"),
-    [
-        ("truth/iss_a+50.oem", "export_truth"),
-        ("tracking/iss/eglin-kaena.tdm", "export_tracking"),
-    ],
+    [("truth/iss_a+50.oem", "export_truth"), ("tracking/iss/eglin-kaena.tdm", "export_tracking")],
 )
 def test_a_message_is_named_as_its_table(project, target, rule):
     assert f"\n{rule} " in project.snakemake("-n", f"results/exports/{target}").stdout

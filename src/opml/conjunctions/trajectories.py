@@ -17,7 +17,6 @@ from opml.interop.element_sets import known_sets, mean_elements, sgp4_errors
 from opml.interop.element_sets.burns_in_sets import KnownSet
 from opml.interop.element_sets.element_set import ElementSet
 from opml.interop.element_sets.mean_elements import MOST_DAYS, WARN_DAYS
-from opml.interop.element_sets.sgp4_errors import SetErrors
 from opml.interop.ephemeris import EPOCH, Ephemeris, velocities_of, with_velocities
 from opml.interop.object_ids import ObjectId
 from opml.orbits.state_polynomials import FEWEST
@@ -171,7 +170,7 @@ class ScreenedElements(ScreenedObject):
         rows = np.flatnonzero(np.abs(t - self.epoch) <= DAY * sgp4_errors.LONGEST)[::_SPARSE]
         if not (len(rows) and sgp4_errors.are_known(satellite)):
             return [path]
-        t, states, errors = t[rows], states[rows], SetErrors.usual(satellite, self.epoch)
+        t, states, errors = t[rows], states[rows], sgp4_errors.usual(satellite, self.epoch)
         covered = replace(
             path, covariance_t=t, covariances=errors.covariances(t, states), covariance_frame="RSW"
         )

@@ -32,10 +32,10 @@ from opml.interop import ccsds
 from opml.interop.element_sets import known_sets, mean_elements, rewriting, sgp4_errors
 from opml.interop.element_sets.burns_in_sets import burns_among
 from opml.interop.element_sets.element_set import LOW, ElementSet, changed, elements_epoch, seconds_since
-from opml.interop.element_sets.sgp4_errors import SetErrors
 from opml.interop.object_ids import ObjectId
 from opml.interop.predicted_orbit import LEADS, PredictedOrbit, check_days, sampled
 from opml.orbits.manoeuvres import Manoeuvre
+from opml.orbits.rsw_covariance import ErrorModel
 
 BURNED = 20.0  # days before the date whose burns count: those of the mornings that tell sizes of errors
 
@@ -306,7 +306,7 @@ class PublicMorning:
         return inside_now.forces_on(self.better.date, str(self.weather), propagator=self.propagator)
 
 
-def _errors(published: Satrec, date: str, sizes: pd.DataFrame) -> SetErrors:
+def _errors(published: Satrec, date: str, sizes: pd.DataFrame) -> ErrorModel:
     """Return errors from sizes by lead [d since the date], times since it."""
     (epoch,) = seconds_since(date, [published])
     columns = [sizes[axis].to_numpy(float) for axis in sgp4_errors.AXES]
@@ -314,7 +314,7 @@ def _errors(published: Satrec, date: str, sizes: pd.DataFrame) -> SetErrors:
     def sigmas(t: np.ndarray) -> np.ndarray:
         return np.stack([np.interp(t / DAY, sizes.index, column) for column in columns], axis=1)
 
-    return SetErrors(published, epoch, sigmas)
+    return sgp4_errors.error_model(published, epoch, sigmas)
 
 
 def known_since(one: ElementSet) -> str:

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Protocol
 
 import numpy as np
 import pandas as pd
@@ -15,7 +14,7 @@ from opml.base.files import FilePath
 from opml.interop import ccsds, oem
 from opml.interop.ephemeris import Ephemeris
 from opml.interop.object_ids import ObjectId
-from opml.orbits.density_error import DensityErrors
+from opml.orbits.rsw_covariance import ErrorModel
 from opml.tables import STATE
 
 LEADS = (0, 1, 3, 5, 7)  # days from the date at which expected errors are stated
@@ -111,16 +110,6 @@ class PredictedOrbit:
         columns = {"lead": leads, "utc": ccsds.utc_texts(self.date, DAY * leads)}
         axes = {name: sigmas[:, k] for name, k in (("along_track", 1), ("radial", 0), ("cross_track", 2))}
         return pd.DataFrame({**columns, **axes, "sgp4_along_track": np.nan})
-
-
-class ErrorModel(Protocol):
-    """Sizes of the errors of a predicted orbit, at times (n,) [s] and GCRF states (n, 6) [m, m/s]."""
-
-    def covariances(self, t: np.ndarray, states: np.ndarray) -> np.ndarray:
-        """Return covariances (n, 6, 6) in RSW [m, m/s], NaN where they are unknown."""
-
-    def density(self, t: np.ndarray, states: np.ndarray) -> DensityErrors | None:
-        """Return the part of them that other objects share, None where it is unknown."""
 
 
 def sampled(

@@ -5,7 +5,7 @@ judge what they issued. The last one's ephemeris is the prediction.
 """
 
 import logging
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -21,6 +21,7 @@ from opml.mornings.morning import TrackMorning, morning
 from opml.mornings.prediction_request import AFTER, GUESS, OrbitSettings, Request, Times, watch
 from opml.mornings.records import Records
 from opml.mornings.verdicts import OLDEST
+from opml.orbits.rsw_covariance import ErrorModel
 from opml.tables import STATE, STATE_COVARIANCES, state_rows, symmetric_matrices
 
 _TRIED = (0.0005, 0.005, 0.01)  # areas to mass of fits that show how light presses [m2/kg]
@@ -114,9 +115,14 @@ def _fitted_orbit(request: Request, times: Times, newest: TrackMorning) -> Predi
     of_mean = ", its drag the mean of such fits" if issued.holds_cd(model) else ""
     hours, _ = arc_of(model) or (0.0, 0.0)
     way = f"fit over {hours:g} h under all forces{of_mean}"
+
+    def covariances(t: np.ndarray, _: np.ndarray) -> np.ndarray:
+        columns = {name: np.interp(t, table["t"], table[name]) for name in STATE_COVARIANCES}
+        return symmetric_matrices(pd.DataFrame(columns), STATE_COVARIANCES)
+
     path = through(table["t"].to_numpy(), state_rows(table))
     return PredictedOrbit(
-        sampled(watched.identity, request.days, path, _Errors(table), remark=way),
+        sampled(watched.identity, request.days, path, ErrorModel(covariances), remark=way),
         times.utc,
         request.days,
         errors[["morning", "lead", "left"]].reset_index(drop=True),
@@ -124,18 +130,3 @@ def _fitted_orbit(request: Request, times: Times, newest: TrackMorning) -> Predi
         way,
         f"{verdict.word}: {verdict.reason}{burned}",
     )
-
-
-@dataclass(frozen=True, eq=False)
-class _Errors:
-    """Errors of the ephemeris of a fit, a table `corrected`, times since the date (`fit_sizes`)."""
-
-    table: pd.DataFrame
-
-    def covariances(self, t: np.ndarray, _: np.ndarray) -> np.ndarray:
-        """Return covariances as `ErrorModel`."""
-        columns = {name: np.interp(t, self.table["t"], self.table[name]) for name in STATE_COVARIANCES}
-        return symmetric_matrices(pd.DataFrame(columns), STATE_COVARIANCES)
-
-    def density(self, *_: np.ndarray) -> None:
-        """Return none: a fit does not tell the density's part."""

@@ -5,9 +5,13 @@ removes that very error. The remaining errors have another shape: the three axes
 velocity follows from the position.
 """
 
+from collections.abc import Callable
+from dataclasses import dataclass
 from statistics import NormalDist
 
 import numpy as np
+
+from opml.orbits.density_error import DensityErrors
 
 AXES = ("x", "y", "z")  # radial, along-track, cross-track
 
@@ -21,6 +25,18 @@ def half_width(level: float) -> float:
 
 _TURNING = 0.5  # of the free part of the velocity along the track: of the rate times the radial sigma
 INSIDE = half_width(LEVEL)  # half the width of that interval, in standard deviations
+
+
+@dataclass(frozen=True, eq=False)
+class ErrorModel:
+    """Errors that a predicted orbit is expected to have, at times (n,) [s] and GCRF states (n, 6) [m, m/s].
+
+    covariances: returns them (n, 6, 6) in RSW [m, m/s], NaN where they are unknown
+    density: returns the part of them that other objects share, None where it is unknown
+    """
+
+    covariances: Callable[[np.ndarray, np.ndarray], np.ndarray]
+    density: Callable[[np.ndarray, np.ndarray], DensityErrors | None] = lambda t, states: None
 
 
 def rsw_covariances(sigma: np.ndarray, rate: np.ndarray) -> np.ndarray:

@@ -233,10 +233,7 @@ def flown(truth, shift, task):
     ratio = (np.linalg.norm(p, axis=1) / np.linalg.norm(v, axis=1))[:, None]
     noise = np.resize([20.0, -30.0, 40.0, -10.0], len(p))[:, None]
     return np.hstack(
-        [
-            p * np.cos(angle) + v * ratio * np.sin(angle) + noise,
-            v * np.cos(angle) - p / ratio * np.sin(angle),
-        ]
+        [p * np.cos(angle) + v * ratio * np.sin(angle) + noise, v * np.cos(angle) - p / ratio * np.sin(angle)]
     )
 
 

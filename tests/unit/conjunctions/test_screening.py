@@ -344,10 +344,7 @@ FIRST = 14  # line of the first state, counted from 0
 DAMAGES = {
     "a state before its time": (lambda lines: swapped(lines, FIRST + 3), "line 19: expected a later epoch"),
     "a time twice": (lambda lines: [*lines[:19], *lines[18:]], "line 20: expected a later epoch"),
-    "a covariance twice": (
-        lambda lines: [*lines[:-9], *lines[-17:]],
-        "expected a later epoch than before",
-    ),
+    "a covariance twice": (lambda lines: [*lines[:-9], *lines[-17:]], "expected a later epoch than before"),
     "a negative variance": (
         lambda lines: [line.replace("0.0009", "-0.0009") for line in lines],
         "expected a variance of 0 or more, got -0.0009",

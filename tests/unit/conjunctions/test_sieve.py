@@ -111,9 +111,7 @@ def test_one_against_all_misses_nothing(catalogue, looked_at, tmp_path):
     t = np.linspace(*span, 181)
     states = mean_elements.states(elements.known_set.satellite, epoch=EPOCH, t=t)
     oem.write(
-        tmp_path / "ours.oem",
-        [Ephemeris("ours", t, states, identity=ObjectId.of("ours", ours))],
-        epoch=EPOCH,
+        tmp_path / "ours.oem", [Ephemeris("ours", t, states, identity=ObjectId.of("ours", ours))], epoch=EPOCH
     )
     found = told(screening.screen(screening.read([tmp_path / "ours.oem", catalogue]), **LIMITS))
     mine = [one for one in looked_at if ours in one[0]]

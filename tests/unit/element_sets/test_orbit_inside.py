@@ -13,13 +13,7 @@ from weather_files import other_after
 from opml.base import epochs
 from opml.base.constants import DAY, HOUR
 from opml.element_sets.improved_sizes import ExpectedErrors
-from opml.element_sets.inside import (
-    inside_now,
-    inside_sizes,
-    orbit_inside,
-    orbit_prediction,
-    past_orbits,
-)
+from opml.element_sets.inside import inside_now, inside_sizes, orbit_inside, orbit_prediction, past_orbits
 from opml.element_sets.inside.orbit_inside import NoOrbitError
 from opml.element_sets.inside.past_orbits import PastOrbits, centred
 from opml.interop.element_sets import element_set, mean_elements

@@ -34,7 +34,6 @@ from opml.element_sets.inside import inside_forces, orbit_prediction
 from opml.element_sets.inside.orbit_prediction import OrbitInside
 from opml.interop import known_orbits, predicted_orbit
 from opml.interop.element_sets import burns_in_sets, element_set, known_sets, mean_elements, sgp4_errors, tle
-from opml.interop.element_sets.sgp4_errors import SetErrors
 from opml.interop.predicted_orbit import LEADS
 from opml.report.results import with_unit
 from opml.workflow import prediction_files
@@ -160,7 +159,7 @@ def test_what_is_no_file_or_number_is_refused(file):
 
 @pytest.mark.parametrize(("days", "minutes"), [(2.3, 3312), (0.0101, 14)])
 def test_an_ephemeris_has_the_whole_minutes_of_its_days(made, days, minutes):
-    errors = SetErrors.usual(made.published, 0.0)
+    errors = sgp4_errors.usual(made.published, 0.0)
     short = predicted_orbit.sampled(made.identity, days, made.states, errors, remark="mine")
     assert short.span == (0.0, 60.0 * minutes)
     assert np.isfinite(short.states).all()

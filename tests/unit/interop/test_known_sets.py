@@ -254,10 +254,7 @@ ROW = csv(omm())
 PAGE = "<!DOCTYPE html>\n<html><head><title>403</title></head>\n<body><br></body></html>\n"
 DAMAGED = {
     "error page behind sets": (text(*LINES) + PAGE, ": line 8: expected line 1 of a TLE, got '<html>"),
-    "archive": (
-        b"PK\3\4" + bytes(40),
-        ": expected element sets (TLE, OMM), got an archive, not gzip",
-    ),
+    "archive": (b"PK\3\4" + bytes(40), ": expected element sets (TLE, OMM), got an archive, not gzip"),
     "packed twice": (
         gzip.compress(gzip.compress(text(*LINES).encode(), mtime=0), mtime=0),
         ": expected element sets (TLE, OMM), got bytes that are no text",

@@ -89,12 +89,7 @@ def test_units_and_frames_of_stk_are_turned(tmp_path):
         (starlink, "20162721210", "20163991210", "line 9: expected a time YYYYDDDhhmmss.sss, got 2016399"),
         (starlink, "20162721211", "20162721209", "line 13: expected a later epoch than before"),
         (stk, "CentralBody Earth", "CentralBody Mars", "line 7: expected centralbody earth, got Mars"),
-        (
-            stk,
-            "ICRF",
-            "TrueOfDate",
-            "expected coordinatesystem j2000 or icrf or fixed, got TrueOf",
-        ),
+        (stk, "ICRF", "TrueOfDate", "expected coordinatesystem j2000 or icrf or fixed, got TrueOf"),
         (stk, "28 Sep 2016 12", "28 Sept 12", "line 5: expected ScenarioEpoch 1 Jan 2020"),
         (stk, "END Ephemeris", "", "expected END Ephemeris, got the end of the file"),
         (stk, "\n60.0 ", "\n60.0 1.0 ", "expected 7 numbers of ephemeristimeposvel, got 60.0"),

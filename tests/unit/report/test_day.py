@@ -29,10 +29,7 @@ OUTCOMES = [
             {"day": 3, "flown_m": 150.0, "sgp4_m": 12_400.0, "mornings": 1},
         ],
         expected=[{"day": 1, "along_track_sigma_m": 93.0}, {"day": 7, "along_track_sigma_m": 15_320.0}],
-        mornings=[
-            {"date": "2016-10-04", "verdict": "unproven"},
-            {"date": "2016-10-05", "verdict": "good"},
-        ],
+        mornings=[{"date": "2016-10-04", "verdict": "unproven"}, {"date": "2016-10-05", "verdict": "good"}],
     ),
     outcome("second", "do not use"),
     outcome("third", "good", scores=[SCORE | {"along_track_m": 900.0}]),

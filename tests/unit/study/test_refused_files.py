@@ -114,9 +114,7 @@ def test_a_wrong_experiment_is_told_in_one_line(project, entry, message):
 
 
 @pytest.mark.parametrize(
-    ("overlay", "beginning"),
-    OVERLAYS,
-    ids=["no day", "before the finals", "no field", "no sun", "degree"],
+    ("overlay", "beginning"), OVERLAYS, ids=["no day", "before the finals", "no field", "no sun", "degree"]
 )
 def test_data_that_do_not_reach_far_enough_are_told_in_one_line(project, overlay, beginning):
     assert refusal(project, on_top=Layer(COMMAND_LINE, overlay)).startswith(beginning)

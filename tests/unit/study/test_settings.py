@@ -372,10 +372,7 @@ def test_what_was_measured_and_does_not_fit_is_told_in_one_line(tmp_path, kind, 
 
 @pytest.mark.parametrize(
     ("kind", "lines", "station_set"),
-    [
-        ("fixes", ['manoeuvres: {mine: ["2016-09-29T01:00:00"]}'], "fixes"),
-        ("ranges", [], "ranges"),
-    ],
+    [("fixes", ['manoeuvres: {mine: ["2016-09-29T01:00:00"]}'], "fixes"), ("ranges", [], "ranges")],
 )
 def test_other_measurements_stand_where_tracks_do_and_no_station_of_the_sheet_made_them(
     tmp_path, kind, lines, station_set

@@ -299,11 +299,7 @@ def test_fixes_have_no_stations_and_learners_none_of_what_these_measure():
     jobs, name = user_inputs().params, experiment(rso="placed", stations="fixes")
     assert re.fullmatch(jobs.plan.constraints["stations"], "fixes")
     assert jobs.stations(name) == []
-    assert jobs.options(name) == {
-        "sigma_m": (10.0, 10.0, 10.0),
-        "every_s": 60.0,
-        "stretch_hours": 1.0,
-    }
+    assert jobs.options(name) == {"sigma_m": (10.0, 10.0, 10.0), "every_s": 60.0, "stretch_hours": 1.0}
     by_radars = jobs.learner(experiment())["variables"]
     assert jobs.learner(name)["variables"] == [one for one in by_radars if one not in MEASUREMENT]
     assert set(MEASUREMENT) < set(by_radars)

@@ -8,10 +8,8 @@ to all objects, whatever their planes.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cache
 from importlib import resources
-from typing import Self
 
 import numpy as np
 import pandas as pd
@@ -21,7 +19,7 @@ from opml.base.constants import DAY
 from opml.interop.element_sets.element_set import mean_height, perturb_drag, propagate
 from opml.orbits.density_error import DensityErrors, drag_sensitivities
 from opml.orbits.elements import bent_rsw
-from opml.orbits.rsw_covariance import position_covariances, rates
+from opml.orbits.rsw_covariance import ErrorModel, position_covariances, rates
 
 AXES = "rsw"
 
@@ -42,35 +40,28 @@ _MINUTES = 1440.0  # in a day
 _STEP = 0.05  # part of B* by which it is changed to see what drag does
 
 
-@dataclass(frozen=True, eq=False)
-class SetErrors:
-    """Errors of what is predicted from a set.
+def error_model(satellite: Satrec, epoch: float, sigmas: Callable[[np.ndarray], np.ndarray]) -> ErrorModel:
+    """Return the errors of what is predicted from a set.
 
     epoch: of the set [s]; sigmas: returns standard deviations (n, 3) in RSW [m] at times (n,) [s]
+
+    Where errors of such orbits were learned the density has a part of them.
     """
 
-    satellite: Satrec
-    epoch: float
-    sigmas: Callable[[np.ndarray], np.ndarray]
-
-    @classmethod
-    def usual(cls, satellite: Satrec, epoch: float) -> Self:
-        """Return those of SGP4, compared with the truth."""
-        return cls(satellite, epoch, lambda t: expected(satellite, np.abs(t - epoch) / DAY))
-
-    def covariances(self, t: np.ndarray, states: np.ndarray) -> np.ndarray:
-        """Return covariances as `ErrorModel`."""
-        return position_covariances(self.sigmas(t), states)
-
-    def density(self, t: np.ndarray, states: np.ndarray) -> DensityErrors | None:
-        """Return the part that the density has, as `ErrorModel`, where errors of such orbits were learned."""
-        if not are_known(self.satellite):
+    def density(t: np.ndarray, states: np.ndarray) -> DensityErrors | None:
+        if not are_known(satellite):
             return None
-        uncertainty = float(np.sqrt(COMMON) * _numbers(self.satellite)[1, 2])
-        most = np.sqrt(COMMON) * self.sigmas(t)[:, 1] / uncertainty
-        days = np.abs(t - self.epoch) / DAY
-        displacements = np.clip(drag_displacement(self.satellite, days), -most, most)
+        uncertainty = float(np.sqrt(COMMON) * _numbers(satellite)[1, 2])
+        most = np.sqrt(COMMON) * sigmas(t)[:, 1] / uncertainty
+        displacements = np.clip(drag_displacement(satellite, np.abs(t - epoch) / DAY), -most, most)
         return DensityErrors(uncertainty, t, drag_sensitivities(displacements, rates(states)))
+
+    return ErrorModel(lambda t, states: position_covariances(sigmas(t), states), density)
+
+
+def usual(satellite: Satrec, epoch: float) -> ErrorModel:
+    """Return the errors of SGP4 from a set, compared with the truth; epoch: of the set [s]."""
+    return error_model(satellite, epoch, lambda t: expected(satellite, np.abs(t - epoch) / DAY))
 
 
 def are_known(satellite: Satrec) -> bool:
