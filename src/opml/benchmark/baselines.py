@@ -158,11 +158,12 @@ def _corrections(known: improve.PublicData, model: CatalogueModel, baseline: str
 
 def _corrected(newest: ElementCatalogue, now: pd.DataFrame) -> dict[int, Satrec]:
     """Return the newest sets with better numbers, by object; without drag they stay, as `opml improve`'s."""
-    has_drag = now["number"].map(newest.by_number["bstar"]).gt(0.0)
-    better = improve.numbers(newest.by_number, now[np.isfinite(now["correction"]) & has_drag])
+    table = newest.by_number
+    has_drag = now["number"].map(table["bstar"]).gt(0.0)
+    better = improve.numbers(table, now[np.isfinite(now["correction"]) & has_drag])
     return {
         int(number): changed(satellite, *map(float, better.loc[number]))
-        for number, satellite in zip(newest.table["number"], newest.satellites, strict=True)
+        for number, satellite in zip(table.index, newest.satellites, strict=True)
     }
 
 

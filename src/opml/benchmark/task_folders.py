@@ -98,7 +98,7 @@ def freeze(
             place = new / tasks.INPUTS / tasks.folder_name(t)
             place.mkdir(parents=True)
             fill(t, place)
-            _write_weather(place / "weather.csv", known_weather.known_on(weather, t))
+            _write_weather(place / "weather.csv", known_weather.known_on(t, measured, weather))
         digest = tasks.HIDDEN
         if len(truth):
             place = stack.enter_context(replacing_folder(folders.truth))

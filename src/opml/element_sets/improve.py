@@ -107,7 +107,7 @@ def read(
     Raises InputError for an unreadable file, for weather that ends too early, and where no set was public.
     """
     date = epochs.instant(date)
-    known = known_weather.known_on(weather, date)
+    known = known_weather.known_on(date, known_weather.read(weather), weather)
     return public_on(date, catalogues.read(paths, latency=latency), known)
 
 

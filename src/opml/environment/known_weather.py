@@ -75,15 +75,15 @@ def _measured(path: str | Path, text: str) -> Weather:
     )
 
 
-def known_on(source: str | Path, date: str, *, oldest: float = OLDEST) -> Weather:
-    """Read the measured weather of a source, OBSERVED or a CSSI file, that was known on a date (UTC text).
+def known_on(date: str, measured: Weather, source: str | Path, *, oldest: float = OLDEST) -> Weather:
+    """Return what was known of the measured weather of a source on a date (UTC text).
 
     oldest: days before the date that it may end
 
-    Raises InputError as `read`, and where it ends before these, or begins on the date.
+    Raises InputError, naming the source, where it ends before these, or begins on the date.
     """
     today = epochs.mjd(date)
-    known = read(source).keep_known(today)
+    known = measured.keep_known(today)
     if today <= known.first + 1.0:
         expected = f"space weather measured before {date[:10]}, got it from {epochs.calendar(known.first)} on"
         raise InputError(f"{source}: expected {expected}")

@@ -189,7 +189,7 @@ def _object_propagators(
     """Return the propagators of an object under the weather that was known at each time."""
     weather, sources = str(weather), settings.environment
     hours = sources.issue_hours or known_weather.FIT_HOURS
-    known_weather.known_on(weather, times.utc, oldest=OLDEST / DAY)
+    known_weather.known_on(times.utc, known_weather.read(weather), weather, oldest=OLDEST / DAY)
     gravity, degree = sources.gravity_field, settings.force_model.degree
     environment = measured(weather, times.epoch, times.duration, gravity=gravity, degree=degree)
     t = environment.solar_activity["t"].to_numpy()

@@ -69,12 +69,11 @@ def read(
     """
     whole = catalogues.read(paths, leave_out_damaged=True)
     sets = whole.take(np.flatnonzero(whole.table["t"].to_numpy() >= since - REACH))
-    known_weather.read(weather)  # of an unreadable file no morning is a verdict
-    model, shared = trained_model.read(), {} if kept is None else kept
+    measured, model, shared = known_weather.read(weather), trained_model.read(), {} if kept is None else kept
 
     @lru_cache(maxsize=1)  # all objects have one morning before any has the next
     def public_on(date: str) -> PublicMorning:
-        known = improve.public_on(date, sets, known_weather.known_on(weather, date))
+        known = improve.public_on(date, sets, known_weather.known_on(date, measured, weather))
         better = improve.improve(known, model, progress=lambda line: None)
         return PublicMorning(known, better, weather, known_sets.LATENCY, propagator, shared)
 

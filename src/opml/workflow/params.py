@@ -131,7 +131,7 @@ class Params:
         component = parts.get("component", error_components.CORRECTED)
         variables: list[str] = self.run.learning.variables
         if "stations" in parts and not self.plan.settings.are_radars(parts["stations"]):
-            variables = [name for name in variables if name not in MEASUREMENT]  # what these measure
+            variables = [name for name in variables if name not in MEASUREMENT]  # no radar measured them
         return learner.resolved(component=component, variables=variables)
 
     def options(self, wildcards: Wildcards) -> dict[str, Any]:
